@@ -1,5 +1,5 @@
-//! A nut in its axis: loads and speeds of its cycle, and the quantities that the rules judge. The
-//! design, the catalog and the sheet of an axis use this module.
+//! Loads and speeds of a nut installed in an axis, and the quantities that the design rules check.
+//! The design procedure, the catalog search and the axis report use this module.
 //!
 //! Theory: `docs/theory/18-axis.md`.
 
@@ -12,16 +12,17 @@ use crate::{
     modified_life, pair_loads, viscosity_ratio,
 };
 
-/// Default overrun of the thread beyond stroke and nut at each end, in leads.
+/// Default overrun of the thread beyond stroke and nut at each end, as a multiple of the lead.
 const OVERRUN_LEADS: f64 = 1.0;
 
-/// Load factors of catalogs: upper speed \[m/s\], and the range of the factor up to this speed.
+/// Load factors recommended by catalogs: upper limit of the feed speed \[m/s\], and range of the
+/// load factor up to this speed.
 ///
 /// Source: THK general catalog, table 19.
 const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
     [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
 
-/// End supports and length of a screw.
+/// End supports, length and bore of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// End supports of the screw.
@@ -45,16 +46,17 @@ impl Mount {
         self.overrun.unwrap_or(OVERRUN_LEADS * lead)
     }
 
-    /// Returns the length of the thread \[m\]: stroke, nut set and the overrun at both ends.
+    /// Returns the length of the thread \[m\], which is the sum of stroke, nut length and the
+    /// overruns at both ends.
     ///
-    /// * `lead`, `nut_length`, `stroke`: lead, length of the nut and stroke \[m\].
+    /// * `lead`, `nut_length`, `stroke`: lead, nut length and stroke \[m\].
     pub fn thread_length(&self, lead: f64, nut_length: f64, stroke: f64) -> f64 {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
-    /// Returns the screw between its bearings, or `None` if its length is not known.
+    /// Returns the shaft between the bearings, or `None` if its length is not known.
     ///
-    /// * `nut_length`, `stroke`: length of the nut and stroke \[m\].
+    /// * `nut_length`, `stroke`: nut length and stroke \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
         let thread = stroke.map(|stroke| self.thread_length(screw.lead, nut_length, stroke));
         let length = self.length.or(thread)?;
@@ -72,37 +74,38 @@ impl Mount {
     }
 }
 
-/// A nut in its axis.
+/// A nut installed in an axis, with its screw, shaft and duty cycle.
 #[derive(Debug, Clone)]
 pub struct Axis {
-    /// Sizes of the screw.
+    /// Dimensions of the screw.
     pub screw: Screw,
-    /// The screw between its bearings; `None` if its length is not known.
+    /// Shaft between the bearings; `None` if its length is not known.
     pub shaft: Option<Shaft>,
-    /// The cycle.
+    /// Phases of the duty cycle.
     pub phases: Vec<Phase>,
     /// Modified dynamic load rating `$C_{am}$` \[N\], from the calculated rating or the
     /// manufacturer's rating (Z36).
     pub dynamic_rating: f64,
     /// Modified static load rating `$C_{0am}$` \[N\] (Z36).
     pub static_rating: f64,
-    /// Preload of a pair \[N\].
+    /// Preload of a nut pair \[N\]; `None` without a preload.
     pub preload: Option<f64>,
-    /// The part that the motor drives.
+    /// Part that the motor drives, either the screw or the nut.
     pub driven: DrivenPart,
-    /// Compression of the screw between two fixed bearings due to its growth \[N\].
+    /// Compressive force in a screw between two fixed bearings due to thermal expansion \[N\].
     pub compression: f64,
-    /// Life divided by the life that 90 % of all nuts reach (Z14).
+    /// Ratio of the life at the required reliability to the life that 90 % of all nuts reach (Z14).
     pub reliability: f64,
 }
 
 impl Axis {
-    /// Returns the moment with the largest absolute load; for equal loads, the fastest moment.
+    /// Returns the point of the cycle with the largest absolute load. If several points have this
+    /// load, returns the fastest of them.
     pub fn heaviest(&self) -> Option<PhasePoint> {
         self.phases.iter().map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
-    /// Returns the moment with the largest load among the phases that move.
+    /// Returns the point of the cycle with the largest load among the phases with motion.
     pub fn heaviest_moving(&self) -> Option<PhasePoint> {
         let moving = self.phases.iter().filter(|phase| phase.moves());
         moving.map(Phase::heavier_end).reduce(PhasePoint::heavier)
@@ -113,8 +116,8 @@ impl Axis {
         self.heaviest().map_or(0.0, |point| point.load.abs())
     }
 
-    /// Returns the largest load of one nut \[N\]; for a pair, the largest load of the more heavily
-    /// loaded nut.
+    /// Returns the largest load on a single nut \[N\]. For a pair, this is the load on the more
+    /// heavily loaded nut.
     pub fn larger_nut_load(&self) -> f64 {
         let largest = self.largest_load();
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
@@ -125,7 +128,8 @@ impl Axis {
         self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
 
-    /// Returns the mean absolute speed over the time of the cycle with all standstill \[rad/s\].
+    /// Returns the time average of the absolute speed over the whole cycle, including standstill
+    /// \[rad/s\].
     pub fn mean_speed(&self) -> f64 {
         let duty = self.duty();
         let time: f64 = duty.iter().map(|duty| duty.time).sum();
@@ -143,13 +147,13 @@ impl Axis {
         })
     }
 
-    /// Returns the life \[s\] at the reliability of the axis if the lubricant and its cleanliness
-    /// are known (Z40). Returns `None` if nothing rotates, or if the viscosity ratio of a phase is
-    /// below 0.1.
+    /// Returns the life \[s\] at the reliability of the axis, modified for the lubricant and its
+    /// cleanliness (Z40). Returns `None` if nothing rotates, or if the viscosity ratio of a phase
+    /// is below 0.1.
     ///
     /// * `viscosity_ratio`: viscosity ratio as a function of the screw speed \[rad/s\] and the load
-    ///   of a nut \[N\].
-    /// * `clean_limit`: contamination factor times fatigue load limit \[N\].
+    ///   on a nut \[N\].
+    /// * `clean_limit`: product of contamination factor and fatigue load limit \[N\].
     pub fn modified_life(
         &self,
         viscosity_ratio: impl Fn(f64, f64) -> f64,
@@ -160,25 +164,27 @@ impl Axis {
         Some(self.reliability * revolutions * TAU / self.life()?.mean_speed)
     }
 
-    /// Returns the viscosity ratio at a screw speed \[rad/s\] (Z38).
+    /// Returns the viscosity ratio at a given screw speed \[rad/s\] (Z38).
     pub fn viscosity_ratio(&self, viscosity: f64, speed: f64) -> f64 {
         viscosity_ratio(viscosity, speed, self.screw.pitch_diameter)
     }
 
-    /// Returns the range of load factors that catalogs advise for the fastest phase.
+    /// Returns the range of load factors that catalogs recommend for the speed of the fastest
+    /// phase.
     pub fn advised_load_factors(&self) -> [f64; 2] {
         let feed = self.screw.lead / TAU * self.fastest();
         let found = LOAD_FACTORS.iter().find(|(fastest, _)| feed <= *fastest);
         found.map_or([1.0; 2], |(_, factors)| *factors)
     }
 
-    /// Returns loads, speeds and times of the phases, with their load factors.
+    /// Returns the load, speed and duration of each phase. The loads include the load factors.
     pub fn duty(&self) -> Vec<Duty> {
         self.phases.iter().flat_map(|phase| phase.duty(self.preload)).collect()
     }
 
-    /// Returns the largest speed number \[m·rad/s\] (Z15), which limits the load of the ball
-    /// return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the kind of return.
+    /// Returns the largest speed number \[m·rad/s\] (Z15), which is a measure of the loads on the
+    /// ball return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the type of ball
+    /// return.
     ///
     /// Source: ISO 3408-1; catalogs of manufacturers such as HIWIN BS-08-2, F 3.29, which use the
     /// nominal diameter.
@@ -187,8 +193,8 @@ impl Axis {
         self.screw.pitch_diameter * self.fastest()
     }
 
-    /// Returns the static safety factor from the rating (Z16); for a preloaded pair, the factor of
-    /// the more heavily loaded nut.
+    /// Returns the static safety factor based on the static load rating (Z16). For a preloaded
+    /// pair, it is the safety factor of the more heavily loaded nut.
     ///
     /// Source: ISO 3408-5; THK requires 2 without impact and 5 with impact.
     pub fn static_safety(&self) -> f64 {
@@ -196,27 +202,29 @@ impl Axis {
         self.static_rating / self.larger_nut_load()
     }
 
-    /// Returns the ratio of the largest speed to the critical speed of the screw, which compression
-    /// by hindered growth lowers. Returns `None` for a screw at rest, which does not whirl.
+    /// Returns the ratio of the largest speed to the critical speed of the screw. Compression due
+    /// to constrained thermal expansion lowers the critical speed. Returns `None` if the screw does
+    /// not rotate, because it cannot whirl.
     pub fn critical_speed_ratio(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Screw)?;
         Some(self.fastest() / shaft.critical_speed_under(-self.compression))
     }
 
     /// Returns the ratio of the largest speed of a driven nut to the critical speed of its screw,
-    /// or `None` for a driven screw.
+    /// or `None` if the motor drives the screw.
     pub fn nut_resonance_ratio(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Nut)?;
         Some(self.fastest() / shaft.critical_speed())
     }
 
-    /// Returns the ratio of the buckling load to the sum of the largest load and the compression.
+    /// Returns the ratio of the buckling load to the sum of the largest load and the thermal
+    /// compression.
     pub fn buckling_safety(&self) -> Option<f64> {
         let pressed = self.largest_load() + self.compression;
         Some(self.shaft.as_ref()?.buckling_load() / pressed)
     }
 
-    /// Returns the axial load at which the core reaches the stress [`PERMITTED_STRESS`] \[N\].
+    /// Returns the axial load at which the stress in the core reaches [`PERMITTED_STRESS`] \[N\].
     pub fn yield_load(&self) -> Option<f64> {
         Some(self.shaft.as_ref()?.yield_load(PERMITTED_STRESS))
     }

@@ -1,4 +1,4 @@
-//! The body of a nut: its dimensions and mass.
+//! Dimensions and mass of the nut body.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,25 +6,27 @@ use crate::screw::STEEL;
 use crate::thread::Profile;
 use crate::{Nut, PreloadMethod, Screw, Thread};
 
-/// Turns of a nut without balls: returns and ends (Sobolewski 2002).
+/// Number of turns along the nut that hold no balls because of ball returns and nut ends
+/// (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;
 
-/// The nuts on a screw, which determine the length of the nut set.
+/// Arrangement of the nuts on a screw, which determines the length of the nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NutSet {
     /// A single nut.
     Single,
-    /// Two nuts that are clamped against each other. The gap defaults to one pitch of the grooves.
+    /// Two nuts clamped against each other. The gap between them defaults to one pitch of the
+    /// grooves.
     Pair {
         /// Gap between the nuts \[m\].
         gap: Option<f64>,
     },
-    /// One nut with a shifted lead: two loaded lengths in one body.
+    /// One nut with a lead shift in the middle, which gives two loaded lengths in one body.
     ShiftedLead,
 }
 
 impl NutSet {
-    /// Returns the nut set of a preload method; one nut if there is no preload.
+    /// Returns the nut set for a preload method, which is a single nut if there is no preload.
     ///
     /// * `gap`: gap between the nuts of a pair \[m\].
     pub fn of(method: Option<PreloadMethod>, gap: Option<f64>) -> Self {
@@ -43,14 +45,14 @@ impl NutSet {
         }
     }
 
-    /// Returns the usual length of the set \[m\] (D10), (BB6).
+    /// Returns the usual length of the nut set \[m\] (D10), (BB6).
     ///
     /// ```math
     /// L_n = P(i + 3), \qquad \text{pair: } 2P(i + 3) + g, \qquad \text{shifted lead: } P(2i + 4)
     /// ```
     ///
-    /// * `pitch`: distance of neighboring grooves \[m\].
-    /// * `turns`: loaded turns of one nut.
+    /// * `pitch`: axial distance between neighboring grooves \[m\].
+    /// * `turns`: number of loaded turns of one nut.
     pub fn usual_length(self, pitch: f64, turns: f64) -> f64 {
         // L_n = P (i + 3)                                                 (D10)
         let single = pitch * (turns + IDLE_TURNS);
@@ -74,10 +76,10 @@ pub struct NutBody {
 }
 
 impl NutBody {
-    /// Assumed number of loaded turns of a nut for which only the ratings are known.
+    /// Assumed number of loaded turns if only the load ratings of a nut are known.
     pub const TURNS_OF_RATINGS: f64 = 3.0;
 
-    /// Returns the usual body of a nut set (D10), (BB6).
+    /// Returns the usual dimensions of a nut set (D10), (BB6).
     ///
     /// Source: Sobolewski (2002).
     pub fn usual(nut: &Nut, set: NutSet) -> Self {
@@ -88,29 +90,30 @@ impl NutBody {
         }
     }
 
-    /// Returns the usual body of a nut set for which only the ratings are known. The loaded turns
-    /// default to [`TURNS_OF_RATINGS`](Self::TURNS_OF_RATINGS).
+    /// Returns the usual dimensions of a nut set of which only the load ratings are known. The
+    /// number of loaded turns defaults to [`TURNS_OF_RATINGS`](Self::TURNS_OF_RATINGS).
     ///
     /// * `nominal`: nominal diameter \[m\].
-    /// * `pitch`: distance of neighboring grooves \[m\].
+    /// * `pitch`: axial distance between neighboring grooves \[m\].
     ///
-    /// Source: (D10); the outer diameters of DIN 69051-5, which are 1.4 to 1.8 nominal diameters.
+    /// Source: (D10); the outer diameters of DIN 69051-5 are 1.4 to 1.8 times the nominal diameter.
     pub fn of_ratings(nominal: f64, pitch: f64, turns: Option<f64>, set: NutSet) -> Self {
         let turns = turns.unwrap_or(Self::TURNS_OF_RATINGS);
         Self { outer: 1.6 * nominal, length: set.usual_length(pitch, turns) }
     }
 
-    /// Returns the moment of inertia about the axis of a steel tube between the pitch circle and
-    /// the outer diameter \[kg·m²\] (BB10). It is an estimate for a nut that rotates.
+    /// Returns the moment of inertia about the axis of a steel tube that extends from the pitch
+    /// circle to the outer diameter \[kg·m²\] (BB10). It estimates the moment of inertia of a
+    /// rotating nut.
     ///
-    /// * `pitch_diameter` \[m\].
+    /// * `pitch_diameter`: pitch circle diameter \[m\].
     pub fn tube_inertia(&self, pitch_diameter: f64) -> f64 {
         // J_n = π ρ/32 (D₁⁴ − D_pw⁴) L_n                                  (BB10)
         PI / 32.0 * STEEL * (self.outer.powi(4) - pitch_diameter.powi(4)) * self.length
     }
 
-    /// Returns the mass of the set \[kg\] without balls, returns and flange (D11). The gap of a
-    /// pair is counted as a spacer.
+    /// Returns the mass of the nut set \[kg\] without balls, ball returns and flange (D11). The gap
+    /// of a pair is treated as a spacer.
     pub fn mass(&self, nut: &Nut, thread: &Thread) -> f64 {
         let tube = self.outer.powi(2) - thread.nut.land.powi(2);
         // m = ρ [π/4 (D₁² − D_b²) − A_g L/P] L_n                          (D11)
@@ -121,14 +124,14 @@ impl NutBody {
 }
 
 impl Nut {
-    /// Returns the mass per meter of a screw \[kg/m\], and its moment of inertia about its axis per
+    /// Returns the mass per meter of a screw \[kg/m\] and its moment of inertia about the axis per
     /// meter \[kg·m\] (AA9).
     ///
     /// ```math
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// The mass follows from the same formula with `$r$` instead of `$r^3$`.
+    /// The formula for the mass is the same, with `$r$` instead of `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
@@ -154,7 +157,7 @@ impl Nut {
         (mass, inertia)
     }
 
-    /// Returns the screw of a thread.
+    /// Returns the dimensions of the screw that belongs to a thread.
     pub fn screw(&self, thread: &Thread) -> Screw {
         let (mass_per_length, inertia_per_length) = self.screw_mass_and_inertia(thread);
         Screw {
@@ -169,7 +172,7 @@ impl Nut {
     }
 }
 
-/// Even number of chords of a flank for Simpson's rule, which gives an error of 1e-8.
+/// Number of intervals (even) per flank for Simpson's rule, which gives a relative error of 1e-8.
 const STEPS: u32 = 32;
 
 #[cfg(test)]
@@ -179,12 +182,12 @@ mod tests {
 
     use super::*;
 
-    /// End-cap nuts of a manufacturer (TBI, SFY) have two circuits, each on its own thread. The
-    /// length by (D10) contains their turns and is at most 1.45 times the printed length \[mm\],
-    /// because end caps are short. When all turns were counted on a single thread, the length was
-    /// up to 2.8 times too long.
+    /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length by (D10) is
+    /// long enough for their turns and at most 1.45 times the catalog length \[mm\], because end
+    /// caps are short. When all turns were counted on a single thread, the calculated length was up
+    /// to 2.8 times too long.
     #[test]
-    fn turns_of_several_threads_lie_side_by_side() {
+    fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [
             (16e-3, 1.8, 45e-3),
             (16e-3, 2.8, 61e-3),
@@ -201,9 +204,10 @@ mod tests {
         }
     }
 
-    /// The moment of inertia was formerly calculated with the pitch circle, which made it more than
-    /// 40 % too large. The values for a length of one meter are from another quadrature with six
-    /// digits. A bore removes the mass and inertia of a rod of its diameter.
+    /// The moment of inertia used to be calculated from the pitch circle, which made it more than
+    /// 40 % too large. The expected values for a length of one meter come from another quadrature
+    /// with six digits. A bore reduces mass and inertia by the values of a rod with the bore
+    /// diameter.
     #[test]
     fn mass_and_inertia_of_a_screw_exclude_the_groove() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -231,7 +235,7 @@ mod tests {
             let rod = STEEL * 0.25 * PI * 1e-4;
             assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
             assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
-            // Each thread removes the same amount.
+            // Each thread removes the same amount of material.
             let (two, _) = Nut { starts: 2.0, ..nut }.screw(&thread).mass_and_inertia(0.0, 1.0);
             let whole = STEEL * 0.25 * PI * land * land;
             assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);

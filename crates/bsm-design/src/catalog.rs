@@ -1,4 +1,4 @@
-//! The catalog of all nuts of standard sizes.
+//! Catalog of all nuts that can be combined from standard sizes.
 
 use std::cmp::Ordering;
 
@@ -8,40 +8,40 @@ use rayon::prelude::*;
 use crate::nut::turn_length;
 use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
 
-/// Balls of a turn that are in the return and carry no load.
+/// Number of unloaded balls per turn, which are in the ball return.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
 
-/// Steps of pitch circle diameters \[m\].
+/// Increment of pitch circle diameters \[m\].
 pub(crate) const STEP: f64 = 1e-5;
 
-/// Default of the largest gap in a turn full of balls, divided by the ball diameter (Sobolewski
-/// 2002).
+/// Default upper limit of the gap that remains in a turn full of balls, divided by the ball
+/// diameter (Sobolewski 2002).
 pub const BALL_GAP: f64 = 0.10;
 
-/// Largest lead at which the groove takes up most of the lead \[m\].
+/// Largest lead \[m\] to which the limit [`Limits::least_ball_over_lead`] applies.
 const SHORT_LEAD: f64 = 10e-3;
 
-/// The sizes that are combined; lengths in m, angles in rad.
+/// Lists of sizes to combine, with lengths in m and angles in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lists {
     /// Nominal diameters of the screw.
     pub diameters: Vec<f64>,
-    /// Leads.
+    /// Leads of the screw.
     pub leads: Vec<f64>,
     /// Available ball diameters.
     pub balls: Vec<f64>,
-    /// Loaded turns.
+    /// Numbers of loaded turns.
     pub turns: Vec<f64>,
-    /// Conformities, equal at nut and screw.
+    /// Conformities, equal for nut and screw.
     pub conformities: Vec<f64>,
     /// Contact angles.
     pub contact_angles: Vec<f64>,
-    /// Sizes that manufacturers offer, which replace nominal diameters, leads, balls and turns;
-    /// empty if every combination is made.
+    /// Sizes that manufacturers offer, which replace the lists of nominal diameters, leads, balls
+    /// and turns. If empty, all combinations of these lists are used.
     pub offered: Vec<OfferedSize>,
 }
 
-/// A size that manufacturers offer; lengths in m.
+/// A size that manufacturers offer, with lengths in m.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct OfferedSize {
     /// Nominal diameter of the screw.
@@ -50,19 +50,20 @@ pub struct OfferedSize {
     pub lead: f64,
     /// Ball diameter.
     pub ball: f64,
-    /// Loaded turns.
+    /// Number of loaded turns.
     pub turns: f64,
-    /// Parallel threads among which the turns are divided.
+    /// Number of starts, among which the loaded turns are divided.
     pub starts: f64,
-    /// Pitch circle diameter, if it is printed.
+    /// Pitch circle diameter, if the catalog states it.
     pub pitch_diameter: Option<f64>,
-    /// Core diameter, if it is printed.
+    /// Core diameter, if the catalog states it.
     pub core: Option<f64>,
-    /// True if the ball diameter is printed, false if it is calculated from pitch circle and core.
+    /// True if the catalog states the ball diameter; false if it is calculated from pitch circle
+    /// and core diameters.
     pub ball_is_printed: bool,
 }
 
-/// Limits of a size, and values that are the same for all sizes.
+/// Limits that each size must satisfy, and values that all sizes share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Largest ratio of ball diameter to lead.
@@ -71,10 +72,9 @@ pub struct Limits {
     pub least_ball_over_lead: f64,
     /// Smallest and largest ratio of ball diameter to nominal diameter.
     pub ball_over_diameter: (f64, f64),
-    /// Upper bound of the ratio of ball diameter to root diameter of the screw. The ratio must be
-    /// smaller.
+    /// Upper bound (exclusive) of the ratio of ball diameter to root diameter of the screw.
     pub ball_over_root: f64,
-    /// Largest total ball clearance of a full turn, divided by the ball diameter; below 1.
+    /// Largest total ball clearance of a full turn, divided by the ball diameter; less than 1.
     pub ball_gap: f64,
     /// Axial play of one nut without preload \[m\].
     pub axial_play: f64,
@@ -84,13 +84,13 @@ pub struct Limits {
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Preload of the pair divided by the dynamic load rating, for the stiffness.
+    /// Preload of the nut pair divided by the dynamic load rating, which determines the stiffness.
     pub preload: f64,
-    /// Lever arm of the rolling resistance \[m\], for the efficiency.
+    /// Lever arm of the rolling resistance \[m\], which determines the efficiency.
     pub rolling_lever: f64,
 }
 
-/// One combination of sizes; lengths in m, angles in rad.
+/// One combination of sizes, with lengths in m and angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs, reason = "the entries of the lists")]
 pub struct Size {
@@ -104,18 +104,18 @@ pub struct Size {
 }
 
 impl Size {
-    /// Returns the number of parallel threads.
+    /// Returns the number of starts.
     fn starts(&self) -> f64 {
         self.offered.map_or(1.0, |offered| offered.starts)
     }
 }
 
-/// A nut of the catalog with its calculated quantities.
+/// A nut of the catalog with its calculated properties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Combination of sizes.
+    /// Combination of sizes that defines the nut.
     pub size: Size,
-    /// The nut, on the pitch circle that its balls fill.
+    /// Nut with the pitch circle diameter at which the balls fill a turn.
     pub nut: Nut,
     /// Grooves of the nut and of the screw.
     pub thread: Thread,
@@ -129,21 +129,21 @@ pub struct Candidate {
     pub preload: f64,
     /// Elastic properties of one nut.
     pub elasticity: Elasticity,
-    /// Stiffness of the preloaded pair, contacts and bodies \[N/m\].
+    /// Stiffness of the preloaded pair, including contacts and bodies \[N/m\].
     pub stiffness: f64,
-    /// Load of one nut at which a contact ellipse reaches the end of its flank \[N\].
+    /// Axial load on one nut at which a contact ellipse reaches the end of its flank \[N\].
     pub edge_load: f64,
     /// Mass of one nut \[kg\].
     pub mass: f64,
-    /// Efficiency with rolling resistance only.
+    /// Efficiency, taking only the rolling resistance into account.
     pub efficiency: f64,
 }
 
-/// Returns the pitch circle diameter and the number of loaded balls of a turn (D17), (D18).
+/// Returns the pitch circle diameter and the number of loaded balls per turn (D17), (D18).
 ///
-/// The diameter is the smallest one, in steps of 0.01 mm beginning with the nominal diameter, at
-/// which balls fill a turn with a gap of at most `gap` ball diameters; `gap` is below 1. Lengths of
-/// turns are rounded to 0.01 mm, as in the published tables.
+/// The pitch circle diameter is increased from the nominal diameter in steps of 0.01 mm until the
+/// balls fill a turn with a remaining gap of at most `gap` ball diameters (`gap` must be less than
+/// 1). Turn lengths are rounded to 0.01 mm, as in the published tables.
 ///
 /// Source: Sobolewski (2002).
 pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64) {
@@ -160,22 +160,22 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64)
     }
 }
 
-/// Returns the number of loaded balls of a turn on a given pitch circle diameter (D18); lengths in
+/// Returns the number of loaded balls per turn for a given pitch circle diameter (D18); lengths in
 /// m.
 fn balls_on(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
     let [pitch_diameter, lead, ball] = [pitch_diameter, lead, ball].map(|x| x / STEP);
     balls_of_turn(pitch_diameter, lead, ball).floor() - IDLE_BALLS
 }
 
-/// Returns the length of a turn, rounded to a step, divided by the ball diameter. All lengths are
-/// in steps.
+/// Returns the length of a turn divided by the ball diameter. All lengths are in units of [`STEP`],
+/// and the length of the turn is rounded to a whole step.
 fn balls_of_turn(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
-    // Rounding must not miss whole numbers of balls.
+    // The added 1e-9 ensures that rounding errors do not reduce a whole number of balls by one.
     turn_length(pitch_diameter, lead).round() / ball + 1e-9
 }
 
 impl Nut {
-    /// Returns the sum of the gaps between the balls of a full turn \[m\] (D17).
+    /// Returns the sum of the gaps between the balls in a full turn \[m\] (D17).
     pub fn ball_gap(&self) -> f64 {
         let in_steps = [self.pitch_diameter, self.lead, self.ball_diameter].map(|x| x / STEP);
         // Δ = D_w frac(L/D_w)                                             (D17)
@@ -189,7 +189,7 @@ impl Limits {
     /// Returns true if a size is within the limits.
     fn allow(&self, size: &Size) -> bool {
         let within = |(low, high): (f64, f64), value: f64| (low..=high).contains(&value);
-        // Sizes in millimeters may miss a bound by a rounding error.
+        // Rounding errors of sizes in millimeters may push a value slightly over its bound.
         let slack = 1.0 + 1e-12;
         let (thin, thick) = self.ball_over_diameter;
         size.ball <= self.ball_over_lead * size.lead / size.starts() * slack
@@ -201,9 +201,9 @@ impl Limits {
             && within(self.conformity, size.conformity)
     }
 
-    /// Returns the nut of a size with its calculated quantities. Returns `None` if the size is
-    /// outside of the limits, cannot be manufactured, or cannot keep its contacts on the flanks
-    /// under the preload.
+    /// Returns the nut with the given size together with its calculated properties. Returns `None`
+    /// if the size is outside the limits, cannot be manufactured, or cannot keep its contacts on
+    /// the flanks under the preload.
     pub fn candidate(&self, size: &Size) -> Option<Candidate> {
         if !self.allow(size) {
             return None;
@@ -233,7 +233,7 @@ impl Limits {
             starts: size.starts(),
         };
         let thread = nut.thread(self.axial_play, nut.usual_lands());
-        // An axial play that exceeds the play of single arcs cannot be manufactured.
+        // An axial play larger than the play of a single-arc groove cannot be manufactured.
         if self.axial_play > nut.monoarc_play()
             || size.ball >= self.ball_over_root * thread.screw.root
         {
@@ -262,32 +262,33 @@ impl Limits {
 }
 
 impl Candidate {
-    /// Returns false if a quantity overflows.
+    /// Returns false if any calculated property has overflowed.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
         let others = [self.elasticity.turn, self.stiffness, self.mass, self.efficiency];
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 
-    /// Returns the objectives of a Pareto front, which are minimized: dynamic load rating and
-    /// stiffness, both negated, and mass.
+    /// Returns the three objectives of the Pareto front, all of which are minimized: negative
+    /// dynamic load rating, negative stiffness, and mass.
     pub fn costs(&self) -> [f64; 3] {
         [-self.dynamic_rating, -self.stiffness, self.mass]
     }
 }
 
 impl Lists {
-    /// Returns the number of combinations, including those outside of the limits.
+    /// Returns the number of combinations, including those outside the limits.
     pub fn len(&self) -> usize {
         self.lengths().into_iter().fold(1, usize::saturating_mul)
     }
 
-    /// Returns true if a list is empty.
+    /// Returns true if there are no combinations because a list is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Returns the lengths of the lists. The offered sizes count as one list.
+    /// Returns the lengths of the lists. The list of offered sizes replaces four lists and counts
+    /// as one.
     fn lengths(&self) -> [usize; 6] {
         let Self { diameters, leads, balls, turns, conformities, contact_angles, offered } = self;
         let sizes = match offered.len() {
@@ -298,7 +299,7 @@ impl Lists {
         [diameters, leads, balls, turns, conformities.len(), contact_angles.len()]
     }
 
-    /// Returns combination number `i`. The last list varies fastest.
+    /// Returns the combination with index `i`. The index of the last list varies fastest.
     fn size(&self, mut i: usize) -> Size {
         let mut indices = [0; 6];
         for (index, length) in indices.iter_mut().zip(self.lengths()).rev() {
@@ -318,13 +319,13 @@ impl Lists {
         Size { diameter, lead, ball, turns, conformity, contact_angle, offered }
     }
 
-    /// Returns the numbers of the combinations within the limits, in the order of the lists.
+    /// Returns the indices of all combinations within the limits, in ascending order.
     pub fn indices(&self, limits: &Limits) -> Vec<u32> {
         let all = 0..u32::try_from(self.len()).unwrap_or(u32::MAX);
         all.into_par_iter().filter(|index| self.candidate(limits, *index).is_some()).collect()
     }
 
-    /// Applies `each` to the nuts with the given numbers, in order, without storing the nuts.
+    /// Applies `each` to the nuts with the given indices, in order, without storing the nuts.
     pub fn map<R: Send>(
         &self,
         limits: &Limits,
@@ -340,11 +341,11 @@ impl Lists {
     }
 }
 
-/// Returns the numbers of the [costs](Candidate::costs) that no other costs dominate, in the order
-/// of `costs`. Costs dominate other costs if none of them is larger and at least one is smaller.
+/// Returns the indices of the Pareto-optimal [costs](Candidate::costs) in ascending order. Costs
+/// dominate other costs if none of their values is larger and at least one is smaller.
 pub fn front(costs: &[[f64; 3]]) -> Vec<usize> {
     let mut order: Vec<_> = (0..costs.len()).collect();
-    // A candidate is sorted after all candidates that dominate it.
+    // After sorting, every candidate comes after all candidates that dominate it.
     order.sort_by(|a, b| {
         let pairs = costs[*a].iter().zip(&costs[*b]);
         pairs.map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
@@ -383,8 +384,8 @@ mod tests {
         rolling_lever: crate::ROLLING_LEVER,
     };
 
-    /// The three published pitch circle diameters and numbers of balls are reproduced. One of the
-    /// turns has a length of 319.9999 mm.
+    /// Three published pitch circle diameters and ball counts are reproduced. One of the turns has
+    /// a length of 319.9999 mm, which must count as 32 balls.
     #[test]
     fn published_pitch_diameters_and_ball_counts_are_reproduced() {
         for (nominal, lead, ball, diameter, balls) in [
@@ -398,10 +399,10 @@ mod tests {
         }
     }
 
-    /// The front agrees with a comparison of all pairs. Candidates with equal costs are either all
-    /// in the front or all outside.
+    /// The Pareto front matches a comparison of all pairs. Candidates with equal costs are either
+    /// all on the front or all off it.
     #[test]
-    fn the_front_matches_a_comparison_of_all_pairs() {
+    fn pareto_front_matches_a_comparison_of_all_pairs() {
         let lists = Lists {
             diameters: vec![16e-3, 25e-3, 40e-3, 40e-3],
             leads: vec![5e-3, 10e-3],

@@ -1,4 +1,4 @@
-//! Loads of an axis in its cycle, torque of its motor, and moments of inertia.
+//! Axial loads during the duty cycle of an axis, motor torque, and moments of inertia.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z8) to (Z12), (BB4) and (BB5).
 
@@ -10,29 +10,30 @@ use crate::screw::STEEL;
 /// Standard acceleration of gravity \[m/s²\].
 pub(crate) const GRAVITY: f64 = 9.806_65;
 
-/// The moved mass of an axis, and its loads besides the process force.
+/// Moving mass of an axis and all loads other than the process force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineTable {
-    /// Moved mass `$m$` \[kg\].
+    /// Moving mass `$m$` \[kg\].
     pub mass: f64,
-    /// Inclination `$\varphi$` of the axis \[rad\]: 0 is horizontal, π/2 is upward along the
-    /// positive feed.
+    /// Inclination `$\varphi$` of the axis \[rad\]. Zero is horizontal; at π/2, the positive feed
+    /// points upward.
     pub inclination: f64,
     /// Friction coefficient of the guides.
     pub friction: f64,
-    /// Constant force of the guides \[N\], which does not depend on the load: seals, scrapers,
-    /// preload.
+    /// Constant resistance of the guides \[N\] due to seals, scrapers and preload. It does not
+    /// depend on the load.
     pub resistance: f64,
-    /// Mass of a counterweight `$m_c$` \[kg\], which hangs vertically and moves with the axis.
+    /// Mass of a vertically suspended counterweight `$m_c$` \[kg\] that moves with the axis.
     pub counterweight: f64,
-    /// Force of a counterbalance `$F_b$` \[N\], such as a gas spring, positive along a positive feed.
+    /// Force of a counterbalance such as a gas spring, `$F_b$` \[N\]. It is positive if it acts in
+    /// the direction of positive feed.
     pub counterbalance: f64,
-    /// Share `$x$` of all loads that acts on the most loaded screw.
+    /// Fraction `$x$` of all loads that acts on the most heavily loaded screw.
     pub share: f64,
 }
 
 impl MachineTable {
-    /// Returns a table without mass and forces, on a single screw.
+    /// A machine table without mass and forces, driven by a single screw.
     pub const NONE: Self = Self {
         mass: 0.0,
         inclination: 0.0,
@@ -43,15 +44,16 @@ impl MachineTable {
         share: 1.0,
     };
 
-    /// Returns the axial load of the screw \[N\], positive against a positive feed (BB4).
+    /// Returns the axial load on the screw \[N\], which is positive if it opposes a positive feed
+    /// (BB4).
     ///
     /// ```math
     /// F = xF_p + w - xF_b + s\,x(\mu mg\cos\varphi + F_g) + x(m + m_c)\,a, \qquad w = x\,[mg\sin\varphi - m_cg]
     /// ```
     ///
-    /// * `process`: force on the carriage \[N\], positive against a positive feed.
-    /// * `direction`: direction of the motion, 1 or -1, or 0 at standstill.
-    /// * `acceleration`: acceleration along the positive feed \[m/s²\].
+    /// * `process`: process force on the carriage \[N\], positive if it opposes a positive feed.
+    /// * `direction`: direction of motion (1 or -1, or 0 at standstill).
+    /// * `acceleration`: acceleration in the direction of positive feed \[m/s²\].
     ///
     /// Source: THK, "Calculating the permissible axial load", horizontal and vertical mount.
     pub fn load(&self, process: f64, direction: f64, acceleration: f64) -> f64 {
@@ -61,25 +63,25 @@ impl MachineTable {
             + self.share * self.moved_mass() * acceleration
     }
 
-    /// Returns the axial load of the screw at rest \[N\], which consists of weight, counterweight,
-    /// counterbalance and a process force (BB4).
+    /// Returns the axial load on the screw at standstill \[N\], which consists of weight,
+    /// counterweight, counterbalance and process force (BB4).
     ///
-    /// * `process`: see [`load`](Self::load).
+    /// * `process`: process force, as in [`load`](Self::load).
     pub fn rest_load(&self, process: f64) -> f64 {
         let weight = self.mass * GRAVITY * self.inclination.sin() - self.counterweight * GRAVITY;
         // F_rest = x (F_c − F_b) + w                                      (BB4)
         self.share * (process - self.counterbalance + weight)
     }
 
-    /// Returns the friction of the guides on the most loaded screw \[N\], including their constant
-    /// force.
+    /// Returns the guide friction that acts on the most heavily loaded screw \[N\], including the
+    /// constant resistance.
     pub fn guide_friction(&self) -> f64 {
-        // This form of the cosine is exactly zero for a vertical axis.
+        // Unlike `cos`, this form is exactly zero for a vertical axis.
         let cosine = (FRAC_PI_2 - self.inclination).sin().max(0.0);
         self.share * (self.friction * self.mass * GRAVITY * cosine + self.resistance)
     }
 
-    /// Returns the total moved mass \[kg\].
+    /// Returns the total moving mass \[kg\].
     pub fn moved_mass(&self) -> f64 {
         self.mass + self.counterweight
     }
@@ -92,7 +94,7 @@ impl MachineTable {
     }
 }
 
-/// Returns the friction torque of a preload by the rule of manufacturers \[N·m\] (Z8).
+/// Returns the friction torque due to preload according to the manufacturers' rule \[N·m\] (Z8).
 ///
 /// ```math
 /// T_p = K_p\,\frac{F_w P_h}{2\pi}, \qquad K_p = 0.05\,(\tan\alpha)^{-1/2}
@@ -100,25 +102,25 @@ impl MachineTable {
 ///
 /// * `preload`, `lead`, `lead_angle`: preload \[N\], lead \[m\] and lead angle \[rad\].
 ///
-/// Valid: lubricated nuts without wipers, at about 100 rpm. Manufacturers permit deviations of 20
-/// to 50 % to either side; HIWIN states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying
-/// the rotational torque".
+/// Valid for lubricated nuts without wipers at about 100 rpm. Manufacturers permit deviations of ±
+/// 20 to 50 %; HIWIN states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying the
+/// rotational torque".
 pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     // T_p = 0.05 F_w P_h/(2π √tanα)                                       (Z8)
     0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
 }
 
-/// Usual ratio of the brake torque to the torque of the load without friction.
+/// Usual ratio of brake torque to frictionless load torque.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
-/// Usual upper limit of the drag of preload, seals and bearings at rest, divided by their drag in
-/// motion.
+/// Usual upper limit of the ratio of breakaway drag to drag in motion, for preload, seals and
+/// bearings.
 const AT_REST: f64 = 2.0;
 
-/// Effect of the load at rest on a screw whose motor has no power.
+/// Response of a screw to its load at standstill if the motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BackDriving {
-    /// No force acts at rest.
+    /// No load acts at standstill.
     None,
     /// The load back-drives the screw.
     Turns,
@@ -129,18 +131,18 @@ pub enum BackDriving {
 }
 
 impl BackDriving {
-    /// Returns the smallest and the largest torque with which a load back-drives the screw \[N·m\],
-    /// and the resulting state (BB5).
+    /// Returns the smallest and the largest torque with which the load back-drives the screw
+    /// \[N·m\], and the resulting state (BB5).
     ///
     /// ```math
     /// T_{b,lo} = T_{lo} - 2\,T_d, \qquad T_{b,hi} = T_{hi} - T_d
     /// ```
     ///
-    /// * `of_load`: torque of the load minus the friction of the contacts \[N·m\]. The first value
-    ///   is for the largest friction and for the part of the load that the guides do not hold; the
-    ///   second value is for the smallest friction and the whole load.
-    /// * `drag`: drag of preload, seals and support bearings in motion \[N·m\]. At rest it may be
-    ///   twice as large.
+    /// * `of_load`: load torque minus contact friction \[N·m\]. The first value assumes the largest
+    ///   friction and only the part of the load that guide friction does not hold. The second value
+    ///   assumes the smallest friction and the whole load.
+    /// * `drag`: drag torque of preload, seals and support bearings in motion \[N·m\]. At rest, the
+    ///   drag may be twice as large.
     ///
     /// Source: the torque of HIWIN BS-08-2, F 3.16, minus the drag.
     pub fn of(of_load: [f64; 2], drag: f64) -> ([f64; 2], Self) {
@@ -154,7 +156,7 @@ impl BackDriving {
         (torques, what)
     }
 
-    /// Returns the name.
+    /// Returns the name of the state as it is printed.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -165,12 +167,12 @@ impl BackDriving {
     }
 }
 
-/// Returns the moment of inertia of a screw about its axis \[kg·m²\] if only length and mass are
-/// known (Z9). It is the moment of inertia of a solid steel rod.
+/// Returns the moment of inertia of a screw about its axis \[kg·m²\] (Z9) if only length and mass
+/// are known. The screw is treated as a solid steel rod.
 ///
-/// Assumes: the mass is distributed as in a rod. The groove removes mass at the outside only, so
-/// with the groove ([`Nut::screw`]) the moment of inertia is up to 5 % larger. Source: HIWIN
-/// BS-08-2, F 3.20, for the rod.
+/// Assumes that the mass is distributed as in a rod. The groove removes material near the surface,
+/// so the moment of inertia of a screw with the same mass and a groove ([`Nut::screw`]) is up to 5
+/// % larger. Source for the rod: HIWIN BS-08-2, F 3.20.
 ///
 /// [`Nut::screw`]: crate::Nut::screw
 pub fn rod_inertia(length: f64, mass: f64) -> f64 {
@@ -178,22 +180,22 @@ pub fn rod_inertia(length: f64, mass: f64) -> f64 {
     mass.powi(2) / (TAU * STEEL * length)
 }
 
-/// Returns the mass per length of a solid steel rod \[kg/m\].
+/// Returns the mass per unit length of a solid steel rod \[kg/m\].
 ///
-/// * `diameter` \[m\].
+/// * `diameter`: rod diameter \[m\].
 pub fn rod_mass_per_length(diameter: f64) -> f64 {
     0.25 * PI * STEEL * diameter.powi(2)
 }
 
-/// Moments of inertia and ratios between motor and carriage.
+/// Moments of inertia and transmission ratios between motor and carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveTrain {
     /// Lead \[m\].
     pub lead: f64,
-    /// Moment of inertia of the driven part, screw or nut, including parts that rotate with it
+    /// Moment of inertia of the driven part (screw or nut) and of everything that rotates with it
     /// \[kg·m²\].
     pub driven_inertia: f64,
-    /// Mass that moves with the screw \[kg\]: its share of the moved mass and of the counterweight.
+    /// Mass moved by one screw \[kg\], which is its share of the moving mass and the counterweight.
     pub mass: f64,
     /// Ratio of motor speed to screw speed, positive.
     pub gear_ratio: f64,
@@ -201,7 +203,7 @@ pub struct DriveTrain {
     pub gear_efficiency: f64,
     /// Moment of inertia of the motor \[kg·m²\].
     pub motor_inertia: f64,
-    /// Moment of inertia of the gear, at the motor \[kg·m²\].
+    /// Moment of inertia of the gear, referred to the motor \[kg·m²\].
     pub gear_inertia: f64,
     /// Number of screws `$j$` that the motor drives.
     pub screws: f64,
@@ -209,10 +211,10 @@ pub struct DriveTrain {
     pub brake_at_rest: bool,
 }
 
-/// Torques of a motor at a speed.
+/// Motor torques at one speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorPoint {
-    /// Speed of the motor \[rad/s\], at least 0.
+    /// Motor speed \[rad/s\], at least 0.
     pub speed: f64,
     /// Peak torque \[N·m\].
     pub peak: f64,
@@ -220,19 +222,20 @@ pub struct MotorPoint {
     pub continuous: f64,
 }
 
-/// The torque-speed curve of a motor, linear between its points.
+/// Torque-speed curve of a motor, interpolated linearly between points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotorCurve(Vec<MotorPoint>);
 
 impl MotorCurve {
-    /// Creates a curve. Returns `None` without points, or if their speeds do not increase.
+    /// Creates a curve. Returns `None` if there are no points, or if their speeds are not strictly
+    /// increasing.
     pub fn new(points: Vec<MotorPoint>) -> Option<Self> {
         let increases = points.windows(2).all(|two| two[0].speed < two[1].speed);
         (increases && !points.is_empty()).then_some(Self(points))
     }
 
-    /// Returns the torques at a speed \[rad/s\]. Below the first point, they are the torques of the
-    /// first point; beyond the last point, the result is `None`.
+    /// Returns the motor torques at a given speed \[rad/s\]. Below the first point, the torques of
+    /// the first point apply. Returns `None` above the last point.
     pub fn at(&self, speed: f64) -> Option<MotorPoint> {
         let after = self.0.iter().position(|point| point.speed >= speed)?;
         let (Some(before), end) = (after.checked_sub(1), self.0[after]) else {
@@ -255,43 +258,44 @@ impl MotorCurve {
 }
 
 impl DriveTrain {
-    /// Returns the moment of inertia of the moved mass, at the screw \[kg·m²\] (Z10).
+    /// Returns the moment of inertia of the moving mass, referred to the screw \[kg·m²\] (Z10).
     pub fn mass_inertia(&self) -> f64 {
         // J_m = m (P_h/2π)²                                               (Z10)
         self.mass * (self.lead / TAU).powi(2)
     }
 
-    /// Returns the moment of inertia of the load of all screws, at the motor \[kg·m²\] (Z11).
+    /// Returns the moment of inertia of all driven parts and moving masses, referred to the motor
+    /// \[kg·m²\] (Z11).
     pub fn load_inertia(&self) -> f64 {
         // J_L = j (J_s + J_m)/i_g²                                        (Z11)
         self.screws * (self.driven_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
     }
 
-    /// Returns the travel per radian of the screw \[m\].
+    /// Returns the travel per radian of screw rotation \[m\].
     fn advance(&self) -> f64 {
         self.lead / TAU
     }
 
-    /// Returns the torque that one screw requires, including the torque that accelerates the screw
+    /// Returns the drive torque of one screw, including the torque that accelerates the screw
     /// \[N·m\].
     ///
-    /// * `friction`: friction torque against the motion, at the screw \[N·m\].
+    /// * `friction`: friction torque that opposes the motion, at the screw \[N·m\].
     pub(crate) fn coupling_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
         let turning = point.acceleration / self.advance();
         self.advance() * point.load + point.direction() * friction + self.driven_inertia * turning
     }
 
-    /// Returns the torque of the motor \[N·m\] (Z12).
+    /// Returns the motor torque \[N·m\] (Z12).
     ///
     /// ```math
     /// T = \frac{j\,(T_s + J_s\dot\Omega)}{i_g\,\eta_g^{\pm1}} + (J_{mot} + J_g)\,i_g\dot\Omega
     /// ```
     ///
-    /// with the exponent -1 if the screw drives the motor. At standstill the motor holds the load
-    /// without friction, unless a brake holds it.
+    /// where the exponent is -1 if the screw drives the motor. At standstill, the motor holds the
+    /// load without the help of friction, unless a brake holds it.
     ///
-    /// * `point`: moment of a phase, whose load includes the force that accelerates the moved mass.
-    /// * `friction`: friction torque against the motion, at one screw \[N·m\].
+    /// * `point`: operating point, whose load includes the force that accelerates the moving mass.
+    /// * `friction`: friction torque that opposes the motion, at one screw \[N·m\].
     ///
     /// Source: HIWIN BS-08-2, F 3.17 to F 3.22.
     pub fn motor_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
@@ -311,46 +315,47 @@ impl DriveTrain {
             + (self.motor_inertia + self.gear_inertia) * self.gear_ratio * turning
     }
 
-    /// Returns the sum of all moments of inertia, at the motor \[kg·m²\].
+    /// Returns the total moment of inertia, referred to the motor \[kg·m²\].
     pub fn inertia(&self) -> f64 {
         self.load_inertia() + self.motor_inertia + self.gear_inertia
     }
 
-    /// Returns the moment of inertia of one screw and its share of the motor, at the screw
-    /// \[kg·m²\].
+    /// Returns the moment of inertia per screw, including a share of motor and gear, referred to
+    /// the screw \[kg·m²\].
     pub fn inertia_at_screw(&self) -> f64 {
         self.inertia() * self.gear_ratio.powi(2) / self.screws
     }
 
-    /// Returns the mass on the carriage that would store the kinetic energy of the rotating parts
-    /// \[kg\] (BB9).
+    /// Returns the mass on the carriage that would have the same kinetic energy as the rotating
+    /// parts \[kg\] (BB9).
     pub fn reflected_mass(&self) -> f64 {
         // m_r = [J_s + (J_mot + J_g) i_g²/j]/h²                           (BB9)
         (self.inertia_at_screw() - self.mass_inertia()) / self.advance().powi(2)
     }
 
-    /// Returns the travel for a part of a turn of the motor \[m\].
+    /// Returns the travel per increment of the motor angle \[m\].
     ///
-    /// * `parts`: number of parts of a turn, such as steps or counts of an encoder.
+    /// * `parts`: number of increments per motor revolution, such as motor steps or encoder counts.
     pub fn travel_per_part(&self, parts: f64) -> f64 {
         self.lead / (self.gear_ratio * parts)
     }
 
-    /// Returns the screw under its load at rest while the motor has no power.
+    /// Returns the data needed to calculate how the load at standstill back-drives the screw while
+    /// the motor has no power.
     ///
-    /// * `load`: absolute load at rest \[N\].
+    /// * `load`: absolute load at standstill \[N\].
     pub fn falling(&self, load: f64) -> Fall {
         let advance = self.advance();
         Fall { torque: load * advance, advance, inertia: self.inertia_at_screw() }
     }
 }
 
-/// Returns the shortest time in which a motor reaches a speed \[s\] (AA11), or `None` if it cannot
-/// reach the speed.
+/// Returns the shortest time in which a motor reaches a given speed \[s\] (AA11), or `None` if the
+/// peak torque does not exceed the load torque.
 ///
 /// * `inertia`: total moment of inertia at the motor \[kg·m²\].
-/// * `speed`: speed of the motor \[rad/s\].
-/// * `peak`, `load`: peak torque of the motor, and torque of the load \[N·m\].
+/// * `speed`: motor speed to reach \[rad/s\].
+/// * `peak`, `load`: peak torque of the motor and load torque \[N·m\].
 ///
 /// Source: THK, A-720; HIWIN BS-08-2, F 3.24, which uses the rated torque and a factor of 1.5.
 pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -> Option<f64> {
@@ -358,25 +363,26 @@ pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -
     (peak > load).then(|| inertia * speed / (peak - load))
 }
 
-/// A screw under its load at rest whose motor has no power.
+/// A screw that is back-driven by its load at standstill while the motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fall {
-    /// Torque of the load on the screw \[N·m\], without friction.
+    /// Load torque on the screw without friction \[N·m\].
     pub torque: f64,
-    /// Travel per radian of the screw \[m\].
+    /// Travel per radian of screw rotation \[m\].
     advance: f64,
-    /// Moment of inertia at the screw \[kg·m²\].
+    /// Moment of inertia, referred to the screw \[kg·m²\].
     inertia: f64,
 }
 
 impl Fall {
-    /// Returns the acceleration \[m/s²\] caused by a torque that drives the screw \[N·m\] (AA12).
+    /// Returns the linear acceleration \[m/s²\] that results from a net driving torque at the screw
+    /// \[N·m\] (AA12).
     pub fn acceleration(&self, driving: f64) -> f64 {
         // a = T h/J                                                       (AA12)
         driving * self.advance / self.inertia
     }
 
-    /// Returns the deceleration by a brake \[m/s²\] (AA13), or `None` if the brake does not hold
+    /// Returns the deceleration due to a brake \[m/s²\] (AA13), or `None` if the brake cannot hold
     /// the load.
     ///
     /// * `brake`: brake torque at the screw \[N·m\].
@@ -385,8 +391,8 @@ impl Fall {
         Some(self.acceleration(brake - self.torque)).filter(|braking| *braking > 0.0)
     }
 
-    /// Returns the stopping distance with a brake \[m\] (AA13), or `None` if the brake does not
-    /// hold the load.
+    /// Returns the stopping distance with a brake \[m\] (AA13), or `None` if the brake cannot hold
+    /// the load.
     ///
     /// ```math
     /// s = \frac{v + v_1}{2}t_B + \frac{v_1^2}{2a_B}, \qquad v_1 = v + \frac{F h^2}{J}t_B, \quad a_B = \frac{T_B - F h}{J}h
@@ -394,7 +400,7 @@ impl Fall {
     ///
     /// * `brake`: brake torque at the screw \[N·m\].
     /// * `delay`: time until the brake acts \[s\].
-    /// * `feed`: feed in the direction of the load when the power fails \[m/s\].
+    /// * `feed`: feed speed in the direction of the load when the power fails \[m/s\].
     pub fn stopping_distance(&self, brake: f64, delay: f64, feed: f64) -> Option<f64> {
         // v₁ = v + F h² t_B/J                                             (AA13)
         let reached = feed + self.acceleration(self.torque) * delay;
@@ -403,11 +409,11 @@ impl Fall {
     }
 }
 
-/// Returns the stopping distance of an axis \[m\] that the drive stops with a given deceleration
-/// after a delay (BB5).
+/// Returns the stopping distance of an axis \[m\] if the drive decelerates it at a given rate after
+/// a delay (BB5).
 ///
 /// * `feed`: feed speed \[m/s\].
-/// * `delay`: time until the drive acts \[s\].
+/// * `delay`: time until deceleration begins \[s\].
 /// * `deceleration`: deceleration \[m/s²\], positive.
 pub fn stopping_distance(feed: f64, delay: f64, deceleration: f64) -> f64 {
     // s = v t_B + v²/(2 a)                                                (BB5)
@@ -421,10 +427,10 @@ mod tests {
 
     use super::*;
 
-    /// Hand calculation for a vertical axis of 250 kg on a screw with a lead of 10 mm, a drag of
-    /// 0.25 N m and a back-driving efficiency of 0.75 to 0.85: the torque of the load alone is
-    /// 3.90194 N m. A screw with a back-driving efficiency of zero holds the load, and in between
-    /// the drag makes the result uncertain.
+    /// Hand calculation for a vertical axis that carries 250 kg on a screw with a lead of 10 mm, a
+    /// drag of 0.25 N m and a back-driving efficiency of 0.75 to 0.85. Without friction, the load
+    /// torque is 3.90194 N m. A screw with zero back-driving efficiency holds the load. For
+    /// efficiencies in between, the result depends on the uncertain drag.
     #[test]
     fn back_driving_torque_matches_a_hand_calculation() {
         let ideal = 250.0 * GRAVITY * 0.01 / TAU;
@@ -433,7 +439,7 @@ mod tests {
             BackDriving::of(efficiencies.map(|eta| eta * ideal), drag)
         };
         let ([low, high], what) = of([0.75, 0.85], 0.25);
-        // Four digits.
+        // The hand calculation has four digits.
         assert_relative_eq!(low, 2.426_46, max_relative = 2e-6);
         assert_relative_eq!(high, 3.066_65, max_relative = 2e-6);
         assert_eq!(what, BackDriving::Turns);
@@ -442,13 +448,14 @@ mod tests {
         assert_eq!(of([0.2, 0.5], 1.0).1, BackDriving::Undecided);
     }
 
-    /// On a horizontal axis, friction changes its sign with the feed, and the weight does not load
-    /// the screw. On a vertical axis, the load is the weight in both directions, and the guides
-    /// carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 need 6.5 lb.
+    /// On a horizontal axis, friction changes sign with the feed direction, and the weight does not
+    /// load the screw. On a vertical axis, the load is the weight in both directions, and the
+    /// guides carry no load. In a selection example by Nook, 5000 lb on guides with a friction
+    /// coefficient of 0.0013 require 6.5 lb.
     #[test]
-    fn loads_of_a_carriage_follow_from_weight_and_friction() {
+    fn carriage_load_follows_from_weight_and_friction() {
         let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
-        // Scrapers also rub on a vertical axis.
+        // Scrapers cause friction on a vertical axis, too.
         let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
         assert_relative_eq!(scraped.load(0.0, -1.0, 0.0), 4903.325 - 15.0, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 1.0, 0.0), 1_049.033_25, max_relative = 1e-12);
@@ -458,23 +465,23 @@ mod tests {
         for direction in [1.0, -1.0] {
             assert_relative_eq!(upright.load(0.0, direction, 0.0), 4903.325, max_relative = 1e-12);
         }
-        assert!(upright.guide_friction() <= 0.0, "guides of an upright axis carry nothing");
+        assert!(upright.guide_friction() <= 0.0, "guides of a vertical axis carry no load");
         let pounds = 0.453_592_37;
         let nook = MachineTable { mass: 5000.0 * pounds, friction: 0.0013, ..level };
         let in_pounds = nook.load(0.0, 1.0, 0.0) / (pounds * GRAVITY);
         assert_relative_eq!(in_pounds, 6.5, max_relative = 1e-12);
     }
 
-    /// Hand calculation for 2 kN and a lead of 10 mm at tanα = 0.0796 (40 mm): the drag torque is
-    /// 0.1772 of 3.1831 N m.
+    /// Hand calculation for a preload of 2 kN, a lead of 10 mm and tanα = 0.0796 (40 mm pitch
+    /// circle): the drag torque is 0.1772 times 3.1831 N m.
     #[test]
     fn drag_torque_matches_a_hand_calculation() {
         let angle = (10.0_f64 / (PI * 40.0)).atan();
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// Hand calculation: a meter of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m², and a rod of
-    /// 30.164 mm has 6.38007e-4 kg m².
+    /// Hand calculation: a mass of 13.012 kg per meter corresponds to a rod of 46 mm diameter with
+    /// 3.433e-3 kg m², and a rod of 30.164 mm diameter has 6.38007e-4 kg m².
     #[test]
     fn a_screw_of_known_mass_has_the_inertia_of_a_rod() {
         let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
@@ -485,10 +492,10 @@ mod tests {
         assert_relative_eq!(inertia, 13.012 * diameter.powi(2) / 8.0, max_relative = 1e-14);
     }
 
-    /// Hand calculation: a meter of 40 mm has 1.973e-3 kg m², and 500 kg with a lead of 20 mm have
-    /// 5.066e-3 kg m². At 2 m/s² the angular acceleration of the screw is 628.3 rad/s². With a gear
-    /// ratio of 2, the motor needs half of the torque, plus the torque of its own inertia at twice
-    /// the acceleration.
+    /// Hand calculation: a rod of 1 m length and 40 mm diameter has 1.973e-3 kg m², and a mass of
+    /// 500 kg with a lead of 20 mm has 5.066e-3 kg m². At 2 m/s², the angular acceleration of the
+    /// screw is 628.3 rad/s². With a gear ratio of 2, the motor must supply half the screw torque
+    /// plus the torque that accelerates its own inertia at twice the angular acceleration.
     #[test]
     fn motor_inertia_and_torque_match_hand_calculations() {
         let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
@@ -510,7 +517,7 @@ mod tests {
             screw + drive.mass_inertia(),
             max_relative = 1e-14
         );
-        // The load torque at the screw is 10 N m.
+        // The load torque is 10 N m at the screw.
         let torque = |drive: &DriveTrain, speed: f64, acceleration: f64| {
             let load = 10.0 * TAU / drive.lead;
             let point = PhasePoint { acceleration, ..PhasePoint::steady(load, speed) };
@@ -520,13 +527,13 @@ mod tests {
         let turning = 2.0 * TAU / 20e-3;
         let by_hand = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
         assert_relative_eq!(torque(&drive, 1.0, 2.0), by_hand, max_relative = 1e-14);
-        // With a gear efficiency of 0.9, the driving side supplies the loss: 5/0.9 forward, 5 times
-        // 0.9 backward.
+        // With a gear efficiency of 0.9, the driving side supplies the loss, so the torque is 5/0.9
+        // forward and 5 · 0.9 backward.
         let lossy = DriveTrain { gear_efficiency: 0.9, gear_inertia: 1e-4, ..drive };
         assert_relative_eq!(torque(&lossy, 1.0, 0.0), 5.0 / 0.9, max_relative = 1e-14);
         assert_relative_eq!(torque(&lossy, -1.0, 0.0), 4.5, max_relative = 1e-14);
-        // At standstill there is no loss, and a brake can hold the load. Two screws on one motor
-        // need twice the torque.
+        // At standstill, there is no gear loss, and a brake can hold the load. Two screws on one
+        // motor require twice the torque.
         assert_relative_eq!(torque(&lossy, 0.0, 0.0), 5.0, max_relative = 1e-14);
         let braked = DriveTrain { brake_at_rest: true, ..drive };
         assert_relative_eq!(torque(&braked, 0.0, 0.0), 0.0);
@@ -535,11 +542,11 @@ mod tests {
         assert_relative_eq!(lossy.inertia() - drive.inertia(), 1e-4, max_relative = 1e-12);
     }
 
-    /// The examples of THK, A-722 to A-746, follow the rule of THK, which divides the whole force
-    /// by an efficiency of 0.9 and adds the inertia separately. Horizontal: 80 kg, 1 m/s in 0.15 s,
-    /// 17.354 N, lead 40 mm (printed 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in
-    /// 0.2 s, 510.33 N, lead 10 mm (printed 1.58e-4 kg m², 0.90 and 1.10 N m). The rods of THK have
-    /// the nominal diameter.
+    /// The THK examples (A-722 to A-746) divide the whole force by an efficiency of 0.9 and add the
+    /// inertia separately. Horizontal: 80 kg, 1 m/s in 0.15 s, 17.354 N, lead 40 mm (printed:
+    /// 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in 0.2 s, 510.33 N, lead 10 mm
+    /// (printed: 1.58e-4 kg m², 0.90 and 1.10 N m). THK calculates the rod with the nominal
+    /// diameter.
     #[test]
     fn motor_torques_match_examples_of_thk() {
         for (rod, length, mass, lead, motor, speed, ramp, force, inertia, torques) in [
@@ -558,14 +565,14 @@ mod tests {
                 screws: 1.0,
                 brake_at_rest: false,
             };
-            // The tolerance is half a unit of the fifth digit.
+            // The tolerance is half a unit in the fifth digit.
             assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 3.2e-5);
             let steady = force * lead / TAU / 0.9;
             assert_relative_eq!(steady, torques[0], max_relative = 4.1e-5);
             let turning = speed / ramp * TAU / lead;
             let accelerating = steady + drive.inertia() * turning;
             assert_relative_eq!(accelerating, torques[1], max_relative = 3e-5);
-            // A motor with this peak torque needs exactly the time of the ramp.
+            // A motor with this peak torque needs exactly the ramp time.
             let time =
                 least_acceleration_time(drive.inertia(), speed * TAU / lead, accelerating, steady);
             assert_relative_eq!(time.expect("it can"), ramp, max_relative = 1e-12);
@@ -573,11 +580,12 @@ mod tests {
         assert_eq!(least_acceleration_time(1.0, 1.0, 1.0, 2.0), None);
     }
 
-    /// Hand calculation for 250 kg on a screw with a lead of 10 mm and 2.07126e-3 kg m²: a brake of
-    /// 9 N m that acts after 0.05 s stops a feed of 0.25 m/s within 36.66 mm. Without a brake, at
-    /// an efficiency of 0.8 and a drag of 0.25 N m, the axis falls with 2.20649 m/s².
+    /// Hand calculation for 250 kg on a screw with a lead of 10 mm and a moment of inertia of
+    /// 2.07126e-3 kg m². A brake of 9 N m that engages after 0.05 s stops a feed of 0.25 m/s within
+    /// 36.66 mm. Without a brake, the axis falls with 2.20649 m/s² at an efficiency of 0.8 and a
+    /// drag of 0.25 N m.
     #[test]
-    fn a_falling_weight_is_braked() {
+    fn brake_stops_a_falling_axis() {
         let drive = DriveTrain {
             lead: 10e-3,
             driven_inertia: 6.380_07e-4,
@@ -592,7 +600,7 @@ mod tests {
         assert_relative_eq!(drive.inertia(), 2.071_26e-3, max_relative = 3e-6);
         let falling = drive.falling(250.0 * GRAVITY);
         let distance = falling.stopping_distance(9.0, 0.05, 0.25).expect("it holds");
-        // Four digits.
+        // The hand calculation has four digits.
         assert_relative_eq!(distance, 36.66e-3, max_relative = 2e-4);
         assert_eq!(falling.stopping_distance(3.9, 0.05, 0.25), None);
         let fall = falling.acceleration(0.8 * falling.torque - 0.25);

@@ -1,17 +1,16 @@
-//! Accuracy grades of screws: the standard of a name, and the permitted deviation and variation of
-//! the travel and of the friction torque of a preload.
+//! Accuracy grades of screws: their standards, permitted travel deviations and variations, and
+//! permitted variations of the friction torque due to preload.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z34) and (Z35).
 
 use std::sync::LazyLock;
 
-/// One row for each grade: the standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; and
-/// `$e_p$`/`$v_{up}$` \[um\] in the columns of the largest useful travel \[mm\] for which they
-/// apply.
+/// Table with one row per grade: name; standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; and
+/// `$e_p$`/`$v_{up}$` \[um\] in columns for the upper limit of the useful travel \[mm\].
 ///
 /// Source: ISO 3408-3 as printed in HIWIN BS-08-2, tables 3.3 and 3.4, with usual values for
-/// `$v_{2\pi p}$`; JIS B 1192 as printed by THK, A-678, tables 1 and 2, in which grades from C7
-/// state a deviation to either side.
+/// `$v_{2\pi p}$`; JIS B 1192 as printed by THK, A-678, tables 1 and 2. For grades from C7, the JIS
+/// tables state a ± deviation.
 const TABLE: &str = include_str!("grades.csv");
 
 static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
@@ -32,43 +31,43 @@ static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
     rows.filter_map(grade).collect()
 });
 
-/// Permitted variations of the friction torque of a preload \[%\], for ranges of the torque
-/// \[N·m\], and for threads up to a length and a slenderness. Rows without length and slenderness
-/// are for longer threads.
+/// Permitted variation of the friction torque due to preload \[%\], by range of the torque \[N·m\],
+/// thread length and thread slenderness. Rows without length and slenderness apply to longer
+/// threads.
 ///
 /// Source: HIWIN BS-08-2, table 3.16, for P0 to P7; THK A-688, table 13, for C0 to C5.
 const TORQUE_VARIATIONS: &str = include_str!("torque_variations.csv");
 
-/// Length of the thread above which the rows without a length apply \[m\].
+/// Thread length \[m\] above which the rows without a length apply.
 const LONG: f64 = 4.0;
 
-/// An accuracy grade.
+/// Accuracy grade of a screw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grade {
-    /// Name of the grade, such as P3 or C3.
+    /// Name of the grade, for example P3 or C3.
     pub name: &'static str,
-    /// Standard of the grade.
+    /// Standard that defines the grade.
     pub standard: &'static str,
-    /// Permitted variation of travel within any 300 mm `$v_{300p}$` \[m\].
+    /// Permitted travel variation within any 300 mm, `$v_{300p}$` \[m\].
     pub variation: f64,
-    /// Permitted variation of travel within any turn `$v_{2\pi p}$` \[m\]; `None` for grades of
+    /// Permitted travel variation within any revolution, `$v_{2\pi p}$` \[m\]; `None` for grades of
     /// transport screws.
     pub of_a_turn: Option<f64>,
-    /// Largest useful travel, `$e_p$` and `$v_{up}$` \[m\] of each row; empty if the deviation is
+    /// Rows with the largest useful travel, `$e_p$` and `$v_{up}$` \[m\]; empty if the deviation is
     /// proportional to the travel.
     travels: Vec<(f64, f64, Option<f64>)>,
 }
 
 impl Grade {
-    /// Returns all grades.
+    /// Returns the accuracy grades of all standards.
     pub fn all() -> impl Iterator<Item = &'static Self> + Clone {
         GRADES.iter()
     }
 
-    /// Returns the permitted deviation of the travel `$e_p$` over a useful travel \[m\] (Z34), or
-    /// `None` outside of the table.
+    /// Returns the permitted travel deviation `$e_p$` over a useful travel \[m\] (Z34), or `None`
+    /// if the table does not cover the travel.
     pub fn deviation(&self, travel: f64) -> Option<f64> {
-        /// Length of the stated variation \[m\].
+        /// Reference length of the permitted variation \[m\].
         const STATED: f64 = 0.3;
         if self.travels.is_empty() {
             // e_p = (l_u/300 mm) v_300p                                   (Z34)
@@ -77,30 +76,32 @@ impl Grade {
         self.row(travel).map(|(_, deviation, _)| *deviation)
     }
 
-    /// Returns the permitted variation within the useful travel `$v_{up}$` \[m\], or `None` outside
-    /// of the table and for a grade whose deviation is proportional to the travel.
+    /// Returns the permitted travel variation within the useful travel, `$v_{up}$` \[m\]. Returns
+    /// `None` if the table does not cover the travel, or if the deviation of the grade is
+    /// proportional to the travel.
     pub fn variation_of_travel(&self, travel: f64) -> Option<f64> {
         self.row(travel).and_then(|(.., variation)| *variation)
     }
 
-    /// Returns the first row whose travel is at least the given travel \[m\].
+    /// Returns the first row whose largest useful travel is at least the given travel \[m\].
     fn row(&self, travel: f64) -> Option<&(f64, f64, Option<f64>)> {
         self.travels.iter().find(|(longest, ..)| travel <= longest * (1.0 + 1e-12))
     }
 
-    /// Returns the largest travel error \[m\] (Z35), or `None` outside of the table.
+    /// Returns the largest possible travel error \[m\] (Z35), or `None` if the table does not cover
+    /// the travel.
     pub fn worst_error(&self, travel: f64) -> Option<f64> {
         let deviation = self.deviation(travel)?;
         if self.travels.is_empty() {
-            // The deviation includes all variations.
+            // For these grades, the deviation already includes all variations.
             return Some(deviation);
         }
         // e = e_p + v_up/2                                                (Z35)
         Some(deviation + 0.5 * self.variation_of_travel(travel)?)
     }
 
-    /// Returns the coarsest grade of the same standard whose largest travel error is at most
-    /// `error` \[m\].
+    /// Returns the coarsest grade of the same standard that limits the travel error to `error`
+    /// \[m\] over the useful travel `travel` \[m\].
     pub fn coarsest_within(&self, error: f64, travel: f64) -> Option<&'static Self> {
         let same = Self::all().filter(|grade| grade.standard == self.standard);
         let kept = same.filter_map(|grade| Some((grade, grade.worst_error(travel)?)));
@@ -108,10 +109,10 @@ impl Grade {
         kept.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(grade, _)| grade)
     }
 
-    /// Returns the permitted variation of the friction torque of a preload to either side \[%\], if
-    /// the standard states one.
+    /// Returns the permitted variation of the friction torque due to preload as a ± value \[%\], or
+    /// `None` if the standard does not state it.
     ///
-    /// * `torque` \[N·m\].
+    /// * `torque`: friction torque due to preload \[N·m\].
     /// * `length`: length of the thread \[m\].
     /// * `diameter`: nominal diameter \[m\].
     pub fn torque_variation(&self, torque: f64, length: f64, diameter: f64) -> Option<f64> {
@@ -127,7 +128,7 @@ impl Grade {
         row[column].parse().ok()
     }
 
-    /// Returns the grade with this name, in capital or small letters. `IT3` and `G3` are P3.
+    /// Returns the grade with the given name (case-insensitive). `IT3` and `G3` are aliases of P3.
     pub fn named(name: &str) -> Option<&'static Self> {
         let name = name.to_ascii_uppercase();
         let number = name.strip_prefix("IT").or(name.strip_prefix('G'));
@@ -140,8 +141,8 @@ impl Grade {
 mod tests {
     use super::*;
 
-    /// Grade C3 of manufacturers was formerly read as P3 of ISO 3408-3, but 8 um are not 12 um.
-    /// Source: THK A-678 and HIWIN table 3.3.
+    /// The manufacturers' grade C3 used to be treated as P3 of ISO 3408-3, although it permits 8 um
+    /// instead of 12 um. Source: THK A-678 and HIWIN table 3.3.
     #[test]
     fn grades_of_manufacturers_differ_from_iso_grades() {
         let um =
@@ -154,8 +155,8 @@ mod tests {
         assert_eq!(um("C4"), None);
     }
 
-    /// Entries and limits agree with the tables, in um. A length belongs to the row that ends with
-    /// it, and nothing is interpolated.
+    /// Entries and range limits match the tables (in um). A travel equal to the upper limit of a
+    /// row belongs to this row, and values are not interpolated.
     #[test]
     fn travel_deviations_match_the_tables() {
         let um = |meters: Option<f64>| meters.map(|x| (1e7 * x).round() / 10.0);
@@ -191,7 +192,7 @@ mod tests {
         let turn = |name: &str| um(Grade::named(name).expect("a grade").of_a_turn);
         assert_eq!(["C3", "P3", "P5", "C7"].map(turn), [Some(6.0), Some(6.0), Some(8.0), None]);
         assert_eq!(Grade::all().count(), 17);
-        // Finer grades and shorter travels never permit larger errors.
+        // A finer grade or a shorter travel never permits a larger error.
         for standard in [["P0", "P1", "P3", "P5"], ["C0", "C1", "C3", "C5"]] {
             let mut finer = Some(0.0);
             for name in standard {
@@ -202,8 +203,8 @@ mod tests {
         }
     }
 
-    /// THK A-723: C7 permits 0.167 mm over 1000 mm, and C3 permits 21 + 15/2 um, which C5 does not
-    /// meet.
+    /// THK A-723: over 1000 mm, C7 permits 0.167 mm. C3 permits 21 + 15/2 um, and C5 does not meet
+    /// this limit.
     #[test]
     fn the_coarsest_sufficient_grade_is_found() {
         let of = |name: &str| Grade::named(name).expect("a grade");
@@ -214,9 +215,9 @@ mod tests {
         assert_eq!(of("T7").coarsest_within(60e-6, 1.0).map(|grade| grade.name), Some("P5"));
     }
 
-    /// Every entry agrees with the tables of HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table
-    /// 13: C0, C1, C2 = C3, C5), at the end of its row and just beyond its beginning, for threads
-    /// up to 40 and 60 diameters and longer than 4 m.
+    /// Every entry matches the tables of HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table 13:
+    /// C0, C1, C2 = C3, C5), at the upper limit of its torque range and just above the lower limit,
+    /// for threads with a slenderness of up to 40, up to 60, and longer than 4 m.
     #[test]
     fn variations_of_the_preload_torque_match_the_tables() {
         const PRINTED: &str = "\
@@ -250,10 +251,10 @@ mod tests {
                 }
             }
         }
-        // The tables have six rows of nine grades and three threads, which are read at two torques.
+        // Six rows, nine grades and three thread types are checked at two torques each.
         assert_eq!(entries, 6 * 9 * 3 * 2);
         assert_eq!(percent("C3", 0.865, 1.3, 0.04), percent("C2", 0.865, 1.3, 0.04));
-        // These torques, a short slender thread, and a grade are outside of the tables.
+        // The tables do not cover these torques, this short slender thread and this grade.
         for (name, torque, length) in
             [("P3", 0.2, 1.3), ("P3", 10.001, 1.3), ("C0", 0.5, 2.401), ("C7", 1.0, 1.3)]
         {

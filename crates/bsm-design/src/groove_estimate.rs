@@ -1,9 +1,9 @@
-//! Estimate of the groove of a screw from one row of a catalog: nominal diameter, lead and load
-//! ratings.
+//! Estimate of the groove geometry of a screw from one catalog row with nominal diameter, lead and
+//! load ratings.
 //!
-//! Ratings by ISO 3408-5 follow from the groove. This module inverts the formulas: it enumerates
-//! the balls, turns and ball returns that manufacturers use, and weights each combination by its
-//! [`prior`] and by how well its ratings fit the catalog row.
+//! ISO 3408-5 calculates load ratings from the groove geometry. This module solves the inverse
+//! problem. It enumerates the combinations of balls, turns and ball returns that manufacturers use,
+//! and weights each combination by its [`prior`] and by how well its ratings match the catalog row.
 //!
 //! Theory: `docs/theory/21-groove-from-ratings.md`, equations (AB1) to (AB13).
 
@@ -22,34 +22,34 @@ use crate::statistics::{ln_sum, normal_quantile, quantile};
 
 pub use self::prior::{BallReturn, KnownGroove, Prior};
 
-/// Logarithm of the evidence below which a catalog row is unusual.
+/// Log evidence below which a catalog row is reported as unusual.
 pub const UNUSUAL_EVIDENCE: f64 = -4.0;
 
-/// Logarithm of the evidence below which a catalog row is rejected.
+/// Log evidence below which a catalog row is rejected.
 pub const MIN_EVIDENCE: f64 = -7.0;
 
-/// Logarithm of the evidence above which another [`Reading`] of a rejected row is suggested.
+/// Log evidence above which a corrected [`Reading`] of a rejected row is suggested.
 const READING_EVIDENCE: f64 = -3.0;
 
-/// Excess of the dynamic rating above which it counts as raised for clean steel.
+/// Excess of the dynamic rating above which the rating is assumed to be raised for clean steel.
 const CLEAN_STEEL_EXCESS: f64 = 0.15;
 
-/// Probability of the balls in [`GrooveEstimate::likely_balls`].
+/// Minimum total probability of the balls in [`GrooveEstimate::likely_balls`].
 const SET_PROBABILITY: f64 = 0.9;
 
-/// Conformity of nut and screw in the ratings and in the best groove.
+/// Conformity of nut and screw, assumed for load ratings and for the best groove.
 const CONFORMITY: f64 = 0.52;
 
-/// Contact angle \[rad\] in the ratings and in the best groove.
+/// Contact angle \[rad\], assumed for load ratings and for the best groove.
 const CONTACT_ANGLE: f64 = FRAC_PI_4;
 
-/// Steel of trial nuts. Load ratings do not depend on the steel.
+/// Elastic constants of trial nuts, which do not influence the load ratings.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Millimeters per meter: the prior is in mm.
+/// Millimeters per meter, because the prior uses mm.
 const PER_M: f64 = 1e3;
 
-/// One row of a catalog: everything that is known about a screw and its nut.
+/// One catalog row with everything that is known about a screw and its nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CatalogLine {
     /// Nominal diameter \[m\], positive.
@@ -66,7 +66,7 @@ pub struct CatalogLine {
     pub pitch_diameter: Option<f64>,
     /// Core diameter of the screw \[m\], positive.
     pub core: Option<f64>,
-    /// Loaded turns of all circuits together, positive.
+    /// Total number of loaded turns of all circuits, positive.
     pub turns: Option<f64>,
     /// Conformities of nut and screw, above 1/2.
     pub conformity: (Option<f64>, Option<f64>),
@@ -74,33 +74,34 @@ pub struct CatalogLine {
     pub contact_angle: Option<f64>,
 }
 
-/// One combination of ball, loaded turns and ball return.
+/// One combination of ball diameter, loaded turns and ball return.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hypothesis {
     /// Ball diameter \[m\].
     pub ball_diameter: f64,
-    /// Loaded turns.
+    /// Number of loaded turns.
     pub turns: f64,
-    /// Ball return.
+    /// Type of ball return.
     pub ball_return: BallReturn,
     /// Number of loaded balls, which may be a fraction (AB2).
     pub loaded_balls: f64,
-    /// Excess of the dynamic over the static rating (AB1), `None` without a static rating.
+    /// Excess of the dynamic rating relative to the static rating (AB1), as a logarithm; `None`
+    /// without a static rating.
     pub excess: Option<f64>,
-    /// Probability among all hypotheses.
+    /// Posterior probability of this hypothesis.
     pub probability: f64,
 }
 
-/// A ball diameter with its probability.
+/// A ball diameter together with its posterior probability.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallProbability {
     /// Ball diameter \[m\].
     pub ball_diameter: f64,
-    /// Sum of the probabilities of its hypotheses.
+    /// Sum of the probabilities of all hypotheses with this ball diameter.
     pub probability: f64,
 }
 
-/// A complete groove with its loaded balls.
+/// A complete groove geometry with the number of loaded balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EstimatedGroove {
     /// Ball diameter \[m\].
@@ -111,14 +112,15 @@ pub struct EstimatedGroove {
     pub conformity: (f64, f64),
     /// Contact angle \[rad\].
     pub contact_angle: f64,
-    /// Loaded turns.
+    /// Number of loaded turns.
     pub turns: f64,
-    /// Number of loaded balls, a whole number.
+    /// Number of loaded balls (an integer).
     pub loaded_balls: f64,
 }
 
 impl EstimatedGroove {
-    /// Returns the nut with this groove, one start and elastic constants of raceways and balls.
+    /// Returns the nut that has this groove, a single start and the given elastic constants of
+    /// raceways and balls.
     pub fn nut(&self, lead: f64, material: (Material, Material)) -> Nut {
         Nut {
             ball_diameter: self.ball_diameter,
@@ -134,45 +136,46 @@ impl EstimatedGroove {
     }
 }
 
-/// Groove of a catalog row with its uncertainty.
+/// Estimated groove of a catalog row, with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrooveEstimate {
-    /// The catalog row.
+    /// Catalog row from which the groove is estimated.
     pub line: CatalogLine,
-    /// Logarithm of the evidence, the probability density of such a row under the prior.
+    /// Log evidence, which is the logarithm of the probability density of this row under the prior.
     pub ln_evidence: f64,
-    /// All hypotheses, sorted by ball and number of loaded balls.
+    /// All hypotheses, sorted by ball diameter and then by number of loaded balls.
     pub hypotheses: Vec<Hypothesis>,
-    /// All balls, beginning with the most likely ball.
+    /// All ball diameters, in descending order of probability.
     pub balls: Vec<BallProbability>,
 }
 
-/// A mistake in a catalog row that explains why the row is rejected.
+/// A mistake in a catalog row that would explain why the row is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reading {
-    /// The ratings are in kgf.
+    /// The ratings are stated in kgf instead of N.
     RatingsInKilogramForce,
-    /// The ratings are in lbf.
+    /// The ratings are stated in lbf instead of N.
     RatingsInPoundForce,
-    /// The ratings are exchanged.
+    /// The dynamic and static ratings are swapped.
     RatingsSwapped,
-    /// The static rating is 10 times the printed value.
+    /// The true static rating is 10 times the printed value.
     StaticRatingTimesTen,
-    /// The static rating is a tenth of the printed value.
+    /// The true static rating is one tenth of the printed value.
     StaticRatingOverTen,
-    /// The lead is 10 times the printed value.
+    /// The true lead is 10 times the printed value.
     LeadTimesTen,
-    /// The lead is a tenth of the printed value.
+    /// The true lead is one tenth of the printed value.
     LeadOverTen,
 }
 
-/// A catalog row whose ratings are not explained by any groove of the prior.
+/// A rejected catalog row, whose ratings do not match any plausible groove.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefusedLine {
-    /// The nearest groove, `None` if no ball fits nominal diameter and lead.
+    /// Estimate for the row as it is printed; `None` if no ball fits the nominal diameter and the
+    /// lead.
     pub nearest: Option<Box<GrooveEstimate>>,
-    /// Readings of the row that a groove explains, with the logarithm of their evidence, beginning
-    /// with the most likely reading.
+    /// Corrected readings of the row that match a plausible groove, each with its log evidence, in
+    /// descending order of evidence.
     pub readings: Vec<(Reading, f64)>,
 }
 
@@ -187,8 +190,8 @@ impl Reading {
         Self::LeadOverTen,
     ];
 
-    /// Returns the row in this reading, or `None` if the reading concerns a static rating that the
-    /// row does not have.
+    /// Returns the row after correcting this mistake, or `None` if the mistake concerns the static
+    /// rating and the row has none.
     fn of(self, line: &CatalogLine) -> Option<CatalogLine> {
         let ratings = |factor: f64| CatalogLine {
             dynamic_rating: factor * line.dynamic_rating,
@@ -217,21 +220,21 @@ impl Reading {
 }
 
 impl CatalogLine {
-    /// Estimates the groove.
+    /// Estimates the groove with the prior [`Prior::USUAL`].
     ///
     /// # Errors
     ///
-    /// [`RefusedLine`] if no ball fits nominal diameter and lead, or the logarithm of the evidence is below
-    /// [`MIN_EVIDENCE`].
+    /// Returns [`RefusedLine`] if no ball fits the nominal diameter and the lead, or if the log
+    /// evidence is below [`MIN_EVIDENCE`].
     pub fn estimate(&self) -> Result<GrooveEstimate, RefusedLine> {
         self.estimate_with(&Prior::USUAL)
     }
 
-    /// Does the same as [`estimate`](Self::estimate), with another prior.
+    /// Estimates the groove with a given prior, like [`estimate`](Self::estimate).
     ///
     /// # Errors
     ///
-    /// [`RefusedLine`] as for [`estimate`](Self::estimate).
+    /// Returns [`RefusedLine`] under the same conditions as [`estimate`](Self::estimate).
     pub fn estimate_with(&self, prior: &Prior) -> Result<GrooveEstimate, RefusedLine> {
         match self.weighted(prior) {
             Some(estimate) if estimate.ln_evidence >= MIN_EVIDENCE => Ok(estimate),
@@ -241,8 +244,8 @@ impl CatalogLine {
         }
     }
 
-    /// Returns the readings of the row that a groove explains, beginning with the most likely
-    /// reading.
+    /// Returns the corrected readings that match a plausible groove, in descending order of
+    /// evidence.
     fn readings(&self, prior: &Prior) -> Vec<(Reading, f64)> {
         let evidence = |reading: Reading| {
             let estimate = reading.of(self)?.weighted(prior)?;
@@ -254,13 +257,13 @@ impl CatalogLine {
         readings
     }
 
-    /// Weights all hypotheses; `None` if no ball fits.
+    /// Calculates the probabilities of all hypotheses. Returns `None` if no ball fits.
     fn weighted(&self, prior: &Prior) -> Option<GrooveEstimate> {
         let mut weighted = Vec::new();
         for (ball, ln_prior) in self.balls(prior) {
             self.add_hypotheses(prior, (ball, ln_prior), &mut weighted);
         }
-        // A given ball that overlaps the screw axis has no rating.
+        // If the given ball overlaps the screw axis, its ratings are not finite.
         weighted.retain(|(_, ln_weight)| ln_weight.is_finite());
         let ln_evidence = ln_sum(weighted.iter().map(|(_, ln_weight)| *ln_weight));
         let normalized = |(hypothesis, ln_weight): (Hypothesis, f64)| Hypothesis {
@@ -288,7 +291,7 @@ impl CatalogLine {
         })
     }
 
-    /// Returns the balls to try \[m\], each with the logarithm of its prior.
+    /// Returns the ball diameters to try \[m\], each with the logarithm of its prior.
     fn balls(&self, prior: &Prior) -> Vec<(f64, f64)> {
         let [nominal, lead] = [self.nominal_diameter, self.lead].map(|length| length * PER_M);
         let tried: Vec<_> = match self.ball_diameter {
@@ -306,7 +309,7 @@ impl CatalogLine {
         tried.into_iter().map(with_sizes).collect()
     }
 
-    /// Adds the hypotheses of one ball, each with the logarithm of its weight.
+    /// Appends the hypotheses for one ball diameter, each with the logarithm of its weight.
     fn add_hypotheses(
         &self,
         prior: &Prior,
@@ -336,7 +339,7 @@ impl CatalogLine {
         }
     }
 
-    /// Returns a trial nut with the conformity and contact angle of the ratings.
+    /// Returns a trial nut with the conformity and the contact angle assumed for ratings.
     fn trial(&self, ball: f64, balls_per_turn: f64, turns: f64) -> Nut {
         Nut {
             ball_diameter: ball,
@@ -351,18 +354,20 @@ impl CatalogLine {
         }
     }
 
-    /// Returns the number of balls of a diameter \[m\] that fill a turn.
+    /// Returns the number of balls with the given diameter \[m\] that fill one turn.
     fn balls_of_a_full_turn(&self, ball: f64) -> f64 {
         turn_length(self.pitch_diameter_of(ball, prior::PITCH_RISE.mean), self.lead) / ball
     }
 
-    /// Returns the number of loaded balls that have the static rating of the row; `None` without a static rating.
+    /// Returns the number of loaded balls for which the static rating equals the rating of the row.
+    /// Returns `None` without a static rating.
     fn rated_balls(&self, ball: f64) -> Option<f64> {
         let one_ball = self.trial(ball, 1.0, 1.0).static_rating().rating;
         Some(self.static_rating? / one_ball)
     }
 
-    /// Returns the logarithm of the loaded share of a turn of a known groove, `$r_0$` of (AB1).
+    /// Returns the logarithm of the loaded share of a turn for a known groove, which is `$r_0$` of
+    /// (AB1).
     fn ln_loaded_share(
         &self,
         KnownGroove { ball_diameter, turns, .. }: &KnownGroove,
@@ -371,13 +376,13 @@ impl CatalogLine {
         Some((self.rated_balls(*ball_diameter)? / full).ln())
     }
 
-    /// Returns the pitch circle diameter \[m\] of a ball: the given diameter, or the nominal
-    /// diameter plus a part of the ball.
+    /// Returns the pitch circle diameter \[m\] for a ball diameter. Without a given value, it is
+    /// the nominal diameter plus `rise` ball diameters.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
 
-    /// Completes a groove with the given quantities and with the quantities that no catalog prints.
+    /// Combines the given quantities with values for the quantities that catalogs do not print.
     fn complete(
         &self,
         hypothesis: &Hypothesis,
@@ -405,7 +410,8 @@ impl GrooveEstimate {
         self.ln_evidence < UNUSUAL_EVIDENCE
     }
 
-    /// Returns the best groove: the most likely ball with its most likely turns and mean number of loaded balls.
+    /// Returns the best groove, which has the most likely ball diameter, the most likely number of
+    /// turns for this ball, and the mean number of loaded balls.
     pub fn best(&self) -> EstimatedGroove {
         let ball = self.balls[0];
         let of_ball = |hypothesis: &&Hypothesis| {
@@ -421,14 +427,14 @@ impl GrooveEstimate {
                 let [one, other] = [one, other].map(|of| probability_of_turns(of.turns));
                 one.total_cmp(&other)
             })
-            // Every ball has hypotheses.
+            // Every ball diameter has at least one hypothesis, so this fallback is never used.
             .unwrap_or(&self.hypotheses[0]);
         let ln_sum: f64 = hypotheses().map(|of| of.probability * of.loaded_balls.ln()).sum();
         let loaded_balls = (ln_sum / ball.probability).exp();
         self.line.complete(best, loaded_balls, &unprinted([0.0; 4]))
     }
 
-    /// Returns the most likely balls that together have a probability of at least 90 %.
+    /// Returns the most likely ball diameters whose probabilities add up to at least 90 %.
     pub fn likely_balls(&self) -> &[BallProbability] {
         let mut sum = 0.0;
         let reaches = |ball: &BallProbability| {
@@ -439,7 +445,7 @@ impl GrooveEstimate {
         &self.balls[..=last]
     }
 
-    /// Returns the number of loaded balls below which the hypotheses lie with a given probability.
+    /// Returns the quantile of the number of loaded balls for a given cumulative probability.
     pub fn loaded_balls_quantile(&self, probability: f64) -> f64 {
         let mut hypotheses: Vec<_> = self.hypotheses.iter().collect();
         hypotheses.sort_by(|one, other| one.loaded_balls.total_cmp(&other.loaded_balls));
@@ -448,12 +454,13 @@ impl GrooveEstimate {
             sum += hypothesis.probability;
             sum >= probability
         };
-        // Rounding may leave the sum just below one.
+        // The sum of all probabilities may be slightly less than one because of rounding.
         let at = hypotheses.iter().find(reaches).or(hypotheses.last());
         at.map_or(f64::NAN, |hypothesis| hypothesis.loaded_balls)
     }
 
-    /// Returns the probability that the dynamic rating is raised for clean steel; zero without a static rating.
+    /// Returns the probability that the dynamic rating is raised for clean steel, which is zero
+    /// without a static rating.
     pub fn clean_steel_probability(&self) -> f64 {
         let raised = |hypothesis: &&Hypothesis| {
             hypothesis.excess.is_some_and(|excess| excess > CLEAN_STEEL_EXCESS)
@@ -461,8 +468,8 @@ impl GrooveEstimate {
         self.hypotheses.iter().filter(raised).map(|hypothesis| hypothesis.probability).sum()
     }
 
-    /// Returns `count` grooves, at most [`DRAWS`], that represent the uncertainty. They are always
-    /// the same for the same row.
+    /// Returns `count` grooves (at most [`DRAWS`]) that represent the uncertainty of the estimate.
+    /// The same row always gives the same grooves.
     pub fn draws(&self, count: usize) -> Vec<EstimatedGroove> {
         let running = self.hypotheses.iter().scan(0.0, |sum, hypothesis| {
             *sum += hypothesis.probability;
@@ -471,7 +478,7 @@ impl GrooveEstimate {
         let cumulative: Vec<f64> = running.collect();
         let draw = |(pick, normals): &(f64, [f64; 4])| {
             let place = cumulative.partition_point(|sum| sum < pick);
-            // Rounding may leave the last sum just below one.
+            // The last cumulative probability may be slightly less than one because of rounding.
             let hypothesis = &self.hypotheses[place.min(self.hypotheses.len() - 1)];
             let unprinted = unprinted(*normals);
             let loaded_balls = hypothesis.loaded_balls * unprinted.loaded_balls_factor;
@@ -480,8 +487,9 @@ impl GrooveEstimate {
         DRAW_POINTS.iter().take(count).map(draw).collect()
     }
 
-    /// Returns the results of `f` for the first `count` grooves of [`draws`](Self::draws), in their
-    /// order. The function is called on all cores, with the number of the draw and its groove.
+    /// Applies `f` to the first `count` grooves of [`draws`](Self::draws) and returns the results
+    /// in the same order. The function is called in parallel with the index of the draw and its
+    /// groove.
     pub fn map<T: Send>(
         &self,
         count: usize,
@@ -491,17 +499,17 @@ impl GrooveEstimate {
         draws.par_iter().enumerate().map(|(place, groove)| f(place, groove)).collect()
     }
 
-    /// Returns the excess of the dynamic over the static rating (AB1) as a factor, the weighted
-    /// mean of all hypotheses; `None` without a static rating.
+    /// Returns the ratio by which the dynamic rating exceeds the expected value (AB1), as a
+    /// weighted geometric mean over all hypotheses. Returns `None` without a static rating.
     pub fn excess_factor(&self) -> Option<f64> {
         let weighted = |of: &Hypothesis| Some(of.probability * of.excess?);
         Some(self.hypotheses.iter().map(weighted).sum::<Option<f64>>()?.exp())
     }
 }
 
-/// Returns the coordinate in (0, 1) of a draw for a quantity that is not a part of the groove.
+/// Returns a coordinate in (0, 1) that draws a quantity independent of the groove.
 ///
-/// * `draw`: number of the draw, from 0.
+/// * `draw`: index of the draw, from 0.
 pub fn beside_groove(draw: usize) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "at most 128")]
     let j = (draw + 1) as f64;
@@ -509,16 +517,16 @@ pub fn beside_groove(draw: usize) -> f64 {
     (0.5 + j * SQRT_2).fract()
 }
 
-/// Number of draws of a groove for the bands of most results.
+/// Number of groove draws for the uncertainty bands of most results.
 pub const DRAWS: usize = 128;
 
-/// Number of draws of a groove for results that take long to calculate.
+/// Number of groove draws for results that take a long time to calculate.
 pub const FEW_DRAWS: usize = 32;
 
-/// Draws, each with the probability that selects the hypothesis, and with standard normal numbers
-/// for the other quantities.
+/// Quasi-random points, each with the cumulative probability that selects a hypothesis and with
+/// four standard normal numbers for the quantities that catalogs do not print.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
-    // The ratio is the real root of φ⁶ = φ + 1.
+    // The ratio is the real root of the equation φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
     let point = |j: usize| {
         #[expect(clippy::cast_precision_loss, reason = "at most 128")]
@@ -530,17 +538,17 @@ static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     (1..=DRAWS).map(point).collect()
 });
 
-/// Range of a result over the draws of a groove.
+/// Uncertainty band of a result over the draws of a groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// 5 % quantile.
+    /// Lower end of the band (5 % quantile).
     pub low: f64,
-    /// 95 % quantile.
+    /// Upper end of the band (95 % quantile).
     pub high: f64,
 }
 
 impl Band {
-    /// Returns the band of the values at the draws, `None` if there are no values.
+    /// Returns the band of the given values, or `None` if there are no values.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
@@ -555,7 +563,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a catalog row with nominal diameter and lead \[mm\] and ratings \[N\].
+    /// Returns a catalog row from nominal diameter and lead \[mm\] and load ratings \[N\].
     fn line(nominal: f64, lead: f64, dynamic_rating: f64, static_rating: f64) -> CatalogLine {
         CatalogLine {
             nominal_diameter: nominal / PER_M,
@@ -571,16 +579,16 @@ mod tests {
         }
     }
 
-    /// Returns the catalog row of SFU1605-4 of TBI.
+    /// Returns the catalog row of the nut SFU1605-4 by TBI.
     fn sfu() -> CatalogLine {
         line(16.0, 5.0, 13_533.0, 29_930.0)
     }
 
-    /// Hypotheses, best groove and evidence of one nut agree with an independent implementation.
+    /// Hypotheses, best groove and evidence of one nut match an independent implementation.
     #[test]
-    fn sfu1605_matches_independent_numbers() {
+    fn sfu1605_estimate_matches_an_independent_implementation() {
         let estimate = sfu().estimate().expect("usual ratings");
-        // The evidence is printed with three decimals.
+        // The reference evidence is printed with three decimals.
         assert!((estimate.ln_evidence - 0.413).abs() < 1e-3, "{}", estimate.ln_evidence);
         let of = |ball_return: BallReturn| {
             let is = |of: &&Hypothesis| {
@@ -591,7 +599,7 @@ mod tests {
             *estimate.hypotheses.iter().find(is).expect("a listed combination")
         };
         let full = of(BallReturn::FullTurn);
-        // The probabilities are printed with four and three digits.
+        // The reference probabilities are printed with four and three digits.
         assert!((full.probability - 0.3808).abs() < 5e-5, "{full:?}");
         assert!((of(BallReturn::Deflector).probability - 2.20e-4).abs() < 5e-7);
         assert_relative_eq!(full.loaded_balls, 64.07, max_relative = 1e-4);
@@ -602,10 +610,10 @@ mod tests {
         assert_eq!((best.turns, best.loaded_balls, best.conformity), (4.0, 64.0, (0.52, 0.52)));
     }
 
-    /// The evidence with further items agrees with an independent implementation to three printed
-    /// decimals.
+    /// The evidence for rows with additional or missing values matches an independent
+    /// implementation to the three printed decimals.
     #[test]
-    fn given_items_change_the_evidence_as_published() {
+    fn evidence_with_given_quantities_matches_an_independent_implementation() {
         let near = |line: CatalogLine, expected: f64| {
             let evidence = line.estimate().expect("usual ratings").ln_evidence;
             assert!((evidence - expected).abs() < 1e-3, "{evidence} {expected}");
@@ -616,19 +624,20 @@ mod tests {
         near(line(40.0, 20.0, 51_300.0, 144_400.0), 1.504);
     }
 
-    /// The row prints a static rating of 10 117 N instead of 101 170 N.
+    /// The catalog row prints a static rating of 10 117 N instead of 101 170 N.
     #[test]
-    fn misprint_is_refused_with_the_right_reading() {
+    fn misprinted_row_is_rejected_with_the_correct_reading() {
         let refused = line(50.0, 5.0, 24_900.0, 10_117.0).estimate().expect_err("a misprint");
         let nearest = refused.nearest.expect("balls fit the sizes");
-        // The evidence is printed with one decimal.
+        // The reference evidence is printed with one decimal.
         assert!((nearest.ln_evidence + 107.2).abs() < 0.05, "{}", nearest.ln_evidence);
         let (reading, evidence) = refused.readings[0];
         assert_eq!(reading, Reading::StaticRatingTimesTen);
         assert!((evidence - 0.85).abs() < 5e-3, "{evidence}");
     }
 
-    /// Ratings in kgf that are read as N are rejected, and so are exchanged ratings.
+    /// Rows with ratings in kgf instead of N, with swapped ratings or with a misplaced decimal
+    /// point are rejected, and the mistake is identified.
     #[test]
     fn wrong_units_and_swapped_ratings_are_recognized() {
         let right = sfu();
@@ -647,22 +656,22 @@ mod tests {
         }
     }
 
-    /// A lead of half a millimeter leaves no room for any ball.
+    /// A lead of 0.5 mm leaves no room for any ball.
     #[test]
-    fn line_without_a_fitting_ball_is_refused() {
+    fn row_without_a_fitting_ball_is_rejected() {
         let refused = line(16.0, 0.5, 13_533.0, 29_930.0).estimate().expect_err("no ball");
         assert_eq!(refused.nearest, None);
         assert_eq!(refused.readings.first().map(|found| found.0), Some(Reading::LeadTimesTen));
-        // A given ball that overlaps the screw axis has no rating. Its result is an error instead
-        // of NaN.
+        // If the given ball overlaps the screw axis, its rating is not defined. The result is an
+        // error instead of NaN.
         let huge = CatalogLine { ball_diameter: Some(100e-3), ..sfu() };
         assert_eq!(huge.estimate().expect_err("no rating").nearest, None);
     }
 
-    /// Given quantities are exact in the best groove and in every draw, and the set of balls
-    /// becomes smaller.
+    /// The best groove and every draw contain the given quantities exactly, and the set of likely
+    /// balls is reduced to one.
     #[test]
-    fn given_items_are_kept_exactly() {
+    fn given_quantities_are_kept_exactly() {
         let given = CatalogLine {
             ball_diameter: Some(3.2e-3),
             pitch_diameter: Some(16.8e-3),
@@ -679,7 +688,7 @@ mod tests {
             let kept = [groove.ball_diameter, groove.pitch_diameter, groove.turns];
             let kept = [kept.as_slice(), &[groove.conformity.0, groove.contact_angle]].concat();
             for (kept, given) in kept.into_iter().zip([3.2e-3, 16.8e-3, 4.1, 0.53, 0.8]) {
-                // The ball is converted to millimeters and back.
+                // The ball diameter is converted to millimeters and back.
                 assert_relative_eq!(kept, given, max_relative = 1e-15);
             }
             let nut = groove.nut(given.lead, (STEEL, STEEL));
@@ -691,33 +700,33 @@ mod tests {
         }
     }
 
-    /// The static rating of the best groove, at the estimated number of balls, agrees with the
-    /// given rating to within half a ball.
+    /// With the estimated number of balls, the static rating of the best groove matches the given
+    /// rating to within half a ball.
     #[test]
-    fn best_groove_has_the_static_rating_of_the_line() {
+    fn best_groove_has_the_static_rating_of_the_row() {
         let best = sfu().estimate().expect("usual ratings").best();
         let rating = best.nut(5e-3, (STEEL, STEEL)).static_rating().rating;
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
     }
 
-    /// The first draws are the same for any number of draws.
+    /// The first draws do not depend on the number of draws.
     #[test]
-    fn few_draws_are_the_first_of_many() {
+    fn first_draws_do_not_depend_on_the_number_of_draws() {
         let estimate = sfu().estimate().expect("usual ratings");
         assert_eq!(estimate.draws(FEW_DRAWS), estimate.draws(DRAWS)[..FEW_DRAWS]);
     }
 
-    /// The dynamic rating is 35 % above the rating of ISO 3408-5.
+    /// The dynamic rating is 35 % above the rating by ISO 3408-5.
     #[test]
-    fn clean_steel_is_recognized() {
+    fn rating_raised_for_clean_steel_is_recognized() {
         let raised = CatalogLine { dynamic_rating: 1.35 * sfu().dynamic_rating, ..sfu() };
         let probability =
             |line: CatalogLine| line.estimate().expect("accepted").clean_steel_probability();
         assert!(probability(raised) > 0.5 && probability(sfu()) < 0.01);
     }
 
-    /// An estimate calculates the ratings of every combination once, so that the lists bound its
-    /// cost.
+    /// An estimate calculates the ratings of every combination once, so the sizes of the lists
+    /// limit its cost.
     #[test]
     fn number_of_hypotheses_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {

@@ -1,49 +1,50 @@
-//! Bounded nonlinear least squares by the method of Levenberg and Marquardt.
+//! Bounded nonlinear least squares by the Levenberg-Marquardt method.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, equations (V6) and (V7).
 
 use nalgebra::{DMatrix, DVector};
 
-/// Maximum number of steps.
+/// Maximum number of iterations.
 const MAX_STEPS: usize = 60;
-/// Step size, relative to the bounds, at which the iteration stops.
+/// Step size at which the iteration stops, relative to the width between the bounds.
 const STEP_TOLERANCE: f64 = 1e-9;
 
-/// Step of the finite differences, relative to the bounds.
+/// Step size of the finite differences, relative to the width between the bounds.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
-/// Size of an outward Gauss-Newton step, relative to the bounds, above which a bound is considered
-/// active. Rounding errors of a model change a parameter by less than 1e-8.
+/// Outward Gauss-Newton step, relative to the width between the bounds, above which a bound counts
+/// as active. Rounding errors of a model change a parameter by less than 1e-8.
 const FIXED_STEP: f64 = 1e-6;
 
 /// A local minimum of the sum of squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquares {
-    /// The parameters.
+    /// Parameters at the minimum.
     pub at: Vec<f64>,
-    /// Residuals at the solution.
+    /// Residuals at the minimum.
     pub residuals: Vec<f64>,
-    /// Standard deviations of the parameters (V7), assuming that the residuals are random with
-    /// equal variance; `None` if there are not more residuals than parameters.
+    /// Standard deviations of the parameters (V7) under the assumption that the residuals are
+    /// random and have equal variances. `None` unless there are more residuals than parameters.
     pub deviations: Option<Vec<f64>>,
-    /// Condition number of the Jacobian with respect to the parameters, scaled by the bounds. Above
-    /// some thousands, the residuals do not determine the parameters.
+    /// Condition number of the Jacobian with respect to the parameters scaled by their bounds. If
+    /// it exceeds a few thousand, the residuals do not determine the parameters.
     pub condition: f64,
-    /// True for each parameter that is limited by one of its bounds: the minimum lies beyond this
-    /// bound.
+    /// True for each parameter at an active bound, which means that the unconstrained minimum lies
+    /// beyond this bound.
     pub held: Vec<bool>,
 }
 
-/// Minimizes the sum of squares from `start`. Returns `None` if the residuals cannot be evaluated
-/// there, or if the iteration does not converge.
+/// Minimizes the sum of squared residuals, starting from `start`. Returns `None` if the residuals
+/// cannot be evaluated at `start` or for a finite difference, or if the iteration does not
+/// converge.
 ///
-/// * `residuals`: function that returns the residuals for given parameters, each divided by the
-///   standard deviation of its measurement or by a number proportional to it; `None` if the model
-///   has no solution.
+/// * `residuals`: function that returns the residuals for given parameters, or `None` if the model
+///   has no solution. Each residual must be divided by the standard deviation of its measurement,
+///   or by a number proportional to it.
 ///
 /// # Errors
 ///
-/// Errors of `residuals`.
+/// Returns the errors of `residuals`.
 pub fn least_squares<E>(
     mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
     start: &[f64],
@@ -76,7 +77,7 @@ pub fn least_squares<E>(
             let (mut damped, mut push) = (normal.clone(), -&gradient);
             for k in 0..count {
                 damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);
-                // A parameter on its bound with an outward step keeps its value.
+                // A parameter at its bound keeps its value if the gradient points outward.
                 let stays =
                     (u[k] <= 0.0 && gradient[k] > 0.0) || (u[k] >= 1.0 && gradient[k] < 0.0);
                 if stays {
@@ -113,7 +114,7 @@ pub fn least_squares<E>(
     Ok(None)
 }
 
-/// Returns the parameters, and how well the residuals determine them.
+/// Returns the result, including standard deviations and the condition number.
 fn outcome(
     slopes: &DMatrix<f64>,
     at: &[f64],
@@ -154,34 +155,35 @@ mod tests {
         least_squares(residuals, start, bounds).unwrap().unwrap()
     }
 
-    /// Parameters of a curve are recovered from exact points.
+    /// A fit to exact points recovers the parameters of the curve.
     #[test]
     fn exact_points_give_the_exact_parameters() {
         let of = |x: &[f64], t: f64| x[0] * (-x[1] * t).exp();
         let data: Vec<_> =
             (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
         let found = fit(&[1.0, 0.5], &[(0.1, 10.0), (0.1, 5.0)], of, &data);
-        // Steps converge to 1e-9 of the bounds.
+        // The iteration stops at steps of 1e-9, relative to the width between the bounds.
         assert_relative_eq!(found.at[0], 2.5, epsilon = 1e-7);
         assert_relative_eq!(found.at[1], 1.3, epsilon = 1e-7);
     }
 
-    /// For a straight line with scatter, slope, offset and deviations agree with linear regression.
+    /// For a straight line with scattered points, slope, offset and standard deviations match
+    /// linear regression.
     #[test]
     fn deviations_of_a_line_match_linear_regression() {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
         let found =
             fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
-        // Hand calculation: mean t 1.5, y 2.5; S_tt 5, S_ty 4.7; residual sum 0.082, variance
-        // 0.041.
+        // Hand calculation: the means are 1.5 for t and 2.5 for y; S_tt = 5 and S_ty = 4.7; the sum
+        // of squared residuals is 0.082, and the variance is 0.041.
         assert_relative_eq!(found.at[1], 0.94, epsilon = 1e-7);
         assert_relative_eq!(found.at[0], 1.09, epsilon = 1e-7);
         let deviations = found.deviations.unwrap();
         assert_relative_eq!(deviations[1], (0.041_f64 / 5.0).sqrt(), max_relative = 1e-6);
     }
 
-    /// If the minimum is beyond a bound of a parameter, the parameter stays on its bound, and the
-    /// other parameter is optimal for this value.
+    /// If the minimum lies beyond the bound of one parameter, this parameter stays at its bound,
+    /// and the other parameter is optimal for this value.
     #[test]
     fn a_parameter_beyond_its_bound_is_held_at_the_bound() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
@@ -191,7 +193,7 @@ mod tests {
         assert_eq!(found.held, [false, true]);
     }
 
-    /// The exact parameters lie on a bound, which is not active.
+    /// The exact solution lies on a bound, but the bound is not active.
     #[test]
     fn an_exact_parameter_on_its_bound_is_not_held() {
         let data = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0)];

@@ -1,11 +1,12 @@
-//! Design of ball screws in SI units: ratings, stiffness, mass and life of a nut; the catalog of
-//! all nuts of standard sizes; the choice of a screw for a requirement; the rules of the axis
-//! around a screw; and the estimate of a groove from a catalog row.
+//! Design of ball screws, in SI units. The crate calculates ratings, stiffness, mass and life of a
+//! nut, lists the catalog of all nuts of standard sizes, selects a screw that meets a requirement,
+//! checks the design rules of an axis, and estimates the groove from a catalog row.
 //!
 //! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
 //! `21-groove-from-ratings.md`.
 //!
-//! A nut from the tables of Sobolewski (2002), which state a rating of 103 546 N:
+//! This example uses a nut from the tables of Sobolewski (2002), which state a dynamic load rating
+//! of 103 546 N:
 //!
 //! ```
 //! use std::f64::consts::PI;
@@ -96,11 +97,12 @@ pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};
 pub use thread::{Profile, Thread};
 
-/// Default preload of a pair of nuts, divided by the dynamic load rating. A larger preload causes a
-/// warning (D22) (Sobolewski 2002, eq. 6).
+/// Default preload of a nut pair, divided by the dynamic load rating (Sobolewski 2002, eq. 6). A
+/// larger preload causes a warning (D22).
 pub const PRELOAD: f64 = 0.15;
 
-/// Largest load of a preloaded pair, divided by its preload (D23) (Sobolewski 2002, eq. 8).
+/// Largest permitted load on a preloaded pair, divided by its preload (D23) (Sobolewski 2002, eq.
+/// 8).
 pub const LIMIT_LOAD: f64 = 3.0;
 
 /// Default lever arm of the rolling resistance \[m\] (Sobolewski 2002).

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-/// Ratio of load to preload at which the relieved nut of a pair becomes free, `$2^{3/2}$` (D14).
+/// Ratio of load to preload at which the relieved nut of a pair loses contact, `$2^{3/2}$` (D14).
 pub const OPENS_AT: f64 = 2.0 * std::f64::consts::SQRT_2;
 
 /// Number of revolutions for which the dynamic load rating is defined.
@@ -11,43 +11,44 @@ const MILLION: f64 = 1e6;
 /// A section of the duty cycle of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Duty {
-    /// Axial load \[N\]; its sign is the direction.
+    /// Axial load \[N\], whose sign gives the direction.
     pub load: f64,
-    /// Relative speed of screw and nut \[rad/s\]; its sign has no effect.
+    /// Relative speed between screw and nut \[rad/s\]. Only its absolute value matters.
     pub speed: f64,
-    /// Time, in any unit.
+    /// Duration in any unit.
     pub time: f64,
 }
 
-/// Life that 90 % of nuts reach, and the equivalent load.
+/// Life that 90 % of all nuts reach, together with the equivalent load and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Life {
-    /// Equivalent load \[N\] of the more heavily loaded flank of one nut, or nut of a pair.
+    /// Equivalent load on the more heavily loaded flank of a nut, or on the more heavily loaded nut
+    /// of a pair \[N\].
     pub mean_load: f64,
     /// Equivalent speed \[rad/s\].
     pub mean_speed: f64,
-    /// `$L_{10}$` in revolutions.
+    /// Rating life `$L_{10}$` in revolutions.
     pub revolutions: f64,
-    /// `$L_{10}$` \[s\].
+    /// Rating life `$L_{10}$` \[s\].
     pub time: f64,
 }
 
-/// A required life, in the form in which it is stated.
+/// A required life in one of the units in which it may be specified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RequiredLife {
-    /// Time of the cycle with all standstill \[s\].
+    /// Operating time including standstill \[s\].
     Time(f64),
-    /// Travel in both directions \[m\].
+    /// Total travel in both directions \[m\].
     Travel(f64),
-    /// Revolutions in both directions.
+    /// Total revolutions in both directions.
     Revolutions(f64),
 }
 
 impl RequiredLife {
-    /// Returns the required life in revolutions.
+    /// Returns the required number of revolutions.
     ///
-    /// * `lead` \[m\].
-    /// * `mean_speed`: mean absolute speed over the time with all standstill \[rad/s\].
+    /// * `lead`: lead of the screw \[m\].
+    /// * `mean_speed`: time average of the absolute speed, including standstill \[rad/s\].
     pub fn revolutions(self, lead: f64, mean_speed: f64) -> f64 {
         match self {
             Self::Time(time) => time * mean_speed / TAU,
@@ -56,7 +57,7 @@ impl RequiredLife {
         }
     }
 
-    /// Returns the time \[s\] that the required life takes, with the arguments of
+    /// Returns the required operating time \[s\]. The arguments are the same as for
     /// [`revolutions`](Self::revolutions).
     pub fn time(self, lead: f64, mean_speed: f64) -> f64 {
         match self {
@@ -66,22 +67,22 @@ impl RequiredLife {
     }
 }
 
-/// The travel for which a manufacturer states the dynamic load rating.
+/// Travel to which a manufacturer's dynamic load rating refers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RatingBasis {
-    /// A million revolutions, as in ISO 3408-5.
+    /// The rating refers to a million revolutions, as in ISO 3408-5.
     Revolutions,
-    /// A travel of 100 km.
+    /// The rating refers to a travel of 100 km.
     Kilometers,
-    /// A travel of a million inches.
+    /// The rating refers to a travel of a million inches.
     MillionInches,
 }
 
 impl RatingBasis {
-    /// Returns the dynamic load rating for a million revolutions divided by the stated rating
-    /// (BB8).
+    /// Returns the dynamic load rating for a million revolutions, divided by the manufacturer's
+    /// rating (BB8).
     ///
-    /// * `lead` \[m\].
+    /// * `lead`: lead of the screw \[m\].
     pub fn factor(self, lead: f64) -> f64 {
         let travel = match self {
             Self::Revolutions => return 1.0,
@@ -93,15 +94,16 @@ impl RatingBasis {
     }
 }
 
-/// Returns the life of a nut with the dynamic load rating `rating` \[N\], or of a pair of such nuts
-/// with a preload \[N\], by (D12) to (D15). Returns `None` if nothing rotates.
+/// Returns the life of a single nut or of a preloaded pair by (D12) to (D15), from the dynamic load
+/// rating of one nut `rating` \[N\] and the preload \[N\]. Returns `None` if nothing rotates.
 ///
 /// ```math
 /// L_{10} = 10^6\,(C_a/F_m)^3, \qquad F_m^3 = \frac{\sum F_j^3 n_j t_j}{\sum n_j t_j}
 /// ```
 ///
-/// Loads of both directions press on two flanks, of one nut or of the nuts of a pair. Each flank
-/// has its own load and life, over all revolutions. Source: ISO 3408-5, 7.2.
+/// Loads in the two directions act on different flanks of a nut, or on different nuts of a pair.
+/// Each flank has its own equivalent load and life, averaged over all revolutions. Source: ISO
+/// 3408-5, 7.2.
 pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     let angle: f64 = duty.iter().map(|d| d.speed.abs() * d.time).sum();
     let time: f64 = duty.iter().map(|d| d.time).sum();
@@ -123,7 +125,7 @@ pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     Some(Life { mean_load, mean_speed, revolutions, time: revolutions * TAU / mean_speed })
 }
 
-/// Returns the life of two flanks from the lives of each flank.
+/// Combines the lives of two flanks into one life.
 fn of_flanks([one, other]: [f64; 2]) -> f64 {
     if one.max(other).is_infinite() {
         return one.min(other);
@@ -132,15 +134,15 @@ fn of_flanks([one, other]: [f64; 2]) -> f64 {
     (one.powf(-10.0 / 9.0) + other.powf(-10.0 / 9.0)).powf(-0.9)
 }
 
-/// Returns the [`life`] in revolutions if each load of a flank has a factor of its own (Z40).
-/// Returns `None` if nothing rotates, or if a rotating load has no factor.
+/// Returns the [`life`] in revolutions with a separate life factor for each flank load (Z40).
+/// Returns `None` if nothing rotates, or if `factor` returns `None` for a load that acts during
+/// rotation.
 ///
 /// ```math
 /// \frac1{L_k} = \frac{\sum_j n_j t_j\,(P_{k,j}/C_{am})^3/a_{k,j}}{10^6\sum_j n_j t_j}
 /// ```
 ///
-/// * `factor`: life factor as a function of the speed \[rad/s\] and the load of a flank \[N\], both
-///   positive.
+/// * `factor`: life factor as a function of speed \[rad/s\] and flank load \[N\], both positive.
 ///
 /// Source: linear accumulation of damage; ISO 281 for each load.
 pub fn modified_life(
@@ -164,18 +166,18 @@ pub fn modified_life(
     (angle > 0.0).then(|| of_flanks(taken.map(|taken| MILLION * angle / taken)))
 }
 
-/// Reliabilities \[%\] and the corresponding life divided by the life at 90 % (Z14) (ISO 3408-5).
+/// Reliabilities \[%\], each with the ratio of its life to the life at 90 % (Z14) (ISO 3408-5).
 const RELIABILITY: [(f64, f64); 6] =
     [(90.0, 1.0), (95.0, 0.62), (96.0, 0.53), (97.0, 0.44), (98.0, 0.33), (99.0, 0.21)];
 
-/// Returns the life that a given share of all nuts reaches, divided by the life that 90 % reach
-/// (Z14). Between the rows of the standard, the factor follows from the distribution from which the
-/// rows were rounded.
+/// Returns the life that a given percentage of all nuts reaches, divided by the life that 90 %
+/// reach (Z14). Between the values of the standard, the factor is calculated from the Weibull
+/// distribution from which these values were rounded.
 ///
-/// * `percent`: 90 to 99; values outside are replaced by the nearer end.
+/// * `percent`: reliability, limited to the range from 90 to 99.
 ///
-/// Source: ISO 3408-5, as printed by manufacturers (HIWIN BS-08-2, table 3.17, states 0.63 for 95
-/// %).
+/// Source: ISO 3408-5, as printed by manufacturers (HIWIN BS-08-2, table 3.17, states 0.63 instead
+/// for 95 %).
 pub fn reliability_factor(percent: f64) -> f64 {
     let percent = percent.clamp(90.0, 99.0);
     let stated = RELIABILITY.iter().find(|(known, _)| (percent - known).abs() < 1e-9);
@@ -184,11 +186,12 @@ pub fn reliability_factor(percent: f64) -> f64 {
     stated.map_or_else(weibull, |(_, factor)| *factor)
 }
 
-/// Returns the loads of the two nuts of a preloaded pair under an axial load: first of the nut on
-/// which a positive load presses, then of the other nut (D14).
+/// Returns the loads on both nuts of a preloaded pair under an axial load (D14). The first value is
+/// the load on the nut whose load increases under a positive axial load, and the second value is
+/// the load on the other nut.
 ///
-/// Above `$2^{3/2}$` times the preload, the other nut is free. Assumes: displacement proportional
-/// to the load up to this point, as ISO 3408-5 does.
+/// Above `$2^{3/2}$` times the preload, one nut is unloaded. Assumes that the displacement is
+/// proportional to the load up to this point, as in ISO 3408-5.
 pub fn pair_loads(preload: f64, load: f64) -> (f64, f64) {
     let free = OPENS_AT * preload;
     let size = load.abs();
@@ -212,8 +215,8 @@ mod tests {
         Duty { load, speed, time }
     }
 
-    /// Hand calculation: a load of a tenth of the rating lasts 10⁹ revolutions, which is 10⁷ s at
-    /// 100 revolutions per second.
+    /// Hand calculation: under a load of one tenth of the rating, the life is 10⁹ revolutions,
+    /// which is 10⁷ s at 100 revolutions per second.
     #[test]
     fn life_is_inversely_proportional_to_the_cube_of_the_load() {
         let life = life(20e3, None, &[duty(-2e3, 100.0 * TAU, 3.0)]).expect("turns");
@@ -221,8 +224,8 @@ mod tests {
         assert_relative_eq!(life.time, 1e7, max_relative = 1e-12);
     }
 
-    /// Hand calculation: if half of the revolutions are without load, the life doubles. Standstill
-    /// does not count as revolutions.
+    /// Hand calculation: if half of all revolutions are without load, the life doubles. Standstill
+    /// does not add revolutions.
     #[test]
     fn the_mean_load_is_weighted_by_revolutions() {
         let (load, idle, rest) = (duty(2e3, 10.0, 1.0), duty(0.0, 5.0, 2.0), duty(9e3, 0.0, 7.0));
@@ -231,8 +234,9 @@ mod tests {
         assert_relative_eq!(life.mean_speed, 2.0, max_relative = 1e-12);
     }
 
-    /// The factors agree with the rows of the standard, with an intermediate value calculated by
-    /// hand, and outside of the table. The distribution agrees with the rows to their two digits.
+    /// The factors match the values of the standard, an intermediate value calculated by hand, and
+    /// the limits outside the table. The Weibull distribution matches the values of the standard to
+    /// two digits.
     #[test]
     fn reliability_factors_match_the_standard() {
         for (percent, factor) in
@@ -248,24 +252,25 @@ mod tests {
         }
     }
 
-    /// Worked examples: the MISUMI economy series states 24 824 h for a nut of 4400 N under 250 N
-    /// with a load factor of 1.2 at 2118 rpm, and a sheet of MITCalc states 17 073.1 N for 20 000 h
-    /// at 2400 rpm under 1000 N with a load factor of 1.2.
+    /// Worked examples: the MISUMI economy series states 24 824 h for a nut with a rating of 4400 N
+    /// under 250 N with a load factor of 1.2 at 2118 rpm. A MITCalc sheet states a rating of 17
+    /// 073.1 N for 20 000 h at 2400 rpm under 1000 N with a load factor of 1.2.
     #[test]
     fn lives_match_worked_examples_of_catalogs() {
         let rpm = TAU / 60.0;
         let of = life(4400.0, None, &[duty(1.2 * 250.0, 2118.0 * rpm, 1.0)]).expect("turns");
-        // The result is 24 826.6 h. The sheet rounds intermediate results, which changes the life
-        // by 1e-4.
+        // The exact result is 24 826.6 h. MISUMI rounds intermediate results, which changes the
+        // life by 1e-4.
         assert_relative_eq!(of.time / 3600.0, 24_824.0, max_relative = 1.5e-4);
         let of = life(17_073.1, None, &[duty(1.2 * 1000.0, 2400.0 * rpm, 1.0)]).expect("turns");
-        // Six digits of the rating are 6e-6, and the error of the life is three times as large.
+        // The rating has six digits, so its error is up to 6e-6, and the error of the life is three
+        // times as large.
         assert_relative_eq!(of.time / 3600.0, 20_000.0, max_relative = 2e-5);
     }
 
-    /// Without load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is just
-    /// free, and the pair behaves like one nut under the load alone. If the direction changes, the
-    /// nuts exchange their roles.
+    /// Without a load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is just
+    /// unloaded, and the pair has the life of a single nut under this load. If the load changes
+    /// direction, the nuts swap roles.
     #[test]
     fn a_pair_without_remaining_preload_has_the_life_of_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");
@@ -278,14 +283,14 @@ mod tests {
         }
         let both = [duty(1e3, 1.0, 1.0), duty(-1e3, 1.0, 1.0)];
         let shared = life(20e3, Some(1e3), &both).expect("turns");
-        // Each nut is the more heavily loaded nut for half of the revolutions.
+        // Each nut is the more heavily loaded one during half of all revolutions.
         assert!(shared.revolutions > pair(1e3).revolutions, "{shared:?}");
         assert!(life(20e3, None, &[duty(1e3, 0.0, 1.0)]).is_none());
     }
 
-    /// A factor of 1 gives the life without a factor, a factor of 4 gives four times this life, and
-    /// each load has its own factor. The hand calculation is for a rating of 20 kN with 3 kN for
-    /// half of the revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
+    /// A factor of 1 gives the unmodified life, and a factor of 4 multiplies the life by four. Each
+    /// load has its own factor. The hand calculation is for a rating of 20 kN, with 3 kN and a
+    /// factor of 2 for half of all revolutions, and 6 kN and a factor of 1 for the other half:
     /// 2/(0.5·0.15³/2 + ...).
     #[test]
     fn each_load_has_its_own_life_factor() {
@@ -304,12 +309,12 @@ mod tests {
         assert_relative_eq!(ours, by_hand, max_relative = 1e-12);
     }
 
-    /// Loads of both directions were formerly combined on one flank. The hand calculation is for 3
-    /// kN in each direction for half of the revolutions on a nut of 20 kN: each flank has 2^(-1/3)
-    /// of 3 kN, and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3
-    /// kN all the time.
+    /// Loads in both directions used to be combined on one flank. The hand calculation is for a nut
+    /// with a rating of 20 kN under 3 kN in each direction for half of all revolutions. Each flank
+    /// has an equivalent load of 2^(-1/3) · 3 kN. The life is 2^(-0.9) times the life of one flank,
+    /// which is twice the life under a constant load of 3 kN.
     #[test]
-    fn loads_of_both_directions_act_on_separate_flanks() {
+    fn loads_in_opposite_directions_act_on_separate_flanks() {
         let turned = |loads: [f64; 2]| {
             life(20e3, None, &loads.map(|load| duty(load, 1.0, 1.0))).expect("turns")
         };

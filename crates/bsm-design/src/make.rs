@@ -1,37 +1,38 @@
-//! The make of a screw, and the speed number that its ball return permits.
+//! Manufacturing process of a screw and type of ball return, which determine the permitted speed
+//! number and the maximum length.
 
 use std::f64::consts::TAU;
 
 use crate::Grade;
 
-/// Longest screws that manufacturers offer \[mm\] by grade and nominal diameter \[mm\].
+/// Maximum screw lengths that manufacturers offer \[mm\] by grade and nominal diameter \[mm\].
 ///
 /// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
 const MAX_LENGTHS: &str = include_str!("longest_screws.csv");
 
-/// Nominal diameters are whole millimeters, expressed in \[m\].
+/// Step to which nominal diameters are rounded: whole millimeters, expressed in \[m\].
 const STEP: f64 = 1e-3;
 
-/// Manufacturing process of a screw, and kind of ball return.
+/// Manufacturing process of a screw, or type of ball return.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Make {
-    /// Rolled.
+    /// Rolled screw.
     Rolled,
-    /// Ground.
+    /// Ground screw.
     Ground,
-    /// Balls in a cage.
+    /// Screw with a ball cage.
     Caged,
-    /// Screws with a ball return for high speeds.
+    /// Screw with a ball return for high speeds.
     HighSpeed,
 }
 
 impl Make {
-    /// Returns the default of the largest speed number \[m·rad/s\].
+    /// Returns the default limit of the speed number \[m·rad/s\].
     ///
     /// * `lead`, `land`: lead and outer diameter of the screw \[m\].
     ///
-    /// Source: THK, A-697; HIWIN BS-08-2, 3.7.6, states 70 000 mm/min for rolled screws, 90 000 for
-    /// ground screws and 180 000 with a return for high speeds.
+    /// Source: THK, A-697. HIWIN BS-08-2, 3.7.6, states 70 000 mm/min for rolled screws, 90 000 for
+    /// ground screws and 180 000 for screws with a high-speed ball return.
     pub fn speed_number(self, lead: f64, land: f64) -> f64 {
         let nominal = (land / STEP).round() * STEP;
         let workshop = match self {
@@ -40,13 +41,13 @@ impl Make {
             Self::Caged => 130e3,
             Self::HighSpeed => 160e3,
         };
-        // mm/min
+        // The limit is stated in mm/min.
         workshop * 1e-3 * TAU / 60.0
     }
 
-    /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
-    /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
-    /// its grade or a finer grade or, if the grade is unknown, to any grade.
+    /// Returns the maximum screw length that manufacturers offer \[m\] for the listed diameter
+    /// nearest to the given diameter. For a ground screw, the maximum length also depends on the
+    /// grade. If the grade is unknown, the limit of the coarsest grade applies.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
@@ -62,7 +63,7 @@ impl Make {
             (Self::Rolled, fineness) => fineness.is_none(),
             (_, fineness) => fineness.is_some_and(|fineness| fineness <= own),
         };
-        // Screws of coarser grades are longer.
+        // Coarser grades come last and permit longer screws.
         Some(1e-3 * number(rows.rfind(fits)?[column])?)
     }
 }
@@ -73,8 +74,8 @@ mod tests {
 
     use super::*;
 
-    /// The limits agree with rows of THK, with leads equal to and below half of the diameter. The
-    /// land diameter of a 20 mm screw is not 20 mm.
+    /// The limits match rows of the THK table for leads equal to and less than half of the
+    /// diameter. The land diameter of a screw with a nominal diameter of 20 mm differs from 20 mm.
     #[test]
     fn the_speed_number_depends_on_the_manufacturing_method() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;
@@ -85,14 +86,15 @@ mod tests {
             (Make::Caged, 5e-3, 20.3e-3, 130e3),
             (Make::HighSpeed, 5e-3, 20.3e-3, 160e3),
         ] {
-            // The tolerance allows for rounding errors of the unit conversion.
+            // The tolerance allows for rounding errors in the unit conversion.
             assert_relative_eq!(workshop(make, lead, land), limit, max_relative = 1e-14);
         }
     }
 
-    /// The lengths agree with rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no
-    /// grade counted as grade 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50
-    /// mm.
+    /// The lengths match rows of the HIWIN and THK tables: P3 with 32 mm diameter; C2, for which
+    /// the limit of grade 1 applies; T7 and an unknown grade, for which the limit of grade 5
+    /// applies; and rolled screws of any grade. A land diameter of 49.03 mm belongs to a nominal
+    /// diameter of 50 mm.
     #[test]
     fn screws_have_a_maximum_length() {
         for (make, grade, land, longest) in [

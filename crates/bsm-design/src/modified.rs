@@ -1,4 +1,5 @@
-//! Modified load ratings, and the life of a lubricated nut.
+//! Modified load ratings of a nut, and its life with lubrication and contamination taken into
+//! account.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z36) to (Z39).
 
@@ -6,7 +7,7 @@ use std::f64::consts::TAU;
 
 use crate::{Grade, Nut};
 
-/// Factors of the load ratings of a nut (Z36).
+/// Factors by which the load ratings of a nut are modified (Z36).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RatingFactors {
     /// Factor of the dynamic load rating `$f_h f_{ac} f_m$`.
@@ -25,13 +26,13 @@ pub enum Hardness {
 }
 
 impl RatingFactors {
-    /// Returns the factors for hardness, accuracy and steel (Z36).
+    /// Returns the rating factors for hardness, accuracy and steel (Z36).
     ///
     /// ```math
     /// C_{am} = f_h f_{ac} f_m\,C_a, \qquad C_{0am} = f_{h0} f_{ac}\,C_{0a}
     /// ```
     ///
-    /// * `accuracy`, `steel`: `$f_{ac}$` and `$f_m$`.
+    /// * `accuracy`, `steel`: factors `$f_{ac}$` and `$f_m$`.
     ///
     /// Source: ISO 3408-5, 6.1 and 6.2; for hardness HIWIN BS-08-2, F 3.37 and F 3.38, with usual
     /// values for Vickers hardness.
@@ -47,8 +48,8 @@ impl RatingFactors {
 }
 
 impl Grade {
-    /// Returns the load rating divided by the rating of an accurate screw `$f_{ac}$`. Usual values
-    /// of ISO 3408-5: 1 up to grade 5, 0.9 for grades 7 and 8, 0.7 for grade 10.
+    /// Returns the accuracy factor `$f_{ac}$` of the load rating. Usual values of ISO 3408-5 are 1
+    /// up to grade 5, 0.9 for grades 7 and 8, and 0.7 for grade 10.
     pub fn rating_factor(&self) -> f64 {
         match self.name.trim_start_matches(char::is_alphabetic) {
             "7" | "8" => 0.9,
@@ -58,13 +59,13 @@ impl Grade {
     }
 }
 
-/// Largest pressure at the fatigue load limit \[Pa\].
+/// Maximum contact pressure at the fatigue load limit \[Pa\].
 const FATIGUE_PRESSURE: f64 = 1500e6;
 
 impl Nut {
-    /// Returns the fatigue load limit `$C_u$` \[N\], the axial load under which the largest
-    /// pressure is 1500 MPa if all balls share the load equally (Z39). Returns `None` if the
-    /// grooves do not permit an ellipse.
+    /// Returns the fatigue load limit `$C_u$` \[N\] (Z39). This is the axial load at which the
+    /// maximum contact pressure is 1500 MPa if all balls carry equal loads. Returns `None` if the
+    /// groove geometry does not permit an elliptical contact.
     ///
     /// Source: ISO 281 as in NTN, Ball and Roller Bearings, 3.4.
     pub fn fatigue_limit(&self) -> Option<f64> {
@@ -76,10 +77,11 @@ impl Nut {
     }
 }
 
-/// Returns the fatigue load limit \[N\] of a nut for which only the ratings are known. The usual
-/// value is 1/22 of the static load rating, which is defined at 4200 MPa, and less above 100 mm.
+/// Returns the fatigue load limit \[N\] of a nut if only its load ratings are known. The usual
+/// value is 1/22 of the static load rating, which is defined at 4200 MPa. For pitch circle
+/// diameters above 100 mm, the value is smaller.
 ///
-/// * `pitch_diameter` \[m\].
+/// * `pitch_diameter`: pitch circle diameter \[m\].
 pub fn usual_fatigue_limit(static_rating: f64, pitch_diameter: f64) -> f64 {
     static_rating / 22.0 * (0.1 / pitch_diameter).sqrt().min(1.0)
 }
@@ -90,11 +92,11 @@ pub fn usual_fatigue_limit(static_rating: f64, pitch_diameter: f64) -> f64 {
 /// \kappa = \frac{\nu}{\nu_1}, \qquad \nu_1 = 45\,000\,n^{-0.83}D_{pw}^{-1/2}\ (n < 1000), \quad 4500\,n^{-1/2}D_{pw}^{-1/2}
 /// ```
 ///
-/// with `$\nu$` in mm²/s, `$n$` in rpm and `$D_{pw}$` in mm.
+/// where `$\nu$` is in mm²/s, `$n$` in rpm and `$D_{pw}$` in mm.
 ///
-/// * `viscosity`: kinematic viscosity of the warm lubricant \[m²/s\].
-/// * `speed`: speed of the screw relative to the nut \[rad/s\], not 0.
-/// * `pitch_diameter` \[m\].
+/// * `viscosity`: kinematic viscosity of the lubricant at operating temperature \[m²/s\].
+/// * `speed`: speed of the screw relative to the nut \[rad/s\], nonzero.
+/// * `pitch_diameter`: pitch circle diameter \[m\].
 ///
 /// Source: ISO 281 as in NTN, Ball and Roller Bearings, 3.9 to 3.11.
 pub fn viscosity_ratio(viscosity: f64, speed: f64, pitch_diameter: f64) -> f64 {
@@ -105,7 +107,7 @@ pub fn viscosity_ratio(viscosity: f64, speed: f64, pitch_diameter: f64) -> f64 {
     1e6 * viscosity / needed
 }
 
-/// Returns the viscosity ratio `$\kappa = \Lambda^{1.3}$` (Z41) if the film is known.
+/// Returns the viscosity ratio for a known film thickness, `$\kappa = \Lambda^{1.3}$` (Z41).
 ///
 /// * `film_ratio`: smallest film thickness divided by the combined roughness of both surfaces.
 ///
@@ -118,18 +120,18 @@ pub fn viscosity_ratio_by_film(film_ratio: f64) -> f64 {
 /// Upper limit of the life modification factor.
 const MAX_LIFE_FACTOR: f64 = 50.0;
 
-/// Returns the life modification factor `$a_{ISO}$` (Z37), or `None` below a viscosity ratio of
-/// 0.1, for which ISO 281 has no factor.
+/// Returns the life modification factor `$a_{ISO}$` (Z37). Returns `None` for a viscosity ratio
+/// below 0.1, for which ISO 281 does not define the factor.
 ///
 /// ```math
 /// a_{ISO} = 0.1\Big[1 - \Big(2.5671 - \frac{a}{\kappa^{b}}\Big)^{0.83}\Big(\frac{e_C C_u}{3P}\Big)^{1/3}\Big]^{-9.3} \le 50
 /// ```
 ///
-/// * `clean_limit`: `$e_C C_u/P$`, contamination factor times fatigue load limit divided by the
-///   load of the nut.
+/// * `clean_limit`: `$e_C C_u/P$`, the product of contamination factor and fatigue load limit
+///   divided by the load on the nut.
 ///
-/// Assumes: the form for thrust ball bearings, in which all balls carry load (factor 3 instead of 1
-/// for radial bearings). Source: ISO 281, 31 to 33.
+/// Assumes the formula for thrust ball bearings, in which all balls carry load (factor 3 instead of
+/// 1 for radial bearings). Source: ISO 281, 31 to 33.
 pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
     let kappa = if viscosity_ratio > 4.0 { 4.0 } else { viscosity_ratio };
     let (a, b) = match kappa {
@@ -144,7 +146,7 @@ pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
     Some(factor.min(MAX_LIFE_FACTOR))
 }
 
-/// Cleanliness of the lubricant.
+/// Contamination class of the lubricant according to ISO 281.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the words of ISO 281")]
 pub enum Contamination {
@@ -158,12 +160,12 @@ pub enum Contamination {
 }
 
 impl Contamination {
-    /// Returns the contamination factor `$e_C$`: usual, smallest and largest value.
+    /// Returns the contamination factor `$e_C$` as an array of usual, smallest and largest value.
     ///
-    /// * `pitch_diameter` \[m\].
+    /// * `pitch_diameter`: pitch circle diameter \[m\].
     ///
-    /// Source: ISO 281 as in NTN, Ball and Roller Bearings, table 3.4; usual values for extreme
-    /// cleanliness.
+    /// Source: ISO 281 as in NTN, Ball and Roller Bearings, table 3.4. The values for extreme
+    /// cleanliness are usual values.
     pub fn factor(self, pitch_diameter: f64) -> [f64; 3] {
         let [small, large] = match self {
             Self::ExtremeCleanliness => [[1.0; 3]; 2],
@@ -189,15 +191,15 @@ mod tests {
 
     const RPM: f64 = TAU / 60.0;
 
-    /// Accurate screws with full hardness keep their ratings. If the rating is calculated, grade 10
-    /// has 0.343 of the life and grade 7 has 0.729.
+    /// Screws of high accuracy and full hardness keep their ratings. With a calculated rating, the
+    /// life is multiplied by 0.343 for grade 10 and by 0.729 for grade 7.
     #[test]
     fn ratings_are_modified_by_hardness_and_grade() {
         let full = RatingFactors::of(Some(Hardness::Rockwell(62.0)), 1.0, 1.0);
         assert_eq!(full, RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 });
         assert_eq!(RatingFactors::of(None, 1.0, 1.0), full);
-        // The hand calculation is (50/60)² · 0.9 · 1.44 and (50/60)³ · 0.9; 545 HV is 0.83333 of
-        // 654.
+        // Hand calculation: (50/60)² · 0.9 · 1.44 and (50/60)³ · 0.9. A hardness of 545 HV is
+        // 0.83333 times the full hardness of 654 HV.
         for hardness in [Hardness::Rockwell(50.0), Hardness::Vickers(545.0)] {
             let soft = RatingFactors::of(Some(hardness), 0.9, 1.44);
             assert_relative_eq!(soft.dynamic_rating, 0.9, max_relative = 1e-12);
@@ -211,9 +213,9 @@ mod tests {
         }
     }
 
-    /// The factors agree with independently calculated values to four digits. Without a clean limit
-    /// the factor is 0.1, and it is at most 50. Below a viscosity ratio of 0.1 there is no factor,
-    /// and above 4 the factor is the factor at 4.
+    /// The factors match independently calculated values to four digits. The factor is 0.1 if
+    /// `clean_limit` is zero, and at most 50. No factor is defined for viscosity ratios below 0.1.
+    /// For ratios above 4, the factor at 4 applies.
     #[test]
     fn life_factors_match_the_standard() {
         for (kappa, expected) in [
@@ -230,14 +232,14 @@ mod tests {
         assert_eq!(life_factor(0.099, 1.0), None);
         assert_eq!(life_factor(f64::NAN, 1.0), None);
         assert_eq!(life_factor(7.0, 0.1), life_factor(4.0, 0.1));
-        // The sections of the standard agree to a hundredth where they meet.
+        // Neighboring sections of the formula agree to 1 % at their boundaries.
         for edge in [0.4, 1.0] {
             let at = |kappa: f64| life_factor(kappa, 0.3).expect("within the standard");
             assert_relative_eq!(at(edge * (1.0 - 1e-12)), at(edge), max_relative = 1e-2);
         }
     }
 
-    /// The viscosity ratios of a feed axis (41.75 mm, oil with 35.36 mm²/s) agree with an
+    /// The viscosity ratios of a feed axis (pitch circle 41.75 mm, oil with 35.36 mm²/s) match an
     /// independent calculation.
     #[test]
     fn viscosity_ratios_match_independent_values() {
@@ -245,19 +247,19 @@ mod tests {
             [(100.0, 152.365, 0.232_075), (300.0, 61.2172, 0.577_615), (-2000.0, 15.5729, 2.270_61)]
         {
             let ratio = viscosity_ratio(35.36e-6, rpm * RPM, 41.75e-3);
-            // Six digits.
+            // The reference values have six digits.
             assert_relative_eq!(ratio, kappa, max_relative = 1e-5);
             assert_relative_eq!(35.36 / ratio, needed, max_relative = 1e-5);
         }
         assert_relative_eq!(usual_fatigue_limit(141_100.0, 0.041_75), 6413.6, max_relative = 1e-5);
-        // The limit is half of the rating divided by 22, because the diameter is four times 100 mm.
+        // The fatigue load limit is half of the rating divided by 22, because the diameter is four
+        // times 100 mm.
         assert_relative_eq!(usual_fatigue_limit(22.0, 0.4), 0.5, max_relative = 1e-14);
     }
 
-    /// At the fatigue load limit, each ball of a nut has 1500 MPa at the contact with the higher
-    /// pressure.
+    /// At the fatigue load limit, the contact with the higher pressure reaches 1500 MPa.
     #[test]
-    fn the_fatigue_load_limit_has_a_pressure_of_1500_mpa() {
+    fn contact_pressure_is_1500_mpa_at_the_fatigue_load_limit() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
         let nut = Nut {
             ball_diameter: 6.35e-3,

@@ -1,4 +1,4 @@
-//! Motion of an axis: moves, ramps and phases of a cycle, and exact integrals over them.
+//! Motion of an axis: moves, ramps, phases of the duty cycle, and exact integrals over the phases.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (BB1) to (BB3).
 
@@ -10,108 +10,110 @@ use gauss_quad::GaussLegendre;
 
 use crate::{DriveTrain, Duty, MachineTable, OPENS_AT};
 
-/// Relative rounding error of the shortest time of a move, because inputs are decimal numbers.
+/// Relative tolerance for the shortest time of a move, because decimal inputs have rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// Speed below which friction is constant, relative to the largest speed of the phase. Starting
-/// from rest is not modeled.
+/// Fraction of the largest speed of a phase below which friction is constant. The transition from
+/// standstill is not modeled.
 ///
-/// The constant also applies to the load: without a preload, friction varies linearly with the load
+/// The same fraction applies to loads. Without a preload, friction varies linearly with the load
 /// below this fraction of the largest load of the phase.
 const CREEP: f64 = 1e-3;
 
-/// Number of Gauss nodes that represent a ramp if every solution is expensive.
+/// Number of Gauss nodes that represent a ramp if each friction calculation is expensive.
 const SAMPLES: usize = 4;
 
-/// Relative accuracy of the interpolation of friction over speed or load.
+/// Relative accuracy with which friction is interpolated over speed or load.
 const ACCURACY: f64 = 1e-9;
 
-/// Largest number of intervals between the nodes of the interpolation of friction.
+/// Maximum number of intervals between the Chebyshev nodes for the interpolation of friction.
 const MAX_INTERVALS: usize = 32;
 
-/// Number of nodes of the Gauss rule, which is exact for polynomials of degree 31.
+/// Number of nodes of the Gauss rule, which is exact for polynomials up to degree 31.
 const NODES: usize = 16;
 
-/// Speed of a screw: the sum of a rotational speed and a feed.
+/// Speed of a screw as the sum of a rotational speed and a feed speed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DutySpeed {
-    /// Relative speed of screw and nut \[rad/s\].
+    /// Relative rotational speed between screw and nut \[rad/s\].
     turns: f64,
     /// Velocity of the nut along the screw \[m/s\].
     feed: f64,
 }
 
 impl DutySpeed {
-    /// Standstill.
+    /// Speed of zero (standstill).
     pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
 
-    /// Returns a relative speed of screw and nut \[rad/s\].
+    /// Creates a speed from a relative rotational speed between screw and nut \[rad/s\].
     pub fn of_turns(turns: f64) -> Self {
         Self { turns, feed: 0.0 }
     }
 
-    /// Returns a velocity of the nut along the screw \[m/s\].
+    /// Creates a speed from a velocity of the nut along the screw \[m/s\].
     pub fn of_feed(feed: f64) -> Self {
         Self { turns: 0.0, feed }
     }
 
-    /// Returns true if the speed has no rotational part, so that it is a feed for any lead.
+    /// Returns true if the rotational part is zero, so that the feed speed does not depend on the
+    /// lead.
     pub fn has_only_feed(self) -> bool {
         self.turns == 0.0
     }
 
-    /// Returns this speed plus a feed \[m/s\].
+    /// Returns the sum of this speed and a feed speed \[m/s\].
     #[must_use]
     pub fn plus_feed(self, feed: f64) -> Self {
         Self { feed: self.feed + feed, ..self }
     }
 
-    /// Returns the relative speed of screw and nut for a lead \[rad/s\].
+    /// Returns the relative rotational speed between screw and nut \[rad/s\] for a given lead
+    /// \[m\].
     pub fn speed(self, lead: f64) -> f64 {
-        // Without a feed the lead has no effect and may be unknown.
+        // With zero feed, the lead has no effect and may be unknown.
         if self.feed == 0.0 { self.turns } else { self.turns + self.feed * TAU / lead }
     }
 }
 
-/// Top speed and times of a move from standstill to standstill.
+/// Top speed and durations of a move that starts and ends at standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Move {
     /// Top speed \[m/s\].
     pub speed: f64,
-    /// Times of acceleration, constant speed and deceleration \[s\].
+    /// Durations of acceleration, constant speed and deceleration \[s\].
     pub times: [f64; 3],
 }
 
 impl Move {
-    /// Returns a move with a third of the time each for acceleration, constant speed and
-    /// deceleration.
+    /// Creates a move in which acceleration, constant speed and deceleration take one third of the
+    /// time each.
     ///
-    /// * `distance`: distance of the move \[m\], positive.
-    /// * `time`: time of the move \[s\].
+    /// * `distance`: travel of the move \[m\], positive.
+    /// * `time`: duration of the move \[s\].
     pub fn trapezoidal(distance: f64, time: f64) -> Self {
         Self { speed: 1.5 * distance / time, times: [time / 3.0; 3] }
     }
 
-    /// Returns a move that accelerates for half of the time and decelerates for the other half.
+    /// Creates a move that accelerates for half of the time and decelerates for the other half.
     ///
-    /// * `distance`: distance of the move \[m\], positive.
-    /// * `time`: time of the move \[s\].
+    /// * `distance`: travel of the move \[m\], positive.
+    /// * `time`: duration of the move \[s\].
     pub fn triangular(distance: f64, time: f64) -> Self {
         Self { speed: 2.0 * distance / time, times: [0.5 * time, 0.0, 0.5 * time] }
     }
 
-    /// Returns a move in a given time (BB1).
+    /// Creates a move with a given duration \[s\] (BB1).
     ///
     /// ```math
     /// v = \frac{t - \sqrt{t^2 - 2cS}}{c}, \qquad c = \frac1a + \frac1d
     /// ```
     ///
-    /// * `distance`: distance of the move \[m\], positive.
+    /// * `distance`: travel of the move \[m\], positive.
     /// * `ramps`: acceleration and deceleration \[m/s²\], positive.
     ///
     /// # Errors
     ///
-    /// The shortest time of the move \[s\], if `time` is shorter.
+    /// Returns the shortest possible duration \[s\] if `time` is shorter than this duration.
     pub fn in_time(distance: f64, time: f64, ramps: [f64; 2]) -> Result<Self, f64> {
         let c = ramps[0].recip() + ramps[1].recip();
         let least = (2.0 * c * distance).sqrt();
@@ -123,11 +125,12 @@ impl Move {
         Ok(Self::with_top(2.0 * distance / (time + root), time, ramps))
     }
 
-    /// Returns a move with a limited speed, which a short move does not reach.
+    /// Creates a move with a speed limit. If the distance is too short to reach the limit, the move
+    /// is triangular.
     ///
-    /// * `distance`: distance of the move \[m\], positive.
-    /// * `limit`: largest speed \[m/s\].
-    /// * `ramps`: see [`in_time`](Self::in_time).
+    /// * `distance`: travel of the move \[m\], positive.
+    /// * `limit`: upper limit of the speed \[m/s\].
+    /// * `ramps`: acceleration and deceleration \[m/s²\], positive.
     pub fn up_to_speed(distance: f64, limit: f64, ramps: [f64; 2]) -> Self {
         let c = ramps[0].recip() + ramps[1].recip();
         // v = min(v_max, √(2S/c)),  t = S/v + v c/2                        (BB1)
@@ -143,39 +146,39 @@ impl Move {
     }
 }
 
-/// A part of a cycle as the machine requests it: a linear ramp, a constant speed or a standstill.
+/// A segment of the machine's duty cycle, which is a linear ramp, a constant speed or a standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileSegment {
-    /// Index of the entry in the cycle, from 0; `None` for a standstill that fills the rest of the
-    /// cycle.
+    /// Index of the corresponding entry in the duty cycle, from 0; `None` for a standstill that
+    /// fills the rest of the cycle.
     pub entry: Option<usize>,
-    /// Time \[s\], or share of the cycle.
+    /// Duration \[s\], or share of the cycle time.
     pub time: f64,
-    /// Speed at the start and at the end.
+    /// Speeds at the start and at the end.
     pub pace: [DutySpeed; 2],
-    /// Process force at the start and at the end \[N\], positive against a positive feed. The force
-    /// is linear along the travel.
+    /// Process forces at the start and at the end \[N\], positive if they oppose a positive feed.
+    /// In between, the force varies linearly with the travel.
     pub force: [f64; 2],
-    /// Load factor for the life.
+    /// Load factor used to calculate the life.
     pub load_factor: f64,
 }
 
 impl ProfileSegment {
-    /// Returns a constant speed under a constant force \[N\].
+    /// Creates a segment with constant speed and constant force \[N\].
     pub fn constant(time: f64, pace: DutySpeed, force: f64) -> Self {
         Self { entry: Some(0), time, pace: [pace; 2], force: [force; 2], load_factor: 1.0 }
     }
 
-    /// Returns the phases of the screw, one on either side of a standstill that the segment passes
-    /// through.
+    /// Returns the phases of the screw. A segment that passes through standstill is split there
+    /// into two phases.
     ///
-    /// * `lead` \[m\].
+    /// * `lead`: lead of the screw \[m\].
     fn phases(&self, table: &MachineTable, lead: f64) -> impl Iterator<Item = Phase> {
         let [start, end] = self.pace.map(|pace| pace.speed(lead));
         let crosses = start * end < 0.0 || (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
         let before = if crosses { start / (start - end) } else { 1.0 };
         let change = if self.pace[0] == self.pace[1] { 0.0 } else { end - start };
-        // Without a ramp the lead has no effect and may be unknown.
+        // Without a change of speed, the lead has no effect and may be unknown.
         let acceleration = if change == 0.0 { 0.0 } else { change * lead / TAU / self.time };
         let phase = move |time: f64, speed: [f64; 2], force: [f64; 2]| {
             let direction = direction_of(speed);
@@ -196,78 +199,82 @@ impl ProfileSegment {
     }
 }
 
-/// Returns the phases of a screw over a cycle. Their times are shares of the time of the cycle.
+/// Returns the phases of a screw during a duty cycle. Their durations are shares of the cycle time.
 ///
-/// * `lead` \[m\].
+/// * `lead`: lead of the screw \[m\].
 pub fn phases(segments: &[ProfileSegment], table: &MachineTable, lead: f64) -> Vec<Phase> {
     let time: f64 = segments.iter().map(|segment| segment.time).sum();
     let phases = segments.iter().flat_map(|segment| segment.phases(table, lead));
     phases.map(|phase| Phase { time: phase.time / time, ..phase }).collect()
 }
 
-/// Returns the direction of a motion between two speeds of equal sign: 1, -1, or 0 at standstill.
+/// Returns the direction of motion between two speeds with the same sign: 1, -1, or 0 at
+/// standstill.
 fn direction_of([start, end]: [f64; 2]) -> f64 {
     let sum = start + end;
     if sum == 0.0 { 0.0 } else { sum.signum() }
 }
 
-/// A part of a cycle at the screw, in one direction: a linear ramp, a constant speed or a
-/// standstill. Its load is constant, or is linear along the travel at a constant speed.
+/// A phase of the screw's duty cycle with motion in one direction, which is a linear ramp, a
+/// constant speed or a standstill. The load is constant, or at constant speed varies linearly with
+/// the travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// Index of the entry in the cycle, from 0; `None` for a standstill that fills the rest of the
-    /// cycle.
+    /// Index of the corresponding entry in the duty cycle, from 0; `None` for a standstill that
+    /// fills the rest of the cycle.
     pub entry: Option<usize>,
-    /// Share of the time of the cycle.
+    /// Duration as a share of the cycle time.
     pub time: f64,
-    /// Axial load of the screw at the start and at the end \[N\], positive against a positive feed.
+    /// Axial loads on the screw at the start and at the end \[N\], positive if they oppose a
+    /// positive feed.
     pub load: [f64; 2],
-    /// Speed of the screw relative to the nut at the start and at the end \[rad/s\].
+    /// Speeds of the screw relative to the nut at the start and at the end \[rad/s\].
     pub speed: [f64; 2],
-    /// Acceleration along a positive feed \[m/s²\].
+    /// Acceleration in the direction of positive feed \[m/s²\].
     pub acceleration: f64,
-    /// Load factor `$f_w$` for shocks and vibration; used only for life and equivalent load.
+    /// Load factor `$f_w$` for shocks and vibration, used only for life and equivalent load.
     pub load_factor: f64,
 }
 
-/// A moment of a phase.
+/// Operating point of a screw at one moment of a phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhasePoint {
-    /// Axial load of the screw \[N\], positive against a positive feed.
+    /// Axial load on the screw \[N\], positive if it opposes a positive feed.
     pub load: f64,
     /// Speed of the screw relative to the nut \[rad/s\].
     pub speed: f64,
-    /// Speed at which friction is evaluated \[rad/s\]: at least a thousandth of the largest speed
-    /// of the phase, or 0 at standstill.
+    /// Speed for the calculation of friction \[rad/s\]. Its absolute value is at least one
+    /// thousandth of the largest speed of the phase, or 0 at standstill.
     pub friction_speed: f64,
-    /// Acceleration along a positive feed \[m/s²\].
+    /// Acceleration in the direction of positive feed \[m/s²\].
     pub acceleration: f64,
-    /// Load factor for the life.
+    /// Load factor used to calculate the life.
     pub load_factor: f64,
 }
 
 impl PhasePoint {
-    /// Returns a standstill without load.
+    /// Operating point at standstill without load.
     pub const REST: Self =
         Self { load: 0.0, speed: 0.0, friction_speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
 
-    /// Returns a constant speed \[rad/s\] under a load \[N\].
+    /// Creates an operating point with constant speed \[rad/s\] and load \[N\].
     pub fn steady(load: f64, speed: f64) -> Self {
         Self { load, speed, friction_speed: speed, ..Self::REST }
     }
 
-    /// Returns the direction of the motion: 1, -1, or 0 at standstill.
+    /// Returns the direction of motion: 1, -1, or 0 at standstill.
     pub fn direction(&self) -> f64 {
         direction_of([self.friction_speed, 0.0])
     }
 
-    /// Compares absolute loads and, for equal loads, speeds.
+    /// Compares the absolute loads and, if they are equal, the absolute speeds.
     fn compare(&self, other: &Self) -> std::cmp::Ordering {
         let by_load = self.load.abs().total_cmp(&other.load.abs());
         by_load.then(self.speed.abs().total_cmp(&other.speed.abs()))
     }
 
-    /// Returns the point with the larger load; for equal loads, the faster point.
+    /// Returns the point with the larger absolute load or, if both loads are equal, the faster
+    /// point.
     #[must_use]
     pub fn heavier(self, other: Self) -> Self {
         if self.compare(&other).is_gt() { self } else { other }
@@ -275,7 +282,7 @@ impl PhasePoint {
 }
 
 impl Phase {
-    /// Returns the mean speed \[rad/s\], with its sign.
+    /// Returns the mean speed \[rad/s\], including its sign.
     pub fn mean_speed(&self) -> f64 {
         0.5 * (self.speed[0] + self.speed[1])
     }
@@ -285,7 +292,7 @@ impl Phase {
         self.speed[0].abs().max(self.speed[1].abs())
     }
 
-    /// Returns the direction of the motion: 1, -1, or 0 at standstill.
+    /// Returns the direction of motion: 1, -1, or 0 at standstill.
     pub fn direction(&self) -> f64 {
         direction_of(self.speed)
     }
@@ -295,7 +302,7 @@ impl Phase {
         self.direction() != 0.0
     }
 
-    /// Returns true if load and speed are the same at both ends.
+    /// Returns true if load and speed are constant.
     fn is_steady(&self) -> bool {
         self.has_constant_load() && self.has_constant_speed()
     }
@@ -308,7 +315,7 @@ impl Phase {
         self.speed[0].total_cmp(&self.speed[1]).is_eq()
     }
 
-    /// Returns the point of the phase after a share of its time, from 0 to 1.
+    /// Returns the operating point after a given share of the duration, from 0 to 1.
     fn at(&self, share: f64) -> PhasePoint {
         let between = |[start, end]: [f64; 2]| (1.0 - share) * start + share * end;
         let speed = between(self.speed);
@@ -322,22 +329,24 @@ impl Phase {
         }
     }
 
-    /// Returns the points at the start and at the end.
+    /// Returns the operating points at the start and at the end.
     pub fn ends(&self) -> [PhasePoint; 2] {
         [self.at(0.0), self.at(1.0)]
     }
 
-    /// Returns the end with the larger load; for equal loads, the faster end.
+    /// Returns the end point with the larger absolute load or, if both loads are equal, the faster
+    /// end point.
     pub fn heavier_end(&self) -> PhasePoint {
         let [start, end] = self.ends();
         start.heavier(end)
     }
 
-    /// Returns loads, mean speeds and times that have the same life as the phase (BB2). A constant
-    /// load gives one item. A load that is linear along the travel gives the nodes of a Gauss rule
-    /// between the loads at which a nut of a pair opens or the load changes its sign.
+    /// Returns loads, mean speeds and times that give the same life as the phase (BB2). A constant
+    /// load gives a single item. A load that varies linearly with the travel gives the nodes of a
+    /// Gauss rule on each interval between the loads at which a nut of a pair loses contact or the
+    /// load changes sign.
     ///
-    /// * `preload`: preload of a pair \[N\].
+    /// * `preload`: preload of a nut pair \[N\].
     pub fn duty(&self, preload: Option<f64>) -> Vec<Duty> {
         let [start, end] = self.load.map(|load| self.load_factor * load);
         let speed = self.mean_speed();
@@ -357,8 +366,9 @@ impl Phase {
             .collect()
     }
 
-    /// Returns loads and speeds that represent the phase if every solution is expensive, with their
-    /// shares of the time of the cycle: four nodes of a Gauss rule for a ramp, otherwise one point.
+    /// Returns operating points that represent the phase if each friction calculation is expensive,
+    /// each with its share of the cycle time. A ramp gives the four nodes of a Gauss rule, and a
+    /// steady phase gives a single point.
     pub fn samples(&self) -> Vec<(f64, PhasePoint)> {
         if self.is_steady() || !self.moves() {
             return vec![(self.time, self.at(0.0))];
@@ -369,15 +379,16 @@ impl Phase {
             .collect()
     }
 
-    /// Returns the means of the phase over its time (BB3), or `None` if friction is missing at a
+    /// Returns time averages over the phase (BB3), or `None` if `friction` returns `None` for any
     /// point.
     ///
-    /// Friction that depends on speed or load is interpolated to 1e-9 between Chebyshev nodes.
-    /// These polynomials are integrated by a Gauss rule between all changes of sign of load and
-    /// torque.
+    /// Friction that depends on speed or load is interpolated between Chebyshev nodes with a
+    /// relative accuracy of 1e-9. The resulting polynomials are integrated with a Gauss rule on
+    /// each interval between sign changes of load and torque.
     ///
-    /// * `preload`: preload of a pair \[N\].
-    /// * `friction`: friction torque against the motion, at the screw \[N·m\].
+    /// * `preload`: preload of a nut pair \[N\].
+    /// * `friction`: function that returns the friction torque opposing the motion, at the screw
+    ///   \[N·m\].
     pub fn means(
         &self,
         drive: &DriveTrain,
@@ -406,7 +417,8 @@ impl Phase {
         Some(sum)
     }
 
-    /// Returns the parts of the phase within which friction is smooth, as shares of its time.
+    /// Divides the phase into parts within which friction is a smooth function. The limits of each
+    /// part are shares of the duration.
     fn parts_of_friction(&self, preload: Option<f64>) -> Vec<[f64; 2]> {
         let [start, end] = if self.has_constant_load() { self.speed } else { self.load };
         let most = start.abs().max(end.abs());
@@ -418,19 +430,19 @@ impl Phase {
     }
 }
 
-/// Means of a phase over its time.
+/// Time averages over a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PhaseMeans {
-    /// Heat of friction \[W\].
+    /// Mean frictional heat \[W\].
     pub heat: f64,
-    /// Square of the motor torque \[N²·m²\].
+    /// Mean square of the motor torque \[N²·m²\].
     pub squared_torque: f64,
-    /// Power that the motor returns to the drive \[W\].
+    /// Mean power that the motor returns to the drive \[W\].
     pub regenerated: f64,
 }
 
 impl PhaseMeans {
-    /// Returns the values at a point.
+    /// Returns the instantaneous values at an operating point.
     fn at(drive: &DriveTrain, point: &PhasePoint, friction: f64) -> Self {
         let torque = drive.motor_torque(point, friction);
         // Q̇ = T_f |Ω|,  T_rms² = mean T²,  E_reg/t = max(0, −s T) i_g |Ω|  (BB3)
@@ -450,23 +462,24 @@ impl PhaseMeans {
     }
 }
 
-/// Friction over a part of a phase, as a polynomial of a coordinate. The coordinate is the time, or
-/// the cube root of the varying speed or load. The friction of films and of Hertzian contacts is
-/// smooth in this root.
+/// Friction torque over a part of a phase as a polynomial of a coordinate. The coordinate is the
+/// time, or the cube root of the varying speed or load. As a function of this root, the friction of
+/// lubricant films and of Hertzian contacts is smooth.
 struct FrictionCurve {
-    /// Coordinates of the ends.
+    /// Coordinates of both ends of this part of the phase.
     ends: [f64; 2],
-    /// Speed or load at the start and the end of the phase if the coordinate is their cube root. If
-    /// it is `None`, the coordinate is the share of the time.
+    /// Speeds or loads at the start and at the end of the phase if the coordinate is their cube
+    /// root. If `None`, the coordinate is the share of the duration.
     root_of: Option<[f64; 2]>,
-    /// Coordinates of the Chebyshev nodes, with the friction at these nodes \[N·m\].
+    /// Coordinates of the Chebyshev nodes, each with the friction torque \[N·m\].
     nodes: Vec<(f64, f64)>,
 }
 
 impl FrictionCurve {
-    /// Returns the friction over a part of a phase, or `None` if friction is missing at a point.
+    /// Interpolates the friction torque over a part of a phase. Returns `None` if `friction`
+    /// returns `None` for any point.
     ///
-    /// * `part`: shares of the time of the phase.
+    /// * `part`: limits of the part, as shares of the duration of the phase.
     fn of(
         phase: &Phase,
         part: [f64; 2],
@@ -477,8 +490,8 @@ impl FrictionCurve {
         let range = if by_speed { phase.speed } else { phase.load };
         let most = range[0].abs().max(range[1].abs());
         let value = |share: f64| (1.0 - share) * range[0] + share * range[1];
-        // Below the creep speed, friction is constant. Below the fraction `CREEP` of the largest
-        // load, friction without a preload varies linearly with the load.
+        // Below the creep speed, friction is constant. Without a preload, friction varies linearly
+        // with the load below the fraction `CREEP` of the largest load.
         let middle = value(0.5 * (part[0] + part[1])).abs();
         let is_small = middle < CREEP * most;
         let is_rooted = !is_small && (by_speed || preload.is_none());
@@ -523,7 +536,7 @@ impl FrictionCurve {
         }
     }
 
-    /// Returns the friction at a coordinate \[N·m\] by barycentric interpolation.
+    /// Returns the friction torque at a coordinate \[N·m\] by barycentric interpolation.
     fn value(&self, place: f64) -> f64 {
         let (mut above, mut below) = (0.0, 0.0);
         let last = self.nodes.len() - 1;
@@ -540,33 +553,33 @@ impl FrictionCurve {
         above / below
     }
 
-    /// Returns the point of the phase at a coordinate, and its friction.
+    /// Returns the operating point at a coordinate and its friction torque.
     fn at(&self, phase: &Phase, place: f64) -> (PhasePoint, f64) {
         (phase.at(curve_share(self.root_of, place)), self.value(place))
     }
 
-    /// Returns the derivative of the share of time with respect to the coordinate.
+    /// Returns the derivative of the share of the duration with respect to the coordinate.
     fn time_for_place(&self, place: f64) -> f64 {
         self.root_of.map_or(1.0, |[start, end]| 3.0 * place.powi(2) / (end - start)).abs()
     }
 }
 
-/// Returns the share of the time of a phase at a coordinate of its friction curve.
+/// Converts a coordinate of a friction curve into a share of the duration of the phase.
 fn curve_share(root_of: Option<[f64; 2]>, place: f64) -> f64 {
     root_of.map_or(place, |[start, end]| (place.powi(3) - start) / (end - start))
 }
 
-/// Returns the coordinate of a Chebyshev node, which is an extremum of the Chebyshev polynomial of
-/// the given degree, between two ends.
+/// Returns the coordinate of a Chebyshev node on an interval. The nodes are the extrema of the
+/// Chebyshev polynomial of the given degree.
 #[expect(clippy::cast_precision_loss, reason = "a few nodes")]
 fn chebyshev([start, end]: [f64; 2], node: usize, degree: usize) -> f64 {
     let cosine = (0.5 * TAU * node as f64 / degree as f64).cos();
     0.5 * ((1.0 + cosine) * start + (1.0 - cosine) * end)
 }
 
-/// Returns the coordinates between two ends at which a quantity changes its sign.
+/// Returns the coordinates inside an interval at which one of the quantities changes sign.
 fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N]) -> Vec<f64> {
-    /// Number of parts that are searched for a change of sign.
+    /// Number of subintervals that are searched for a sign change.
     const PARTS: u32 = 16;
     let place = |part: u32| {
         let share = f64::from(part) / f64::from(PARTS);
@@ -588,12 +601,13 @@ fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N])
     found
 }
 
-/// Returns the intervals of [0, 1] between its ends and the inner breaks.
+/// Returns the intervals into which the breaks divide [0, 1]. Breaks outside [0, 1] are ignored.
 fn intervals(breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     intervals_between([0.0, 1.0], breaks)
 }
 
-/// Returns the intervals between two ends and the inner breaks.
+/// Returns the intervals into which the breaks divide the range between two ends. Breaks outside
+/// the range are ignored.
 fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let inside = breaks.iter().copied().filter(|at| low < *at && *at < high);
@@ -603,7 +617,7 @@ fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f6
     (1..all.len()).map(move |end| [all[end - 1], all[end]])
 }
 
-/// Returns coordinates and weights of the Gauss rule on an interval.
+/// Returns the nodes and weights of the Gauss rule on an interval.
 fn gauss([start, end]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
     let nodes = rule(NODES).into_iter();
     nodes.map(move |(share, weight)| (start + share * (end - start), weight * (end - start)))
@@ -615,22 +629,22 @@ fn rule(nodes: usize) -> Vec<(f64, f64)> {
     rule.iter().map(|(place, weight)| (0.5 * (place + 1.0), 0.5 * weight)).collect()
 }
 
-/// Travel of a cycle.
+/// Travel of a duty cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleTravel {
-    /// Distance in both directions \[m\].
+    /// Total distance in both directions \[m\].
     pub way: f64,
-    /// Distance between the farthest points of the travel \[m\].
+    /// Distance between the two extreme positions \[m\].
     pub range: f64,
-    /// Distance from the start to the end of the cycle \[m\], with its sign.
+    /// Signed distance from the start position to the end position of the cycle \[m\].
     pub end: f64,
 }
 
 impl CycleTravel {
-    /// Returns the travel of a cycle.
+    /// Calculates the travel of a duty cycle.
     ///
-    /// * `advance`: travel per radian of the screw \[m\].
-    /// * `time`: time of the cycle \[s\].
+    /// * `advance`: travel per radian of screw rotation \[m\].
+    /// * `time`: cycle time \[s\].
     pub fn of(phases: &[Phase], advance: f64, time: f64) -> Self {
         let (mut way, mut low, mut high, mut at) = (0.0, 0.0_f64, 0.0_f64, 0.0);
         for phase in phases {
@@ -644,10 +658,10 @@ impl CycleTravel {
     }
 }
 
-/// Returns pairs of consecutive phases, including the last and the first phase, between which the
-/// speed jumps.
+/// Returns all pairs of consecutive phases with a jump in speed between them. The first phase
+/// follows the last one.
 ///
-/// A jump below a millionth of the largest speed is a rounding error.
+/// Jumps below one millionth of the largest speed count as rounding errors.
 pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
     const ROUNDING: f64 = 1e-6;
     let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
@@ -684,8 +698,9 @@ mod tests {
         Phase { entry: Some(0), time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }
     }
 
-    /// Hand calculation: 0.3 m in 1.5 s with 1.2 and 2 m/s² gives c = 4/3 s²/m and v = (1.5 −
-    /// √1.45)/(4/3) m/s. The shortest time is √0.8 s, for which the move is triangular.
+    /// Hand calculation: a move of 0.3 m in 1.5 s with ramps of 1.2 and 2 m/s² gives c = 4/3 s²/m
+    /// and v = (1.5 − √1.45)/(4/3) m/s. The shortest duration is √0.8 s, for which the move is
+    /// triangular.
     #[test]
     fn the_top_speed_of_a_move_follows_from_its_time() {
         let found = Move::in_time(0.3, 1.5, [1.2, 2.0]).expect("long enough");
@@ -702,11 +717,11 @@ mod tests {
         assert_relative_eq!(limited.times.iter().sum::<f64>(), 1.5, max_relative = 1e-13);
     }
 
-    /// Hand calculation: a friction torque of 2 N m from standstill to 100 rad/s has a mean heat of
-    /// half of 200 W, and T² is 4. For friction proportional to Ω^(2/3), the heat is
-    /// 2·100·100^(2/3)/(8/3) W.
+    /// Hand calculation: a constant friction torque of 2 N m from standstill to 100 rad/s gives a
+    /// mean heat of 200/2 W and a mean squared torque of 4 N² m². For friction proportional to
+    /// Ω^(2/3), the mean heat is 2·100·100^(2/3)/(8/3) W.
     #[test]
-    fn means_of_ramps_are_exact() {
+    fn time_averages_over_ramps_are_exact() {
         let phase = ramp([0.0, 100.0], [0.0; 2]);
         let constant = phase.means(&drive(), None, |_| Some(2.0)).expect("friction");
         assert_relative_eq!(constant.heat, 100.0, max_relative = 1e-13);
@@ -714,16 +729,16 @@ mod tests {
         let film = |point: &PhasePoint| Some(point.friction_speed.abs().powf(2.0 / 3.0));
         let found = phase.means(&drive(), None, film).expect("friction");
         let by_hand = 100.0_f64.powf(5.0 / 3.0) * 3.0 / 8.0;
-        // Below a thousandth of the speed, friction is constant. This changes the heat there by at
-        // most 1e-6 times (1e-3)^(2/3).
+        // Below one thousandth of the largest speed, friction is constant. The resulting relative
+        // error of the heat is at most 1e-6 times (1e-3)^(2/3).
         assert_relative_eq!(found.heat, by_hand, max_relative = 1e-7);
     }
 
-    /// Hand calculation for a load from -1 to 3 kN at a constant speed with a lead of 10 mm and a
-    /// friction of 0.1 |F| h: the motor returns power while the load drives, which is a quarter of
-    /// the time, with a mean of 0.9 h 500 N Ω over this time.
+    /// Hand calculation for a load from -1 to 3 kN at constant speed, with a lead of 10 mm and a
+    /// friction torque of 0.1 |F| h. The motor returns power while the load drives, which is one
+    /// quarter of the time, with a mean of 0.9 h 500 N Ω during this quarter.
     #[test]
-    fn linear_load_regenerates_while_it_drives() {
+    fn motor_regenerates_while_a_linear_load_drives() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
         let advance = 10e-3 / TAU;
         let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs());
@@ -736,10 +751,10 @@ mod tests {
         assert_relative_eq!(found.squared_torque, squares * advance.powi(2), max_relative = 1e-12);
     }
 
-    /// Hand calculation: a friction of 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean
-    /// 0.1 h 1250 N + 0.3 N m. The drag does not vanish with the load.
+    /// Hand calculation: for a load from -1 to 3 kN, a friction torque of 0.1 |F| h + 0.3 N m has a
+    /// mean of 0.1 h 1250 N + 0.3 N m. The constant drag remains when the load is zero.
     #[test]
-    fn drag_remains_where_the_load_changes_its_sign() {
+    fn drag_remains_when_the_load_changes_sign() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
         let advance = 10e-3 / TAU;
         let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs() + 0.3);
@@ -751,10 +766,10 @@ mod tests {
         );
     }
 
-    /// Hand calculation: for a load from 0 to 20 kN, the mean cube is a quarter of 20³. The mean
-    /// cube between two loads is (F₀ + F₁)(F₀² + F₁²)/4.
+    /// Hand calculation: for a load from 0 to 20 kN, the mean of the cubed load is 20³/4. For a
+    /// load from F₀ to F₁, it is (F₀ + F₁)(F₀² + F₁²)/4.
     #[test]
-    fn duty_has_mean_cube_of_linear_load() {
+    fn duty_reproduces_the_mean_cube_of_a_linear_load() {
         for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
             let phase = ramp([10.0; 2], load);
             let duty = phase.duty(None);
@@ -766,8 +781,8 @@ mod tests {
         assert_eq!(ramp([0.0, 8.0], [3e3; 2]).duty(Some(1e3)).len(), 1);
     }
 
-    /// A ramp through standstill becomes two phases, because friction of the guides changes its
-    /// sign. The hand calculation is for 12 to -12 m/min in 0.4 s.
+    /// A ramp through standstill becomes two phases, because guide friction changes sign. The hand
+    /// calculation is for a ramp from 12 to -12 m/min in 0.4 s.
     #[test]
     fn ramps_are_split_at_standstill() {
         let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };

@@ -1,4 +1,4 @@
-//! Load ratings and efficiency of a nut from its geometry.
+//! Load ratings and efficiency of a nut, calculated from its geometry.
 
 use std::f64::consts::PI;
 
@@ -8,10 +8,10 @@ use bsm_dyn::{
     solution::rolling_tangent,
 };
 
-/// The formulas of the ratings are empirical and use millimeters.
+/// Millimeters per meter, because the empirical rating formulas use millimeters.
 const PER_MM: f64 = 1e3;
 
-/// The loaded part of a nut and its screw.
+/// Geometry of the loaded part of a nut and its screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nut {
     /// Ball diameter \[m\], positive.
@@ -30,40 +30,41 @@ pub struct Nut {
     pub balls_per_turn: f64,
     /// Number of loaded turns, positive. The number may be a fraction.
     pub turns: f64,
-    /// Number of parallel threads `$z$`, among which the turns are divided evenly; at least one.
+    /// Number of starts `$z$`, among which the loaded turns are divided evenly; at least one.
     pub starts: f64,
 }
 
-/// Dynamic load rating and its intermediate results, for a check by hand.
+/// Dynamic load rating together with intermediate results that help to check it by hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DynamicRating {
-    /// `$\gamma$` (D1).
+    /// Geometry parameter `$\gamma$` (D1).
     pub gamma: f64,
     /// Geometry factor `$f_c$` (D2).
     pub shape: f64,
-    /// Load rating of one turn at the screw `$C_s$` \[N\] (D3).
+    /// Load rating of one turn for the screw raceway `$C_s$` \[N\] (D3).
     pub screw: f64,
-    /// Ratio of the ratings at screw and nut `$C_s/C_n$` (D4).
+    /// Ratio of the load ratings for the screw and nut raceways `$C_s/C_n$` (D4).
     pub ratio: f64,
-    /// Load rating of one turn `$C_i$` \[N\] (D4).
+    /// Load rating of one turn for both raceways together `$C_i$` \[N\] (D4).
     pub turn: f64,
     /// Dynamic load rating `$C_a$` \[N\] (D4).
     pub rating: f64,
 }
 
-/// Static load rating and its intermediate results, for a check by hand.
+/// Static load rating together with intermediate results that help to check it by hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticRating {
-    /// Curvatures of the contact at the screw \[1/m\].
+    /// Curvatures of the contact between ball and screw \[1/m\].
     pub curvatures: Curvatures,
-    /// Load of a ball divided by `$D_w^2$` \[N/mm²\] (D5).
+    /// Static load capacity of a ball divided by `$D_w^2$` \[N/mm²\] (D5).
     pub factor: f64,
     /// Static load rating `$C_{0a}$` \[N\] (D5).
     pub rating: f64,
 }
 
 impl DynamicRating {
-    /// Returns the ratings of a nut with the same geometry whose dynamic load rating \[N\] is known.
+    /// Scales all load ratings so that the dynamic load rating of the nut equals a known value
+    /// \[N\].
     #[must_use]
     pub fn scaled_to(self, rating: f64) -> Self {
         let factor = rating / self.rating;
@@ -72,7 +73,7 @@ impl DynamicRating {
 }
 
 impl StaticRating {
-    /// Returns the rating of a nut with the same geometry whose static load rating \[N\] is known.
+    /// Scales the result so that the static load rating of the nut equals a known value \[N\].
     #[must_use]
     pub fn scaled_to(self, rating: f64) -> Self {
         Self { factor: rating / self.rating * self.factor, rating, ..self }
@@ -80,15 +81,15 @@ impl StaticRating {
 }
 
 impl Nut {
-    /// Conformity that reproduces the load ratings of HIWIN (BS-08-2). It is used for tables that
-    /// do not state a conformity.
+    /// Conformity with which the formulas reproduce the load ratings in the HIWIN catalog
+    /// (BS-08-2). It is the default for tables that do not state the conformity.
     pub const USUAL_CONFORMITY: f64 = 0.5203;
 
-    /// Number of turns by which the ball return shortens a circuit. It comes from the same fit as
-    /// [`USUAL_CONFORMITY`](Self::USUAL_CONFORMITY).
+    /// Number of turns by which the ball return shortens the loaded part of a circuit. It was
+    /// fitted together with [`USUAL_CONFORMITY`](Self::USUAL_CONFORMITY).
     pub const RETURN_TURNS: f64 = 0.19;
 
-    /// Returns the pitch circle diameter for a core diameter \[m\], the inverse of (G3).
+    /// Returns the pitch circle diameter that belongs to a core diameter \[m\] (inverse of (G3)).
     pub fn pitch_diameter_over(core: f64, ball: f64, conformity: f64, contact_angle: f64) -> f64 {
         // D_pw = d_ro + 2 [R − (R − D_w/2) cosβ]                          (G3)
         let (radius, center_distance) = (conformity * ball, (conformity - 0.5) * ball);
@@ -100,18 +101,18 @@ impl Nut {
         (self.lead / (PI * self.pitch_diameter)).atan()
     }
 
-    /// Returns the axial distance of neighboring grooves `$P = P_h/z$` \[m\].
+    /// Returns the axial distance between neighboring grooves `$P = P_h/z$` \[m\].
     pub fn pitch(&self) -> f64 {
         self.lead / self.starts
     }
 
-    /// Returns the length of one turn of the ball centers \[m\] (D16).
+    /// Returns the length of the helix through the ball centers over one turn \[m\] (D16).
     pub fn turn_length(&self) -> f64 {
         turn_length(self.pitch_diameter, self.lead)
     }
 
-    /// Returns the dynamic axial load rating `$C_a$` \[N\], the load that 90 % of nuts carry for a
-    /// million revolutions (D1) to (D4).
+    /// Returns the dynamic axial load rating `$C_a$` \[N\] by (D1) to (D4). This is the load that
+    /// 90 % of all nuts carry for a million revolutions.
     ///
     /// ```math
     /// C_a = C_s\big[1 + (C_s/C_n)^{10/3}\big]^{-3/10}\, i^{0.86}
@@ -143,15 +144,15 @@ impl Nut {
         DynamicRating { gamma, shape, screw: of_screw, ratio, turn, rating }
     }
 
-    /// Returns the static axial load rating `$C_{0a}$` \[N\], the load that leaves a permanent set
-    /// of a ten-thousandth of the ball diameter (D5).
+    /// Returns the static axial load rating `$C_{0a}$` \[N\] (D5). This load leaves a permanent set
+    /// of one ten-thousandth of the ball diameter.
     ///
     /// ```math
     /// C_{0a} = \frac{27.74\, n\,i\, D_w^2 \sin\beta\cos\alpha}{D_w\sqrt{\rho_t\rho_x}}
     /// ```
     ///
-    /// with the curvatures of the screw contact. The groove is treated like the groove of a
-    /// bearing.
+    /// where the curvatures are those of the contact between ball and screw. The groove is treated
+    /// like a bearing groove, with zero lead angle.
     ///
     /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn static_rating(&self) -> StaticRating {
@@ -168,7 +169,7 @@ impl Nut {
         StaticRating { curvatures, factor, rating }
     }
 
-    /// Returns the efficiency of a screw whose balls roll against a resistance with the lever arm
+    /// Returns the efficiency of a screw whose only loss is a rolling resistance with the lever arm
     /// `$f_r$` \[m\] (D9).
     ///
     /// Source: Sobolewski (2002), with (Q1).
@@ -189,7 +190,8 @@ impl Nut {
     }
 }
 
-/// Returns the length of one turn of the ball centers (D16), in the unit of its arguments.
+/// Returns the length of the helix through the ball centers over one turn (D16), in the unit of the
+/// arguments.
 pub fn turn_length(pitch_diameter: f64, lead: f64) -> f64 {
     // L = √((π D_pw)² + P_h²)                                             (D16)
     (PI * pitch_diameter).hypot(lead)

@@ -1,31 +1,32 @@
-//! Size of a preload: given as a force, by the load, or by a class of a manufacturer.
+//! Amount of preload, which is specified as a force, by the load or by a manufacturer's preload
+//! class.
 
 use crate::OPENS_AT;
 
-/// The preload that a case requests.
+/// Amount of preload that a case requests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadSize {
-    /// A force \[N\].
+    /// Preload force \[N\].
     Force(f64),
-    /// The smallest preload at which the largest load unloads neither nut of a pair.
+    /// Smallest preload at which the largest load does not unload either nut of a pair.
     Auto,
-    /// A fraction of the dynamic load rating.
+    /// Preload as a fraction of the dynamic load rating.
     Share(f64),
 }
 
-/// Preload method of a nut, which limits the preload.
+/// Method by which a nut is preloaded, which limits the preload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PreloadMethod {
-    /// Two nuts that are clamped against each other.
+    /// Two nuts clamped against each other.
     DoubleNut,
-    /// A shifted lead within one nut.
+    /// Single nut with a lead offset between its two halves.
     Offset,
-    /// Oversize balls that touch both flanks.
+    /// Single nut with oversize balls that touch both flanks.
     Oversize,
 }
 
 impl PreloadMethod {
-    /// Returns the largest preload divided by the dynamic load rating, `$\phi$` (AA6).
+    /// Returns the maximum preload as a fraction of the dynamic load rating, `$\phi$` (AA6).
     ///
     /// Source: THK, A-687; HIWIN BS-08-2, 3.6.1 and 3.6.2.
     pub fn share(self) -> f64 {
@@ -37,9 +38,9 @@ impl PreloadMethod {
 }
 
 impl PreloadSize {
-    /// Returns the force \[N\].
+    /// Returns the preload force \[N\].
     ///
-    /// * `load`: largest load of the cycle \[N\].
+    /// * `load`: largest load of the duty cycle \[N\].
     /// * `rating`: dynamic load rating \[N\].
     pub fn force(self, load: f64, rating: f64) -> f64 {
         match self {
@@ -50,7 +51,8 @@ impl PreloadSize {
     }
 }
 
-/// Returns the smallest preload of a pair \[N\] at which a load unloads neither nut (AA6).
+/// Returns the smallest preload of a nut pair \[N\] at which a load does not unload either nut
+/// (AA6).
 ///
 /// ```math
 /// F_{max}/2^{3/2} \le F_{pr} \le \phi\,C_a
@@ -62,24 +64,26 @@ pub fn least_preload(load: f64) -> f64 {
     load / OPENS_AT
 }
 
-/// Returns the force rounded up to a multiple of 50 N below 5 kN, and of 100 N above.
+/// Rounds a force up to a multiple of 50 N below 5 kN and of 100 N from 5 kN.
 fn rounded_up(force: f64) -> f64 {
     let step = if force < 5e3 { 50.0 } else { 100.0 };
-    // A value that is on a step except for rounding errors stays there.
+    // A multiple of the step that is slightly too large because of rounding errors is not rounded
+    // up.
     (force / step - 1e-9).ceil() * step
 }
 
-/// Meaning of a preload class.
+/// Meaning of a manufacturer's preload class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadClass {
-    /// A preload.
+    /// The class specifies a preload.
     Preload(PreloadSize),
-    /// No preload, and the largest axial play \[m\], if it is stated.
+    /// The class has no preload. The value is the largest axial play \[m\], if the manufacturer
+    /// states it.
     Play(Option<f64>),
 }
 
-/// Classes of manufacturers. The fractions of the dynamic load rating are usual values, and the
-/// plays come from THK, table 10.
+/// Preload classes of manufacturers. The fractions of the dynamic load rating are usual values, and
+/// the values of axial play come from THK, table 10.
 pub const PRELOAD_CLASSES: [(&str, PreloadClass); 16] = {
     use PreloadClass::{Play, Preload as Of};
     use PreloadSize::{Auto, Share};
@@ -109,10 +113,11 @@ mod tests {
 
     use super::*;
 
-    /// Hand calculation for a feed axis of 7000 N: the preload is at least 2474.9 N, rounded to
-    /// 2500 N. In a double nut of 52.7 kN, it is at most 5270 N.
+    /// Hand calculation for a feed axis with a largest load of 7000 N. The preload must be at least
+    /// 2474.9 N, which is rounded up to 2500 N. For a double nut with a rating of 52.7 kN, it may
+    /// be at most 5270 N.
     #[test]
-    fn the_preload_follows_from_the_load_in_catalog_steps() {
+    fn auto_preload_is_rounded_up_to_catalog_steps() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);
         assert_relative_eq!(PreloadSize::Auto.force(7e3, 52.7e3), 2500.0, max_relative = 1e-14);
         assert_relative_eq!(PreloadSize::Auto.force(14.2e3, 0.0), 5100.0, max_relative = 1e-14);

@@ -1,4 +1,4 @@
-//! The search for the best screw that meets a requirement.
+//! Search for the best screw that meets a requirement.
 
 use std::f64::consts::PI;
 
@@ -10,20 +10,20 @@ use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimize};
 use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
-/// Smallest number of loaded turns that is tried, and the largest number if no other limit applies.
+/// Smallest number of loaded turns to try, and largest number if no other limit applies.
 const TURNS: (u32, u32) = (2, 12);
 
-/// Numbers of steps of contact angle and conformity in the coarse grid for each pitch circle.
+/// Number of intervals of the coarse grid for contact angle and conformity.
 const COARSE_GRID: (u32, u32) = (9, 2);
 
-/// Number of pitch circles with the best values on the coarse grid, which are then optimized.
+/// Number of candidates from the coarse grid whose contact angle and conformity are optimized.
 const MAX_REFINED: usize = 24;
 
-/// Largest violation of a limit on the coarse grid.
+/// Violation below which candidates on the coarse grid are ranked by their objective only.
 const COARSE_VIOLATION: f64 = 0.1;
 
-/// Starting points of the search, in the unit cube of pitch diameter, ball ratio, contact angle and
-/// conformity.
+/// Starting points of the optimization in the unit cube. The coordinates are pitch circle diameter,
+/// ball ratio, contact angle and conformity.
 const STARTS: [[f64; 4]; 6] = [
     [0.5, 0.5, 0.5, 0.5],
     [0.25, 0.7, 0.3, 0.2],
@@ -33,24 +33,24 @@ const STARTS: [[f64; 4]; 6] = [
     [0.6, 0.6, 0.9, 0.6],
 ];
 
-/// Number of starting points that are used to choose a lead.
+/// Number of starting points used to select a lead.
 const FEW_STARTS: usize = 2;
 
-/// Smallest pitch circle diameter that is tried \[m\].
+/// Smallest pitch circle diameter to try \[m\].
 const MIN_PITCH_DIAMETER: f64 = 2e-3;
 
-/// Distance that the search keeps from each limit.
+/// Safety margin that the search keeps from each limit, relative to the limit.
 const RESERVE: f64 = SLACK - ROUNDING;
 
-/// Distance from a limit within which the limit is active.
+/// Margin below which a limit counts as active, relative to the limit.
 const ACTIVE_MARGIN: f64 = 2e-3;
 
-/// A limit that is active for a choice.
+/// A limit that prevents a better design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BindingLimit {
-    /// The limited quantity.
+    /// Quantity to which the limit applies.
     pub quantity: Quantity,
-    /// The best objective without this limit; only for standard sizes.
+    /// Best objective without this limit; available only for standard sizes.
     pub without: Option<f64>,
 }
 
@@ -59,59 +59,62 @@ pub struct BindingLimit {
 pub enum Outcome {
     /// A screw that meets the requirement, with a whole number of balls of an available size.
     Found {
-        /// The screw.
+        /// The selected screw.
         design: Design,
-        /// The active limits. For continuous sizes, they are the limits that the screw just meets;
-        /// for standard sizes, the limits without which a better screw could be chosen.
+        /// The active limits. In a search of continuous sizes, these are the limits that the screw
+        /// just meets. In a search of standard sizes, these are the limits without which a better
+        /// screw would be selected.
         active: Vec<BindingLimit>,
-        /// The rules for the loads of all balls that better screws violate.
+        /// Names of the rules based on all ball loads that better screws violate.
         failed_rules: Vec<&'static str>,
     },
     /// No screw meets the requirement.
     Infeasible {
-        /// The screw with the smallest violation.
+        /// The screw with the smallest violation of the limits.
         design: Design,
-        /// The blocking limits: each limit whose removal alone would allow all other limits to be
-        /// met or, if there is none, the limits that `design` violates. Empty if the model gives no
-        /// efficiency for any screw, or if the screws that meet all limits violate a rule for the
-        /// loads of all balls.
+        /// The blocking limits. A limit is blocking if all other limits can be met after removing
+        /// it. If no such limit exists, these are the limits that `design` violates. The list is
+        /// empty if the model gives no efficiency for any screw, or if all screws within the limits
+        /// violate a rule based on all ball loads.
         blocking: Vec<ActiveLimit>,
     },
 }
 
-/// A limit that no screw meets together with the other limits.
+/// A limit that cannot be met together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveLimit {
-    /// The limit, and the value of the screw with the smallest violation.
+    /// The limit, and the value for the screw with the smallest violation.
     pub check: Check,
-    /// The reason why the limit blocks.
+    /// Reason why this limit blocks a solution.
     pub cause: Infeasibility,
 }
 
-/// The reason why no screw meets a limit together with the other limits.
+/// Reason why a limit cannot be met together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Infeasibility {
-    /// This limit alone prevents a solution. The value is the best value with all other limits met.
+    /// Without this limit, all others can be met. The value is the best value of the limited
+    /// quantity under the other limits.
     SingleLimit(f64),
-    /// The other limits cannot all be met even without this limit.
+    /// Even without this limit, the other limits cannot all be met.
     SeveralLimits,
-    /// The limits can only be met with a fractional number of balls, or with a ball size that is
-    /// not available.
+    /// The limits can be met only with a fractional number of balls or with an unavailable ball
+    /// size.
     WholeBalls,
 }
 
 impl Requirement {
-    /// Returns the best screw for the requirement.
+    /// Returns the best screw that meets the requirement, or the reason why there is none.
     ///
-    /// If there are several leads, the lead of the best screw with continuous ball sizes and
-    /// numbers of balls is used. Then every available ball size and every whole number of balls
-    /// within the limits of size determines a pitch circle. The best of these pitch circles on a
-    /// coarse grid of contact angles and conformities are optimized in both. If no screw meets all
-    /// limits, a search with continuous ball sizes and numbers of balls finds the reason.
+    /// If several leads are allowed, the search first selects the lead of the best screw with
+    /// continuous ball sizes and fractional numbers of balls. Each combination of an available ball
+    /// size and a whole number of balls then determines a pitch circle diameter. The search
+    /// evaluates these candidates on a coarse grid of contact angles and conformities, and
+    /// optimizes both quantities for the best candidates. If no candidate meets all limits, a
+    /// search with continuous ball sizes and fractional numbers of balls identifies the reason.
     ///
     /// # Panics
     ///
-    /// Panics if there is no lead to choose from.
+    /// Panics if the requirement does not contain a lead.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>, accepted: AcceptedBy<'_>) -> Outcome {
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
         let needed = self.objective.asks_efficiency() || limited;
@@ -142,7 +145,7 @@ impl Requirement {
         if let [best, ..] = feasible[..] {
             return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
         }
-        // Only the limited quantities matter from here on.
+        // To identify the reason, only the quantities with limits are needed.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
@@ -157,7 +160,7 @@ impl Requirement {
         Outcome::Infeasible { design: complete(nut), blocking }
     }
 
-    /// Returns the numbers of turns that are tried.
+    /// Returns the numbers of loaded turns to try.
     fn turns(&self) -> Vec<f64> {
         match self.fixed.turns {
             Some(turns) => vec![turns],
@@ -169,11 +172,11 @@ impl Requirement {
     }
 }
 
-/// Number of designs that are judged together by the rules for the loads of all balls.
+/// Number of designs that are checked in parallel against the rules based on all ball loads.
 const BATCH_SIZE: usize = 16;
 
-/// Returns the first of some designs, in order of preference, that meets the rules for the loads of
-/// all balls, and the rules that the designs before it violate.
+/// Returns the first design that meets the rules based on all ball loads, and the names of the
+/// rules that the preceding designs violate. The designs must be in order of preference.
 pub(crate) fn first_accepted<'a>(
     designs: &[&'a Design],
     accepted: AcceptedBy<'_>,
@@ -193,7 +196,7 @@ pub(crate) fn first_accepted<'a>(
     (None, failed_rules)
 }
 
-/// Returns the limits that a design just meets.
+/// Returns the limits that the design meets only just.
 fn active_constraints(design: &Design) -> Vec<BindingLimit> {
     let near =
         |check: &&Check| check.violation().is_some_and(|violations| violations > -ACTIVE_MARGIN);
@@ -201,14 +204,14 @@ fn active_constraints(design: &Design) -> Vec<BindingLimit> {
     design.checks.iter().filter(near).map(holds).collect()
 }
 
-/// Returns the item with the smallest value.
+/// Returns the item for which `value` is smallest.
 fn least<T>(items: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Option<T> {
     let valued = items.map(|item| (value(&item), item));
     valued.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, item)| item)
 }
 
-/// Returns a number by which values are sorted. Values that meet all limits come first, sorted by
-/// their objective; the others are sorted by their violation.
+/// Returns a sort key for the evaluation of a design. Designs that meet all limits come first, in
+/// order of their objective. All other designs follow, in order of their largest violation.
 fn rank(value: &Value) -> f64 {
     let largest_violation = value.largest_violation();
     if largest_violation <= SLACK {
@@ -218,11 +221,11 @@ fn rank(value: &Value) -> f64 {
     }
 }
 
-/// A point in the space of designs.
+/// A point of the search space.
 #[derive(Debug, Clone)]
 struct Trial {
     turns: f64,
-    /// Free variables in the unit cube.
+    /// Values of the free variables in the unit cube.
     free: Vec<f64>,
 }
 
@@ -232,7 +235,7 @@ struct Search<'a> {
     efficiency: Option<EfficiencyOf<'a>>,
 }
 
-/// The four variables of a nut that the search changes.
+/// The four variables of a nut that the search can change.
 #[derive(Debug, Clone, Copy)]
 struct Variables {
     pitch_diameter: f64,
@@ -242,13 +245,13 @@ struct Variables {
 }
 
 impl Search<'_> {
-    /// Returns the variables of a point. Each variable is fixed or taken from the free variables in
-    /// order.
+    /// Converts a point of the unit cube into the four variables. Variables with fixed values are
+    /// not part of the point.
     fn variables(&self, free: &[f64]) -> Variables {
         let Requirement { fixed, largest_diameter, ranges, .. } = self.requirement;
         let mut free = free.iter();
         let mut next = |(low, high): (f64, f64)| {
-            low + (high - low) * free.next().expect("a number for each that is free")
+            low + (high - low) * free.next().expect("one number per free variable")
         };
         let pitch_diameter = fixed.pitch_diameter.unwrap_or_else(|| {
             let largest = largest_diameter.max(2.0 * MIN_PITCH_DIAMETER);
@@ -262,13 +265,13 @@ impl Search<'_> {
         Variables { pitch_diameter, ball, contact_angle, conformity }
     }
 
-    /// Returns which of the four variables are free.
+    /// Returns for each of the four variables whether it is free.
     fn is_free(&self) -> [bool; 4] {
         let f = &self.requirement.fixed;
         [f.pitch_diameter, f.ball, f.contact_angle, f.conformity].map(|fixed| fixed.is_none())
     }
 
-    /// Returns the length of a turn divided by the ball diameter.
+    /// Returns the length of one turn divided by the ball diameter.
     fn balls(&self, variables: &Variables) -> f64 {
         let lead = self.pitch.lead(variables.pitch_diameter);
         turn_length(variables.pitch_diameter, lead) / variables.ball
@@ -288,10 +291,10 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the nut of a point, with a fractional number of balls.
+    /// Returns the nut for a point of the search space, with a fractional number of balls.
     fn nut(&self, at: &Trial) -> Nut {
         let variables = self.variables(&at.free);
-        // With no more than the four balls that are in the return, no ball would carry load.
+        // If a turn holds at most the four balls that are in the return, no ball would carry load.
         let loaded = (self.balls(&variables) - IDLE_BALLS).max(0.1);
         self.nut_of(&variables, loaded, at.turns)
     }
@@ -307,8 +310,8 @@ impl Search<'_> {
     fn value_of(&self, design: &Design) -> Value {
         Value {
             objective: design.objective(self.requirement.objective),
-            // A limit that is met within the slack of the search counts as met, except for rounding
-            // errors.
+            // The search also accepts limits that are violated by less than its tolerance, so this
+            // margin keeps accepted designs within the limits, except for rounding errors.
             violations: design
                 .checks
                 .iter()
@@ -318,15 +321,16 @@ impl Search<'_> {
         }
     }
 
-    /// Returns the best point with continuous ball sizes and numbers of balls, from a few starting
-    /// points.
+    /// Returns the evaluation of the best design with continuous ball sizes and fractional numbers
+    /// of balls, using only a few starting points.
     fn relaxed(&self, turns: &[f64]) -> Value {
         let value = |at: &Trial| self.value(at);
         value(&self.best_from(&STARTS[..FEW_STARTS], turns, value))
     }
 
-    /// Returns the best of the minima from some starting points with all numbers of turns: the
-    /// point with the smallest objective among the points with the smallest violation.
+    /// Minimizes from every combination of starting point and number of turns, and returns the best
+    /// minimum. Among the minima with the smallest violation, it is the one with the smallest
+    /// objective.
     fn best_from(
         &self,
         starts: &[[f64; 4]],
@@ -376,11 +380,11 @@ impl Search<'_> {
                 }
             }
         }
-        // If no design fits, the others show the reason.
+        // If no candidate meets the size limits, all are kept, because they show the reason.
         let fitting: Vec<_> = nuts.iter().filter(|nut| self.fits(nut)).copied().collect();
         let nuts = if fitting.is_empty() { nuts } else { fitting };
         let mut coarse_grid: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
-        // Designs that are unlikely to be feasible come last.
+        // Designs with a large violation are unlikely to become feasible and come last.
         coarse_grid.sort_by(|(a, _), (b, _)| {
             let rough = |value: &Value| value.largest_violation().max(COARSE_VIOLATION);
             rough(a).total_cmp(&rough(b)).then(a.objective.total_cmp(&b.objective))
@@ -389,8 +393,9 @@ impl Search<'_> {
         coarse_grid.par_iter().map(|(_, nut)| self.refined(nut)).collect()
     }
 
-    /// Returns true if the size of a nut meets the limits for any contact angle and conformity. The
-    /// checks judge sizes that are fixed.
+    /// Returns true if a nut meets all limits that do not depend on contact angle and conformity.
+    /// If the pitch circle or the ball diameter is fixed, the function always returns true, and the
+    /// limits are checked later.
     fn fits(&self, nut: &Nut) -> bool {
         let free = self.is_free();
         !(free[0] && free[1])
@@ -400,7 +405,8 @@ impl Search<'_> {
                 .all(|check| check.passes() || !check.quantity.is_of_size())
     }
 
-    /// Returns the best contact angle and conformity on the coarse grid.
+    /// Returns the nut with the best contact angle and conformity on the coarse grid, and its
+    /// evaluation.
     fn first_look(&self, nut: &Nut) -> (Value, Nut) {
         let [.., angle, conformity] = self.is_free();
         let steps = |free: bool, steps: u32| {
@@ -419,8 +425,8 @@ impl Search<'_> {
         least(coarse_grid, |(value, _)| rank(value)).expect("at least one look")
     }
 
-    /// Returns the pitch circle diameter that the given number of balls fills, rounded up to 0.01
-    /// mm; NaN if the lead alone is longer than the balls.
+    /// Returns the pitch circle diameter at which the given number of balls fills a turn, rounded
+    /// up to 0.01 mm. Returns NaN if the lead is longer than the row of balls.
     fn filled_diameter(&self, ball: f64, count: f64) -> f64 {
         let length = count * ball;
         let diameter = match self.pitch {
@@ -430,8 +436,8 @@ impl Search<'_> {
         (diameter / STEP).ceil() * STEP
     }
 
-    /// Returns a nut whose contact angle and conformity, as far as they are free, follow from
-    /// numbers in the unit cube.
+    /// Returns the nut with free contact angle and conformity set from values in the unit cube.
+    /// Fixed values are not changed.
     fn shaped(&self, nut: &Nut, free: &[f64]) -> Nut {
         let [diameter, ball, ..] = self.is_free();
         let mut all = vec![0.5; usize::from(diameter) + usize::from(ball)];
@@ -440,8 +446,8 @@ impl Search<'_> {
         Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
     }
 
-    /// Returns a design whose contact angle and conformity are optimized, starting from the values
-    /// of `nut`.
+    /// Optimizes contact angle and conformity, starting from the values of `nut`, and returns the
+    /// design.
     fn refined(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
         let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
@@ -455,8 +461,9 @@ impl Search<'_> {
         self.design(tidy(self.shaped(nut, &minimize(value, &start))))
     }
 
-    /// Returns the point with the smallest violation, with continuous ball sizes and numbers of
-    /// balls, and the blocking limits; none if the point violates no limit.
+    /// Returns the point with the smallest violation, with continuous ball sizes and fractional
+    /// numbers of balls, together with the blocking limits. The list is empty if the point violates
+    /// no limit.
     fn conflict(&self, turns: &[f64]) -> (Trial, Vec<ActiveLimit>) {
         let failure = |at: &Trial| {
             let violations = self.value(at).violations;
@@ -479,8 +486,8 @@ impl Search<'_> {
         (at, blocking)
     }
 
-    /// Returns the best value of a quantity with all other limits met, or `None` if they cannot all
-    /// be met.
+    /// Returns the limit as a blocking limit, with the best value of its quantity under all other
+    /// limits. Returns `None` if the other limits cannot all be met.
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
         let blocked = |best| ActiveLimit { check: *check, cause: Infeasibility::SingleLimit(best) };
         if check.quantity == Quantity::Turns {
@@ -512,7 +519,7 @@ impl Search<'_> {
     }
 }
 
-/// Rounds a nut to decimal numbers: to a nanometer and a microdegree.
+/// Rounds the dimensions of a nut to a nanometer and its angle to a microdegree.
 fn tidy(nut: Nut) -> Nut {
     let round = |x: f64, unit: f64| (x / unit).round() * unit;
     let conformity = round(nut.conformity.0, 1e-9);
@@ -525,15 +532,15 @@ fn tidy(nut: Nut) -> Nut {
     }
 }
 
-/// Returns the whole numbers of a range. If there are more than two hundred, which happens only if
-/// the lead of the screw is many times its circumference, numbers are skipped at regular intervals.
+/// Returns the whole numbers between two limits. If there are more than 200, numbers are skipped at
+/// regular intervals. This happens only if the lead is many times the circumference of the screw.
 fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
     const MAX_WHOLE_NUMBERS: f64 = 200.0;
     let stride = ((high - low) / MAX_WHOLE_NUMBERS).ceil().max(1.0);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "two hundred at most, none if there is no number"
+        reason = "at most 200, and NaN becomes 0"
     )]
     let count = ((high - low) / stride) as u32;
     (0..=count).map(move |i| low + f64::from(i) * stride)

@@ -1,4 +1,4 @@
-//! The requirement for a screw, and the checks of a design.
+//! Requirement for a screw, and the checks of a design.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,17 +9,17 @@ use crate::{
     PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, RequiredLife, phases,
 };
 
-/// The cycle of the machine, or a torque.
+/// Load on the screw, specified by the duty cycle of the machine or by a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadCase {
-    /// Forces and speeds of at least one phase. At least one of the phases moves.
+    /// Forces and speeds of the phases, at least one of which is in motion.
     Cycle(Vec<ProfileSegment>),
-    /// Torque on the screw \[N·m\], and its speed.
+    /// Torque on the screw \[N·m\] and speed of the screw.
     Torque(f64, DutySpeed),
 }
 
 impl LoadCase {
-    /// Returns the loads of a screw.
+    /// Returns the phases of the duty cycle with the resulting axial loads.
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
             Self::Cycle(motions) => phases(motions, carriage, nut.lead),
@@ -37,7 +37,7 @@ impl LoadCase {
     }
 }
 
-/// Lead or lead angle.
+/// Lead of a screw, specified directly or by the lead angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pitch {
     /// Lead \[m\].
@@ -47,7 +47,7 @@ pub enum Pitch {
 }
 
 impl Pitch {
-    /// Returns the lead \[m\] for a pitch circle diameter \[m\].
+    /// Returns the lead \[m\] for the given pitch circle diameter \[m\].
     pub(crate) fn lead(self, pitch_diameter: f64) -> f64 {
         match self {
             Self::Lead(lead) => lead,
@@ -56,32 +56,32 @@ impl Pitch {
     }
 }
 
-/// Length of the screw, or of its stroke.
+/// Length of the screw, specified directly or by the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Travel {
     /// Length of the screw \[m\].
     Screw(f64),
-    /// Travel of the nut \[m\].
+    /// Stroke of the nut \[m\].
     Stroke(f64),
 }
 
-/// Objective of the design.
+/// Quantity that the design optimizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Objective {
-    /// The largest efficiency.
+    /// Maximize the efficiency.
     Efficiency,
-    /// The largest dynamic load rating.
+    /// Maximize the dynamic load rating.
     Capacity,
-    /// The smallest mass of nut and screw.
+    /// Minimize the mass of nut and screw.
     Mass,
-    /// The smallest moment of inertia of the screw.
+    /// Minimize the moment of inertia of the screw.
     Inertia,
-    /// The smallest input power.
+    /// Minimize the input power.
     Power,
 }
 
 impl Objective {
-    /// Returns the quantity of the objective.
+    /// Returns the quantity to optimize.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Efficiency => Quantity::Efficiency,
@@ -92,13 +92,13 @@ impl Objective {
         }
     }
 
-    /// Returns true if the objective requires the efficiency of a model.
+    /// Returns true if the objective depends on the efficiency, which requires a ball model.
     pub(crate) fn asks_efficiency(self) -> bool {
         matches!(self, Self::Efficiency | Self::Power)
     }
 }
 
-/// Fixed values. All other variables are free.
+/// Design variables with fixed values. All variables that are `None` are free.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FixedValues {
     /// Pitch circle diameter \[m\].
@@ -109,80 +109,80 @@ pub struct FixedValues {
     pub contact_angle: Option<f64>,
     /// Conformity of nut and screw.
     pub conformity: Option<f64>,
-    /// Loaded turns.
+    /// Number of loaded turns.
     pub turns: Option<f64>,
 }
 
-/// Limits of a screw: smallest and largest value of each quantity.
+/// Permitted ranges of the design quantities (lower and upper limit).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranges {
     /// Contact angle \[rad\].
     pub contact_angle: (f64, f64),
-    /// Smallest ratio of pitch circle radius to screw length, if it is limited.
+    /// Lower limit of the ratio of pitch circle radius to screw length, if there is a limit.
     pub slimmest: Option<f64>,
-    /// Ratio of ball radius to pitch circle radius, as far as it is limited.
+    /// Range of the ratio of ball radius to pitch circle radius; `None` for a missing limit.
     pub ball_over_radius: (Option<f64>, Option<f64>),
-    /// Ratio of ball radius to groove radius, as far as it is limited.
+    /// Range of the ratio of ball radius to groove radius; `None` for a missing limit.
     pub ball_over_groove: (Option<f64>, Option<f64>),
 }
 
 impl Ranges {
-    /// Range of the ratio of ball radius to pitch circle radius in Lin's step 5.
+    /// Range of the ratio of ball radius to pitch circle radius in step 5 of Lin's procedure.
     pub const LIN_BALL_OVER_RADIUS: (f64, f64) = (0.07, 0.2);
 
-    /// Range of the ratio of ball radius to groove radius in Lin's step 6.
+    /// Range of the ratio of ball radius to groove radius in step 6 of Lin's procedure.
     pub const LIN_BALL_OVER_GROOVE: (f64, f64) = (0.95, 0.97);
 
-    /// Returns the range of the ratio of ball radius to pitch circle radius for a search of
-    /// continuous sizes.
+    /// Returns the range of the ratio of ball radius to pitch circle radius that a search of
+    /// continuous sizes covers.
     pub(crate) fn searched_ball_over_radius(&self) -> (f64, f64) {
         searched(self.ball_over_radius, Self::LIN_BALL_OVER_RADIUS)
     }
 
-    /// Returns the range of the ratio of ball radius to groove radius for a search of continuous
-    /// sizes.
+    /// Returns the range of the ratio of ball radius to groove radius that a search of continuous
+    /// sizes covers.
     pub(crate) fn searched_ball_over_groove(&self) -> (f64, f64) {
         searched(self.ball_over_groove, Self::LIN_BALL_OVER_GROOVE)
     }
 }
 
-/// Returns the given limits. A missing limit is replaced by the limit of Lin.
+/// Returns the given limits, with missing limits replaced by the limits of Lin's procedure.
 fn searched((low, high): (Option<f64>, Option<f64>), lin: (f64, f64)) -> (f64, f64) {
     (low.unwrap_or(lin.0), high.unwrap_or(lin.1))
 }
 
-/// Requirement of a screw.
+/// All requirements that a screw must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
-    /// Forces and speeds, or a torque.
+    /// Forces and speeds of the duty cycle, or a torque.
     pub demand: LoadCase,
-    /// Moved mass, whose weight, friction and inertia are added to the forces.
+    /// Moving mass, whose weight, friction and inertia are added to the process forces.
     pub carriage: MachineTable,
-    /// Preload of a nut.
+    /// Requested preload; `None` for a nut without preload.
     pub preload: Option<PreloadSize>,
     /// Preload method.
     pub method: PreloadMethod,
     /// Gap between the nuts of a pair \[m\]; defaults to one pitch.
     pub nut_gap: Option<f64>,
-    /// The part that the motor drives.
+    /// Part that the motor drives, either the screw or the nut.
     pub driven: DrivenPart,
-    /// Life divided by the life that 90 % of all nuts reach (Z14).
+    /// Ratio of the life at the required reliability to the life that 90 % of all nuts reach (Z14).
     pub reliability: f64,
-    /// Factors of the load ratings (Z36).
+    /// Factors by which the load ratings are modified (Z36).
     pub factors: RatingFactors,
-    /// Side that drives.
+    /// Direction of power flow.
     pub direction: Direction,
-    /// Leads or lead angles to choose from, at least one.
+    /// Allowed leads or lead angles, at least one.
     pub pitches: Vec<Pitch>,
-    /// Length of the screw, or stroke.
+    /// Length of the screw, or its stroke.
     pub travel: Travel,
     /// End supports and length of the screw.
     pub mount: Mount,
-    /// Largest ratio of speed to critical speed.
+    /// Upper limit of the ratio of speed to critical speed.
     pub speed_ratio: f64,
-    /// Smallest ratio of buckling load to the largest load.
+    /// Lower limit of the ratio of buckling load to largest load.
     pub buckling_safety: f64,
-    /// Smallest static safety factor.
+    /// Lower limit of the static safety factor.
     pub static_safety: f64,
     /// Required life.
     pub life: Option<RequiredLife>,
@@ -190,39 +190,41 @@ pub struct Requirement {
     pub friction: f64,
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Largest Hertz pressure \[Pa\].
+    /// Upper limit of the Hertzian contact pressure \[Pa\].
     pub pressure: f64,
-    /// Largest speed number \[m·rad/s\]; defaults to the limit of the make.
+    /// Upper limit of the speed number \[m·rad/s\]; defaults to the limit for the make of the
+    /// screw.
     pub speed_number: Option<f64>,
-    /// Make of the screw.
+    /// Manufacturing process or type of ball return.
     pub make: Make,
-    /// Accuracy grade, which limits the length of a ground screw.
+    /// Accuracy grade, which limits the length of ground screws.
     pub grade: Option<&'static Grade>,
-    /// Ratio of motor speed to screw speed, and the largest motor speed \[rad/s\].
+    /// Ratio of motor speed to screw speed, and upper limit of the motor speed \[rad/s\].
     pub motor: (f64, Option<f64>),
-    /// Largest ratio of ball diameter to lead.
+    /// Upper limit of the ratio of ball diameter to lead.
     pub ball_over_lead: f64,
-    /// Largest pitch circle diameter \[m\].
+    /// Upper limit of the pitch circle diameter \[m\].
     pub largest_diameter: f64,
-    /// Largest number of loaded turns, if it is limited.
+    /// Upper limit of the number of loaded turns; `None` without a limit.
     pub largest_turns: Option<f64>,
-    /// Smallest efficiency.
+    /// Lower limit of the efficiency; `None` without a limit.
     pub least_efficiency: Option<f64>,
-    /// Largest input power \[W\], which is the motor power if the motor drives the screw.
+    /// Upper limit of the input power \[W\]. If the motor drives the screw, this is the motor
+    /// power.
     pub largest_power: Option<f64>,
-    /// Limits of the screw.
+    /// Permitted ranges of further design quantities.
     pub ranges: Ranges,
-    /// Objective.
+    /// Quantity to optimize.
     pub objective: Objective,
-    /// Fixed values.
+    /// Design variables with fixed values.
     pub fixed: FixedValues,
     /// Available ball diameters \[m\].
     pub stock: Vec<f64>,
 }
 
-/// A quantity of a design, in the order of Lin's steps.
+/// Quantities of a design, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "said by the names; SI units")]
+#[expect(missing_docs, reason = "the names say what the values are; SI units")]
 pub enum Quantity {
     LeadAngle,
     BestContactAngle,
@@ -262,7 +264,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Returns true if the quantity depends only on pitch circle, ball and lead.
+    /// Returns true if the quantity depends only on pitch circle, ball diameter and lead.
     pub(crate) fn is_of_size(self) -> bool {
         matches!(
             self,
@@ -277,32 +279,33 @@ impl Quantity {
     }
 }
 
-/// Relative rounding error at which a limit counts as met, because inputs are decimal numbers.
+/// Relative violation up to which a limit counts as met, because decimal inputs have rounding
+/// errors.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// A quantity of a design, and its limits.
+/// A quantity of a design with its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
-    /// Step of Lin's procedure; 11 for quantities that are not part of the procedure.
+    /// Step of Lin's procedure that introduces the quantity, or 11 for additional quantities.
     pub step: u8,
-    /// The quantity.
+    /// The checked quantity.
     pub quantity: Quantity,
-    /// Value of the quantity; NaN if the quantity has no value.
+    /// Value of the quantity, or NaN if it cannot be calculated.
     pub value: f64,
-    /// Lower limit.
+    /// Lower limit of the quantity, if there is one.
     pub least: Option<f64>,
-    /// Upper limit.
+    /// Upper limit of the quantity, if there is one.
     pub most: Option<f64>,
 }
 
 impl Check {
-    /// Returns true if the quantity has no limit or meets its limit.
+    /// Returns true if the quantity has no limits or meets them.
     pub fn passes(&self) -> bool {
         self.violation().is_none_or(|violation| violation <= ROUNDING)
     }
 
-    /// Returns the violation relative to the limit, which is not positive if the check passes.
-    /// Returns `None` without a limit.
+    /// Returns the violation relative to the limit, which is zero or negative within the limits.
+    /// Returns `None` if the quantity has no limits.
     pub fn violation(&self) -> Option<f64> {
         let below = self.least.map(|least| 1.0 - self.value / least);
         let above = self.most.map(|most| self.value / most - 1.0);
@@ -314,22 +317,23 @@ impl Check {
     }
 }
 
-/// A quantity with its value, its lower limit and its upper limit.
+/// A quantity with its value, lower limit and upper limit.
 type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
-    /// Default of the largest ratio of ball diameter to the pitch of the grooves. The rest of the
-    /// pitch is land.
+    /// Default upper limit of the ratio of ball diameter to the pitch of the grooves. The rest of
+    /// the pitch is the land between the grooves.
     pub const BALL_OVER_LEAD: f64 = 0.8;
 
-    /// Returns the largest number of loaded turns in a search of continuous sizes.
+    /// Returns the largest number of loaded turns that a search of continuous sizes tries.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(6.0)
     }
 
-    /// Returns the requirement with the usual limit of loaded turns if it has no limit.
+    /// Returns the requirement with an upper limit of the number of loaded turns. If the limit is
+    /// missing, the usual limit is used.
     ///
-    /// * `listed`: the limit of a list of sizes, infinite if the list has none.
+    /// * `listed`: limit that a list of sizes specifies, or infinity. It may raise the usual limit.
     #[must_use]
     pub fn with_usual_turns(&self, listed: f64) -> Self {
         let usual = self.searched_turns();
@@ -337,8 +341,8 @@ impl Requirement {
         Self { largest_turns: self.largest_turns.or(Some(largest)), ..self.clone() }
     }
 
-    /// Returns the requirement in which missing limits of shapes and turns are replaced by the
-    /// limits for a search of continuous sizes. Sizes from lists do not need these limits.
+    /// Returns the requirement with missing limits of ratios and turns replaced by the limits for a
+    /// search of continuous sizes. Sizes from lists do not need these limits.
     #[must_use]
     pub fn of_any_size(&self) -> Self {
         let both = |(low, high)| (Some(low), Some(high));
@@ -350,9 +354,9 @@ impl Requirement {
         Self { ranges, largest_turns: Some(self.searched_turns()), ..self.clone() }
     }
 
-    /// Returns the rules of an axis that do not need the loads of all balls.
+    /// Returns those design rules of the axis that do not require the loads of all balls.
     ///
-    /// * `calculated`: dynamic load rating without factors \[N\].
+    /// * `calculated`: calculated dynamic load rating without modifying factors \[N\].
     fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Bounds> {
         let (rating, life) = (axis.dynamic_rating, axis.life());
         let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
@@ -381,31 +385,33 @@ impl Requirement {
     }
 }
 
-/// A screw for a requirement.
+/// A screw designed for a requirement, with all its checks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// The nut.
+    /// The nut with its groove geometry.
     pub nut: Nut,
-    /// The moment for which the efficiency is calculated: the moment with the largest load among
-    /// the phases that move.
+    /// Operating point for which the efficiency is calculated. It has the largest load of all
+    /// phases with motion.
     pub phase: PhasePoint,
-    /// The quantities of the steps.
+    /// Quantities of all steps with their limits.
     pub checks: Vec<Check>,
 }
 
-/// Returns the efficiency of a nut at a moment of a phase by the chosen model, if it has one.
+/// Function that returns the efficiency of a nut at an operating point, or `None` if the selected
+/// model has no solution.
 pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
-/// Judges a nut by the rules that need the loads of all balls, and returns the names of the rules
-/// that it violates.
+/// Function that checks a nut against the rules based on all ball loads, and returns the names of
+/// violated rules as the error.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
 
 impl Design {
-    /// Returns the steps of a nut (L1) to (L10). The efficiency is omitted if it is not requested.
+    /// Calculates the quantities (L1) to (L10) of a nut. Without `efficiency`, efficiency and power
+    /// are NaN.
     ///
-    /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the
-    /// addition of the load rating and the life of ISO 3408-5.
-    #[expect(clippy::too_many_lines, reason = "a step of the procedure after the other")]
+    /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
+    /// rating and life according to ISO 3408-5.
+    #[expect(clippy::too_many_lines, reason = "one step of the procedure after another")]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
@@ -543,18 +549,18 @@ impl Design {
         self.checks.iter().all(Check::passes)
     }
 
-    /// Returns the preload of the nut \[N\], if it has one.
+    /// Returns the preload of the nut \[N\], or `None` without a preload.
     pub fn preload(&self) -> Option<f64> {
         Some(self.value(Quantity::Preload)).filter(|force| !force.is_nan())
     }
 
-    /// Returns the value of a quantity of the design.
+    /// Returns the value of a quantity, or NaN if the design does not contain it.
     pub fn value(&self, quantity: Quantity) -> f64 {
         let found = self.checks.iter().find(|check| check.quantity == quantity);
         found.map_or(f64::NAN, |check| check.value)
     }
 
-    /// Returns the objective as a number of order one that is minimized.
+    /// Returns the objective as a number of order one, which the search minimizes.
     pub fn objective(&self, objective: Objective) -> f64 {
         match objective {
             Objective::Efficiency => 1.0 - self.value(Quantity::Efficiency),

@@ -1,22 +1,22 @@
-//! Runs of equal signs, which show whether residuals are random or systematic.
+//! Test of the runs of equal signs, which shows whether residuals are random or systematic.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, equation (V8).
 
-/// Runs of equal signs of a sequence of residuals.
+/// Runs of equal signs in a sequence of residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SignRuns {
-    /// Number of runs.
+    /// Number of runs of equal signs.
     pub runs: usize,
-    /// Probability of at most this number of runs if every order of the signs has the same
-    /// probability (Wald and Wolfowitz).
+    /// Probability that at most this number of runs occurs if all orders of the signs are equally
+    /// likely (Wald and Wolfowitz).
     pub probability: f64,
 }
 
 impl SignRuns {
-    /// Counts the runs of the residuals in their order. Residuals of zero have no sign and are
-    /// omitted.
+    /// Counts the runs of equal signs in a sequence of residuals. Residuals that are zero are
+    /// skipped.
     ///
-    /// Returns `None` if not both signs occur.
+    /// Returns `None` unless both signs occur.
     pub fn of(residuals: impl IntoIterator<Item = f64>) -> Option<Self> {
         let signed = residuals.into_iter().filter(|residual| residual.abs() > 0.0);
         let above: Vec<bool> = signed.map(|residual| residual > 0.0).collect();
@@ -31,9 +31,9 @@ impl SignRuns {
     }
 }
 
-/// Returns the fraction of the orders of the signs that has exactly this number of runs.
+/// Returns the fraction of all orders of the signs that have exactly the given number of runs.
 fn part(runs: usize, signs: [usize; 2]) -> f64 {
-    // Runs of both signs alternate, so that their numbers differ by at most one.
+    // Runs of both signs alternate, so their numbers differ by at most one.
     let (few, many) = (runs / 2, runs - runs / 2);
     let ways = |of: [usize; 2]| -> f64 {
         (0..2).map(|i| ln_binomial(signs[i] - 1, of[i] - 1)).sum::<f64>()
@@ -43,8 +43,8 @@ fn part(runs: usize, signs: [usize; 2]) -> f64 {
     (ways([few, many]) - all).exp() + (ways([many, few]) - all).exp()
 }
 
-/// Returns the natural logarithm of the number of ways to choose `k` of `n` items; minus infinity
-/// if there is no way.
+/// Returns the natural logarithm of the binomial coefficient of `n` and `k`, or minus infinity if
+/// `k` exceeds `n`.
 fn ln_binomial(n: usize, k: usize) -> f64 {
     if k > n {
         return f64::NEG_INFINITY;
@@ -61,13 +61,13 @@ mod tests {
     use super::*;
 
     /// Wald and Wolfowitz: of the 70 orders of four positive and four negative signs, 2 have two
-    /// runs, 6 have three and 18 have four.
+    /// runs, 6 have three runs and 18 have four runs.
     #[test]
-    fn few_runs_have_the_probabilities_of_counted_orders() {
+    fn run_probabilities_match_counted_sign_orders() {
         let of = |signs: &[f64]| SignRuns::of(signs.iter().copied()).expect("both signs");
         let two = of(&[1.0, 2.0, 0.5, 1.0, -1.0, -3.0, -1.0, -0.1]);
         assert_eq!(two.runs, 2);
-        // The tolerance allows for rounding errors of logarithms of order ten.
+        // The tolerance allows for rounding errors of logarithms that are of order ten.
         assert_relative_eq!(two.probability, 2.0 / 70.0, max_relative = 1e-13);
         let three = of(&[-1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
         assert_eq!(three.runs, 3);

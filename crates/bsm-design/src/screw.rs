@@ -1,4 +1,4 @@
-//! A screw described by its sizes, and rules for sizes that catalogs do not print.
+//! Dimensions of a screw, and estimates of dimensions that catalogs do not print.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z30) to (Z33).
 
@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 /// Density of the steel of nuts and screws \[kg/m³\].
 pub(crate) const STEEL: f64 = 7850.0;
 
-/// Sizes of a screw on which its axis depends.
+/// Dimensions and material data of a screw that determine its behavior in the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screw {
     /// Lead \[m\].
@@ -27,13 +27,13 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// Returns the lead angle on the pitch circle \[rad\].
+    /// Returns the lead angle at the pitch circle \[rad\].
     pub fn lead_angle(&self) -> f64 {
         (self.lead / (PI * self.pitch_diameter)).atan()
     }
 
-    /// Returns mass \[kg\] and moment of inertia about the axis \[kg·m²\] for a length and a bore
-    /// \[m\].
+    /// Returns the mass \[kg\] and the moment of inertia about the axis \[kg·m²\] of a screw with
+    /// the given length and bore diameter \[m\].
     pub fn mass_and_inertia(&self, bore: f64, length: f64) -> (f64, f64) {
         let missing = 0.25 * PI * STEEL * bore.powi(2);
         (
@@ -42,22 +42,23 @@ impl Screw {
         )
     }
 
-    /// Returns the core diameter \[m\] of a screw whose catalog does not print it (Z30).
+    /// Returns the usual core diameter \[m\] of a screw for which the catalog does not print it
+    /// (Z30).
     ///
-    /// * `nominal`, `lead`: nominal diameter and lead \[m\].
-    /// * `ball`: ball diameter \[m\], if it is known.
+    /// * `nominal`, `lead`: nominal diameter \[m\] and lead \[m\].
+    /// * `ball`: ball diameter \[m\], or `None` if it is not known.
     ///
-    /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, 0.79 to 0.84 ball diameters; usual values if the
-    /// ball is not known.
+    /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, in which nominal and core diameter differ by 0.79
+    /// to 0.84 ball diameters. If the ball diameter is not known, usual values apply.
     pub fn usual_core(nominal: f64, lead: f64, ball: Option<f64>) -> f64 {
         // d₃ = d₀ − 0.84 D_w,  max(d₀ − P_h/2, 0.84 d₀)                   (Z30)
         ball.map_or((nominal - 0.5 * lead).max(0.84 * nominal), |ball| nominal - 0.84 * ball)
     }
 
-    /// Returns the mass per meter \[kg/m\] of a screw whose catalog does not print it (Z31),
-    /// accurate to about 20 %.
+    /// Returns the usual mass per meter \[kg/m\] of a screw for which the catalog does not print it
+    /// (Z31). The value is accurate to about 20 %.
     ///
-    /// * `nominal`, `core`: diameters \[m\].
+    /// * `nominal`, `core`: nominal and core diameter \[m\].
     ///
     /// Source: median of 175 screws in the general catalog of THK with printed core and mass.
     pub fn usual_mass_per_length(nominal: f64, core: f64) -> f64 {
@@ -66,23 +67,23 @@ impl Screw {
     }
 }
 
-/// Efficiencies that catalogs state for screws of any size.
+/// Efficiencies that a catalog states for screws of all sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Efficiency {
-    /// Efficiency in driving.
+    /// Efficiency in forward driving.
     pub forward: f64,
     /// Efficiency in back-driving.
     pub back: f64,
 }
 
 impl Efficiency {
-    /// Returns the friction torque of the contacts \[N·m\] (Z32), positive.
+    /// Returns the friction torque of the ball contacts \[N·m\] (Z32), which is positive.
     ///
     /// ```math
     /// T_f = |F|\,h\,(1/\eta - 1) \quad\text{or}\quad |F|\,h\,(1 - \eta')
     /// ```
     ///
-    /// * `ideal`: torque of the load without friction \[N·m\].
+    /// * `ideal`: load torque without friction \[N·m\].
     /// * `drives`: true if the load drives the screw.
     ///
     /// Source: HIWIN BS-08-2, F 3.15 and F 3.16.
@@ -92,7 +93,7 @@ impl Efficiency {
     }
 }
 
-/// Operating point to which the stiffness of a catalog refers, divided by the dynamic load rating.
+/// Operating point for which a catalog states the stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StiffnessAt {
     /// Load on a nut without preload, as a fraction of the dynamic load rating.
@@ -102,15 +103,16 @@ pub enum StiffnessAt {
 }
 
 impl StiffnessAt {
-    /// Returns the stiffness of a nut in the unit of the stated stiffness (Z33). Returns `None` if
-    /// the given nut has a preload and the nut of the stated stiffness does not, or vice versa.
+    /// Converts a stiffness from a catalog to another load or preload (Z33). The result has the
+    /// unit of the given stiffness. Returns `None` if one of the two nuts has a preload and
+    /// the other has none.
     ///
     /// ```math
     /// R_{nu} = 0.8\,K\Big(\frac{F}{\epsilon\,C_a}\Big)^{1/3}
     /// ```
     ///
-    /// * `stated`: stated stiffness `$K$`.
-    /// * `load`: load of a nut without preload \[N\].
+    /// * `stated`: stiffness `$K$` that the catalog states.
+    /// * `load`: load on a nut without preload \[N\].
     /// * `rating`: dynamic load rating \[N\].
     ///
     /// Source: THK general catalog, equations 35 and 36; HIWIN BS-08-2, F 3.34 and F 3.35.
@@ -137,8 +139,8 @@ mod tests {
 
     use super::*;
 
-    /// The hand calculations are for 40 mm x 10 mm with balls of 6.35 mm and with unknown balls.
-    /// With a lead of 20 mm, the rule would leave 30 mm of 40 mm.
+    /// The hand calculations are for a screw of 40 mm x 10 mm with 6.35 mm balls, and with an
+    /// unknown ball diameter. With a lead of 20 mm, the rule alone would give a core of 30 mm.
     #[test]
     fn usual_cores_match_hand_calculations() {
         let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
@@ -149,8 +151,8 @@ mod tests {
         }
     }
 
-    /// A thread without depth is a rod. The vertical axis of the reference has a mean diameter of
-    /// 30.164 mm.
+    /// A thread without depth has the mass of a rod. The screw of the vertical reference axis has a
+    /// mean diameter of 30.164 mm.
     #[test]
     fn a_thread_without_depth_has_the_mass_of_a_rod() {
         let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);
@@ -159,8 +161,8 @@ mod tests {
         assert_relative_eq!(of(0.032, 0.0286), rod(0.030_164), max_relative = 1e-14);
     }
 
-    /// Without losses there is no friction. Hand calculation: 9 N m at an efficiency of 0.9 need 10
-    /// N m, and 10 N m in back-driving give 8 N m.
+    /// Without losses, the friction torque is zero. Hand calculation: at an efficiency of 0.9, an
+    /// output of 9 N m requires 10 N m. In back-driving, 10 N m give 8 N m at an efficiency of 0.8.
     #[test]
     fn friction_follows_from_the_efficiency() {
         let of = |forward, back| Efficiency { forward, back };
@@ -171,8 +173,8 @@ mod tests {
         }
     }
 
-    /// At the load or preload for which the stiffness is stated, the result is 0.8 of the stated
-    /// stiffness. Eight times the load doubles it.
+    /// At the load or preload for which the catalog states the stiffness, the result is 0.8 times
+    /// the stated stiffness. At eight times this load, the result is twice as large.
     #[test]
     fn stiffness_is_proportional_to_the_cube_root_of_the_load() {
         let (light, heavy) = (StiffnessAt::Load(0.3), StiffnessAt::Preload(0.1));

@@ -1,4 +1,5 @@
-//! Searches for roots, and for minima with argmin. A function returns NaN where it has no value.
+//! Functions that search for roots and for minima (with argmin). The searched function returns NaN
+//! where it is not defined.
 
 use std::marker::PhantomData;
 
@@ -9,7 +10,7 @@ use bsm_newton::{Bracket, RootResult};
 
 pub use argmin::core::Error as SearchError;
 
-/// A function in the form that argmin requires.
+/// Adapter that implements the cost function interface of argmin for a closure.
 struct Cost<P, F>(F, PhantomData<P>);
 
 impl<P, E: Into<SearchError>, F: Fn(&P) -> Result<f64, E>> CostFunction for Cost<P, F> {
@@ -21,11 +22,12 @@ impl<P, E: Into<SearchError>, F: Fn(&P) -> Result<f64, E>> CostFunction for Cost
     }
 }
 
-/// Returns the root of `function` between two points with different signs.
+/// Returns the root of `function` between two points at which its values have opposite signs.
 ///
 /// # Errors
 ///
-/// [`SearchError`] if the signs are equal, or `function` fails or returns NaN.
+/// Returns [`SearchError`] if the values at both points have the same sign, or if `function` fails
+/// or returns NaN.
 pub fn root_of<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     low: f64,
@@ -45,11 +47,11 @@ pub fn root_of<E: Into<SearchError>>(
     }
 }
 
-/// Returns the minimum of `function` between two points.
+/// Returns the location of the minimum of `function` between two points.
 ///
 /// # Errors
 ///
-/// [`SearchError`] if `function` fails.
+/// Returns [`SearchError`] if `function` fails.
 pub fn minimum_of<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     low: f64,
@@ -61,44 +63,45 @@ pub fn minimum_of<E: Into<SearchError>>(
     Ok(found.state.best_param.unwrap_or(f64::NAN))
 }
 
-/// Number of steps in which [`sign_changes`] scans its range.
+/// Number of intervals into which [`sign_changes`] divides its range.
 const CROSSING_STEPS: u32 = 200;
 
-/// Number of steps in which [`minimum_inside`] scans its range.
+/// Number of intervals into which [`minimum_inside`] divides its range.
 const MINIMUM_STEPS: u32 = 40;
 
-/// Ratio of the change of a function around a root to its change between the scanned points, above
-/// which the root counts as a jump.
+/// Threshold that distinguishes a jump from a root. The change of the function in the immediate
+/// vicinity of the sign change is compared with its change between neighboring grid points.
 const JUMP: f64 = 1e-3;
 
-/// A root of a function.
+/// A root of a function together with its derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SignChange {
-    /// The root.
+    /// Location of the root.
     pub at: f64,
     /// Derivative of the function at the root.
     pub slope: f64,
 }
 
-/// The roots of a function in a range, and the values of the function in this range.
+/// Roots of a function in a range, together with the range of its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignChanges {
-    /// The roots, in the order of the range.
+    /// Roots, in ascending order.
     pub roots: Vec<SignChange>,
-    /// Places where the function jumps across zero, in the order of the range.
+    /// Locations at which the function jumps from one sign to the other, in ascending order.
     pub jumps: Vec<f64>,
-    /// Smallest and largest value at the scanned points; `None` if the function has no value.
+    /// Smallest and largest value at the grid points; `None` if the function is not defined at any
+    /// of them.
     pub values: Option<(f64, f64)>,
-    /// Fraction of the scanned points at which the function has a value.
+    /// Fraction of the grid points at which the function is defined.
     pub share: f64,
 }
 
-/// Scans `function` over a range and refines every change of sign. Two roots between neighboring
-/// points are not found. A jump across zero is no root.
+/// Evaluates `function` on a grid and refines every sign change. If two roots lie between
+/// neighboring grid points, both are missed. A jump across zero does not count as a root.
 ///
 /// # Errors
 ///
-/// Error of `function`.
+/// Returns the first error of `function`.
 pub fn sign_changes<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     range: (f64, f64),
@@ -108,7 +111,7 @@ pub fn sign_changes<E: Into<SearchError>>(
     let values = points.iter().map(|x| function(*x)).collect::<Result<Vec<_>, _>>()?;
     let (mut roots, mut jumps) = (Vec::new(), Vec::new());
     for (x, v) in points.windows(2).zip(values.windows(2)) {
-        // A root at the common end of two intervals belongs to the first interval.
+        // A root at the common end point of two intervals belongs to the first interval.
         let root = if v[1] == 0.0 {
             Some(x[1])
         } else if v[0] * v[1] < 0.0 {
@@ -117,7 +120,7 @@ pub fn sign_changes<E: Into<SearchError>>(
             None
         };
         let Some(at) = root else { continue };
-        // Within the tolerance of a root a continuous function changes little.
+        // A continuous function changes only slightly within the tolerance of the root.
         let near = 1e-9 * at.abs();
         let change = function(at + near)? - function(at - near)?;
         if change.abs() > JUMP * (v[1] - v[0]).abs() && v[1] != 0.0 {
@@ -135,8 +138,8 @@ pub fn sign_changes<E: Into<SearchError>>(
     Ok(SignChanges { roots, jumps, values: least.zip(known.into_iter().reduce(f64::max)), share })
 }
 
-/// Returns point `i` of `steps`: with equal ratios if the range is positive, otherwise with equal
-/// steps.
+/// Returns grid point `i` of `steps`. If the range is positive, the grid points form a geometric
+/// progression; otherwise, they are equidistant.
 pub fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
     let share = f64::from(i) / f64::from(steps);
     if i == steps {
@@ -148,12 +151,13 @@ pub fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
     }
 }
 
-/// Scans a range and refines the smallest value. Returns the point and its value, or `None` if the
-/// function has no value or its smallest value is at an end of the range.
+/// Evaluates `function` on a grid and refines the smallest value. Returns the location of the
+/// minimum and its value. Returns `None` if the function is not defined at any grid point, or if
+/// the smallest value is at an end of the range.
 ///
 /// # Errors
 ///
-/// Error of `function`.
+/// Returns the first error of `function`.
 pub fn minimum_inside<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     (low, high): (f64, f64),
@@ -168,25 +172,25 @@ pub fn minimum_inside<E: Into<SearchError>>(
     found.map(|x| Ok((x, value(x)?))).transpose()
 }
 
-/// Objective and constraints at a point.
+/// Objective and constraints of an optimization problem at one point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
-    /// Objective, which is minimized.
+    /// Value of the objective, which is minimized.
     pub objective: f64,
-    /// Constraints, which must be at most 0.
+    /// Values of the constraints. A constraint is met if its value is at most 0.
     pub violations: Vec<f64>,
 }
 
-/// Largest violation of a constraint that counts as zero.
+/// Tolerance for violations of a constraint.
 pub const SLACK: f64 = 1e-4;
 
 impl Value {
-    /// Returns true if all constraints hold within [`SLACK`].
+    /// Returns true if all constraints are met within the tolerance [`SLACK`].
     pub fn is_feasible(&self) -> bool {
         self.largest_violation() <= SLACK
     }
 
-    /// Returns the largest violation, or 0.
+    /// Returns the largest violation of a constraint, or 0 if all constraints are met.
     pub fn largest_violation(&self) -> f64 {
         self.violations.iter().copied().fold(0.0, f64::max)
     }
@@ -194,14 +198,16 @@ impl Value {
 
 /// Number of multiplier updates.
 const ROUNDS: usize = 7;
-/// Number of simplex steps per vertex in each multiplier update.
+/// Maximum number of simplex iterations per vertex in each multiplier update.
 const STEPS: u64 = 25;
 
-/// Returns a minimum of the objective under the constraints near `start`, in the unit cube.
+/// Minimizes the objective under the constraints, starting from `start`. All variables are limited
+/// to the unit cube.
 ///
-/// The augmented Lagrangian of Powell, Hestenes and Rockafellar is minimized by Nelder and Mead's
-/// simplex method with simplices of decreasing size. The method needs no derivatives and tolerates
-/// points that cannot be evaluated. Source: Nocedal and Wright, *Numerical Optimization*, ch. 17.
+/// The augmented Lagrangian of Powell, Hestenes and Rockafellar is minimized by the Nelder-Mead
+/// method, with a smaller initial simplex in each round. The method does not require derivatives
+/// and tolerates points at which the function is not defined. Source: Nocedal and Wright,
+/// *Numerical Optimization*, ch. 17.
 pub fn minimize(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     let mut best = start.to_vec();
     if start.is_empty() {
@@ -213,7 +219,7 @@ pub fn minimize(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     for _ in 0..ROUNDS {
         let lagrangian = |x: &[f64]| {
             let Value { objective, violations } = function(&inside(x));
-            // f + Σ max(0, Λ + w g)² / 2w, plus a penalty outside of the cube
+            // f + Σ max(0, Λ + w g)² / 2w, plus a penalty outside the cube
             let pull = |(g, m): (&f64, &f64)| (m + weight * finite(*g)).max(0.0).powi(2);
             let outside: f64 = x.iter().map(|x| (x - x.clamp(0.0, 1.0)).powi(2)).sum();
             let constraints: f64 = violations.iter().zip(&multipliers).map(pull).sum();
@@ -233,7 +239,7 @@ pub fn minimize(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     best
 }
 
-/// Returns a large but finite number for a point that cannot be evaluated.
+/// Limits a value to a large but finite number and replaces NaN by this number.
 fn finite(x: f64) -> f64 {
     const VERY_BAD: f64 = 1e3;
     if x.is_nan() { VERY_BAD } else { x.clamp(-VERY_BAD, VERY_BAD) }
@@ -243,13 +249,13 @@ fn inside(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x.clamp(0.0, 1.0)).collect()
 }
 
-/// Runs Nelder and Mead's search from a simplex of the given size.
+/// Runs the Nelder-Mead method with an initial simplex of the given size.
 fn simplex(function: &dyn Fn(&[f64]) -> f64, start: &[f64], size: f64) -> Vec<f64> {
     let cost = Cost(|x: &Vec<f64>| Ok::<_, SearchError>(function(x)), PhantomData);
     let mut corners = vec![start.to_vec()];
     for i in 0..start.len() {
         let mut corner = start.to_vec();
-        // The corner moves toward the interior of the cube.
+        // The vertex is shifted toward the interior of the cube.
         corner[i] += if corner[i] > 0.5 { -size } else { size };
         corners.push(corner);
     }
@@ -270,13 +276,14 @@ mod tests {
 
     use super::*;
 
-    /// The roots of the sine from -1 to 7 are known, and so are the roots if the function has no
-    /// values beyond 4. One of the roots is a scanned point.
+    /// The sine has three known roots between -1 and 7. If the function is not defined beyond 4,
+    /// only one root remains between 1 and 7. One of the roots coincides with a grid point.
     #[test]
-    fn all_changes_of_sign_are_found() {
+    fn all_sign_changes_are_found() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
         let all = sign_changes(sine, (-1.0, 7.0)).expect("a sine");
-        // Roots are refined to 1e-10 of the interval, and derivatives to the square of the step.
+        // Roots are refined to 1e-10 of the interval. The error of the derivative is of the order
+        // of the squared step.
         let near = |root: &SignChange, at: f64, slope: f64| {
             (root.at - at).abs() < 1e-9 && (at == 0.0 || (root.slope - slope).abs() < 1e-6)
         };
@@ -297,27 +304,27 @@ mod tests {
         );
     }
 
-    /// A step from -1 to 2 at 3 has no root, while a steep ramp at 3 has a root.
+    /// A step from -1 to 2 at 3 does not count as a root, but a steep ramp at 3 has a root.
     #[test]
-    fn a_jump_across_zero_is_no_root() {
+    fn a_jump_across_zero_does_not_count_as_a_root() {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
         let found = sign_changes(step, (1.0, 7.0)).expect("values");
         assert!(found.roots.is_empty(), "{found:?}");
-        // The limit is the tolerance of a root.
+        // The tolerance for the location of the jump is the tolerance of the root finder.
         assert!(found.jumps.len() == 1 && (found.jumps[0] - 3.0).abs() < 1e-9, "{found:?}");
         let ramp = |x: f64| Ok::<_, SearchError>((1e3 * (x - 3.0)).clamp(-1.0, 2.0));
         let found = sign_changes(ramp, (1.0, 7.0)).expect("values");
         assert!(found.jumps.is_empty() && found.roots.len() == 1, "{found:?}");
     }
 
-    /// The function is a parabola next to a gap without values. If its smallest value is at an end
-    /// of the range, there is no minimum inside.
+    /// The function is a parabola, which is undefined in part of the range. If the smallest value
+    /// is at an end of the range, there is no minimum inside.
     #[test]
-    fn a_minimum_at_an_end_of_the_range_does_not_count() {
+    fn a_smallest_value_at_an_end_of_the_range_is_not_a_minimum() {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
         let (x, value) =
             minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
-        // The tolerance is the square root of the rounding error of the value.
+        // The tolerance of the location is the square root of the rounding error of the value.
         assert!((x - 2.0).abs() < 1e-7 && (value - 1.0).abs() < 1e-14, "{x} {value}");
         assert_eq!(minimum_inside(parabola, (2.0, 5.0)).expect("a parabola"), None);
         let hole = |x: f64| parabola(if x > 1.5 { f64::NAN } else { x });
@@ -326,9 +333,9 @@ mod tests {
         assert_eq!(minimum_inside(|_| parabola(f64::NAN), (0.0, 5.0)).expect("no value"), None);
     }
 
-    /// The expected minimum is the point of the disc with radius 0.3 around (0.5, 0.5) that is
-    /// nearest to (0.9, 0.9) and, with the additional constraint x ≤ 0.6, the corner of both
-    /// constraints.
+    /// The expected minimum is the point nearest to (0.9, 0.9) on a disc of radius 0.3 around (0.5,
+    /// 0.5). With the additional constraint x ≤ 0.6, it is the intersection of both constraint
+    /// boundaries.
     #[test]
     fn a_constrained_minimum_is_found() {
         let disc = |x: &[f64]| (x[0] - 0.5_f64).hypot(x[1] - 0.5) / 0.3 - 1.0;
@@ -336,7 +343,7 @@ mod tests {
         let one =
             minimize(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
         let expected = 0.5 + 0.3 / 2.0_f64.sqrt();
-        // The tolerance is the slack of the constraints divided by their slope.
+        // The tolerance is the slack of the constraints divided by their gradient.
         assert!(one.iter().all(|x| (x - expected).abs() < 1e-4), "{one:?}");
         let two = minimize(
             |x| Value { objective: distance(x), violations: vec![disc(x), x[0] - 0.6] },
@@ -346,7 +353,8 @@ mod tests {
         assert!((two[0] - 0.6).abs() < 1e-4 && (two[1] - expected).abs() < 1e-4, "{two:?}");
     }
 
-    /// The minimum is in a corner of the cube, next to points that cannot be evaluated.
+    /// The minimum is in a corner of the unit cube. The function is undefined in a region between
+    /// the start and this corner.
     #[test]
     fn the_search_stays_in_the_unit_cube_and_avoids_undefined_points() {
         let found = minimize(

@@ -1,5 +1,5 @@
 //! The screw as a shaft between its bearings: critical speed, buckling, yield, stiffness, thermal
-//! growth and pretension.
+//! expansion and pretension.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z1) to (Z6) and (AA5).
 
@@ -7,37 +7,38 @@ use std::f64::consts::PI;
 
 use crate::screw::STEEL;
 
-/// Heat capacity of steel \[J/(kg K)\].
+/// Specific heat capacity of steel \[J/(kg K)\].
 const HEAT_CAPACITY: f64 = 460.0;
 
-/// Permissible axial stress of the screw \[Pa\] (Z3). THK, PMI and others state 147 N/mm².
+/// Permissible axial stress of the screw \[Pa\] (Z3). THK, PMI and other manufacturers state 147
+/// N/mm².
 pub const PERMITTED_STRESS: f64 = 147e6;
 
-/// Default of the largest ratio of speed to critical speed, which all manufacturers permit.
+/// Default upper limit of the ratio of speed to critical speed, as stated by all manufacturers.
 pub const CRITICAL_SPEED_RATIO: f64 = 0.8;
 
-/// Default of the smallest ratio of buckling load to load, which all manufacturers permit.
+/// Default lower limit of the ratio of buckling load to axial load, as stated by all manufacturers.
 pub const BUCKLING_SAFETY: f64 = 2.0;
 
-/// End supports of a screw. A fixed end carries axial load.
+/// End supports of a screw. Fixed ends carry axial load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EndFixity {
     /// One end is fixed, and the other end is free.
     FixedFree,
-    /// Both ends may tilt.
+    /// Both ends can tilt.
     SupportedSupported,
-    /// One end is fixed, and the other end may tilt.
+    /// One end is fixed, and the other end can tilt.
     FixedSupported,
-    /// Neither end may tilt, and both ends carry axial load.
+    /// Neither end can tilt, and both ends carry axial load.
     FixedFixed,
 }
 
 impl EndFixity {
-    /// Returns the first root `$\lambda$` of the frequency equation of a bar (Z1).
+    /// Returns the smallest positive root `$\lambda$` of the frequency equation of a beam (Z1).
     ///
-    /// The equation is `$\cos\lambda\cosh\lambda = -1$` with a free end and
-    /// `$\cos\lambda\cosh\lambda = 1$` with two fixed ends, `$\sin\lambda = 0$` with two ends that
-    /// may tilt, and `$\tan\lambda = \tanh\lambda$` with one end that may tilt.
+    /// The frequency equation is `$\cos\lambda\cosh\lambda = -1$` if one end is free, `$\sin\lambda
+    /// = 0$` if both ends can tilt, `$\tan\lambda = \tanh\lambda$` if one end can tilt, and
+    /// `$\cos\lambda\cosh\lambda = 1$` if both ends are fixed.
     pub fn frequency_root(self) -> f64 {
         match self {
             Self::FixedFree => 1.875_104_068_711_961_2,
@@ -47,8 +48,8 @@ impl EndFixity {
         }
     }
 
-    /// Returns the end supports of the section between a bearing and a nut that is clamped by a
-    /// guided table.
+    /// Returns the end supports of the section between a bearing and the nut, if the nut is clamped
+    /// in a guided table.
     ///
     /// Source: THK, A-726 and A-739: "the section between nut and bearing is fixed-fixed".
     #[must_use]
@@ -60,31 +61,31 @@ impl EndFixity {
     }
 
     /// Returns the ratio `$\kappa$` of the buckling load to the buckling load of a bar whose ends
-    /// may tilt (Z2), for Euler's cases.
+    /// can tilt (Z2), as in the Euler cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
-            // The factor is (x/π)² for the first root of tan x = x.
+            // The value is (x/π)² with the smallest positive root of tan x = x.
             Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }
     }
 }
 
-/// The screw between its bearings.
+/// A screw as a shaft between its bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaft {
     /// End supports of the screw.
     pub support: EndFixity,
     /// Unsupported length `$l$` \[m\], positive.
     pub length: f64,
-    /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive. This is the core diameter
-    /// of the thread.
+    /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive. It is usually the core
+    /// diameter of the thread.
     pub diameter: f64,
     /// Bore diameter `$d_b$` of a hollow screw \[m\]; 0 for a solid screw.
     pub bore: f64,
-    /// Density of the contents of the bore \[kg/m³\].
+    /// Density of the material in the bore \[kg/m³\].
     pub coolant: f64,
     /// End supports and length of the section that may buckle \[m\].
     pub buckling: (EndFixity, f64),
@@ -99,8 +100,8 @@ impl Shaft {
     /// \omega_c = \frac{\lambda^2}{l^2}\sqrt{\frac{EI}{m'}}, \qquad I = \frac\pi{64}(d_3^4 - d_b^4), \quad m' = \rho A + \rho_c\frac\pi4d_b^2
     /// ```
     ///
-    /// Assumes: a slender bar without axial load. The support by the nut is neglected. Source:
-    /// Euler and Bernoulli; catalogs of manufacturers such as THK 513-1E, A15-32, eq. 7.
+    /// Assumes a slender beam without axial load and neglects the support by the nut. Source: Euler
+    /// and Bernoulli; catalogs of manufacturers such as THK 513-1E, A15-32, eq. 7.
     pub fn critical_speed(&self) -> f64 {
         let root = self.support.frequency_root();
         let mass = STEEL * self.section() + self.coolant * 0.25 * PI * self.bore.powi(2);
@@ -108,15 +109,15 @@ impl Shaft {
         (root / self.length).powi(2) * (self.youngs_modulus * self.second_moment() / mass).sqrt()
     }
 
-    /// Returns the critical speed \[rad/s\] under a tension \[N\]; a negative tension is a
-    /// compression (BB11). The critical speed is zero if the compression buckles the screw.
+    /// Returns the critical speed under an axial tension \[rad/s\] (BB11). The tension \[N\] is
+    /// negative for compression. The result is zero if the compression exceeds the buckling load.
     ///
     /// ```math
     /// \omega_c(F_v) = \omega_c\sqrt{1 + F_v/F_k}
     /// ```
     ///
-    /// where `$F_k$` is the buckling load of the whole screw with the supports with which it
-    /// whirls. The relation is exact for ends that may tilt.
+    /// where `$F_k$` is the buckling load of the whole screw with its own end supports. The formula
+    /// is exact if both ends can tilt.
     pub fn critical_speed_under(&self, tension: f64) -> f64 {
         let buckles = self.euler_load(self.support, self.length);
         // ω_c(F_v) = ω_c √(1 + F_v/F_k)                                   (BB11)
@@ -129,9 +130,9 @@ impl Shaft {
     /// F_k = \frac{\kappa\pi^2 EI}{l_k^2}
     /// ```
     ///
-    /// Assumes: a slender bar. For a short bar, [`yield_load`](Self::yield_load) is smaller.
-    /// Source: Euler; catalogs of manufacturers such as HIWIN BS-08-2, F 3.25, which uses 2 instead
-    /// of 2.046.
+    /// Assumes a slender bar. For a short bar, [`yield_load`](Self::yield_load) is smaller. Source:
+    /// Euler; catalogs of manufacturers such as HIWIN BS-08-2, F 3.25, which uses a factor of 2
+    /// instead of 2.046.
     pub fn buckling_load(&self) -> f64 {
         let (support, length) = self.buckling;
         self.euler_load(support, length)
@@ -139,20 +140,21 @@ impl Shaft {
 
     /// Returns the buckling load of a section of the screw \[N\] (Z2).
     ///
-    /// * `length` \[m\].
+    /// * `length`: length of the section \[m\].
     pub fn euler_load(&self, support: EndFixity, length: f64) -> f64 {
         // F_k = κ π² E I/l_k²                                             (Z2)
         support.buckling_factor() * PI.powi(2) * self.youngs_modulus * self.second_moment()
             / length.powi(2)
     }
 
-    /// Returns the screw with its bearings as the end supports of the section that may buckle.
+    /// Returns the shaft with the end supports of the whole screw applied to the section that may
+    /// buckle.
     #[must_use]
     pub fn with_buckling_of_support(&self) -> Self {
         Self { buckling: (self.support, self.buckling.1), ..*self }
     }
 
-    /// Returns the axial load at which the core reaches a given stress \[N\] (Z3).
+    /// Returns the axial load at which the stress in the core reaches a given value \[N\] (Z3).
     ///
     /// Source: THK 513-1E, A15-30, eq. 6.
     pub fn yield_load(&self, stress: f64) -> f64 {
@@ -166,10 +168,11 @@ impl Shaft {
     /// K_s = \frac{EA}{x} \quad\text{or}\quad EA\Big(\frac1x + \frac1{l - x}\Big)
     /// ```
     ///
-    /// for one end and for two ends that carry axial load.
+    /// where the first formula applies if one end carries axial load, and the second formula
+    /// applies if both ends do.
     ///
-    /// * `position`: distance `$x$` of the nut from the end that carries the load \[m\], above 0
-    ///   and below the length.
+    /// * `position`: distance `$x$` between the nut and the end that carries the load \[m\],
+    ///   between 0 and the unsupported length.
     ///
     /// Source: HIWIN BS-08-2, F 3.31 and F 3.32.
     pub fn stiffness_at(&self, position: f64) -> f64 {
@@ -186,18 +189,19 @@ impl Shaft {
         }
     }
 
-    /// Returns the smallest axial stiffness \[N/m\] (Z4), which occurs with the nut at the far end,
-    /// or in the middle if both ends carry axial load.
+    /// Returns the smallest axial stiffness \[N/m\] (Z4). It occurs when the nut is at the far end
+    /// or, if both ends carry axial load, in the middle.
     pub fn least_stiffness(&self) -> f64 {
         let share = if self.support == EndFixity::FixedFixed { 0.5 } else { 1.0 };
         self.stiffness_at(share * self.length)
     }
 
-    /// Returns the axial stiffness that the torsion of the screw gives the nut at its worst place
-    /// \[N/m\] (BB9): half the length between two fixed bearings, otherwise the whole length.
+    /// Returns the smallest axial stiffness of the nut that results from torsion of the screw
+    /// \[N/m\] (BB9). Between two fixed bearings, half the length is twisted; otherwise, it is the
+    /// whole length.
     ///
-    /// * `advance`: travel per radian \[m\].
-    /// * `poisson`: Poisson's ratio.
+    /// * `advance`: travel per radian of screw rotation \[m\].
+    /// * `poisson`: Poisson's ratio of the screw.
     pub fn torsional_stiffness(&self, advance: f64, poisson: f64) -> f64 {
         let share = if self.support == EndFixity::FixedFixed { 0.5 } else { 1.0 };
         let shear_modulus = self.youngs_modulus / (2.0 * (1.0 + poisson));
@@ -206,7 +210,7 @@ impl Shaft {
         shear_modulus * polar / (share * self.length * advance.powi(2))
     }
 
-    /// Returns the thermal growth \[m\] (Z5).
+    /// Returns the free thermal expansion \[m\] (Z5).
     ///
     /// * `expansion`: coefficient of thermal expansion \[1/K\].
     /// * `rise`: temperature rise \[K\].
@@ -225,25 +229,25 @@ impl Shaft {
         PI / 64.0 * (self.diameter.powi(4) - self.bore.powi(4))
     }
 
-    /// Returns the tension between two fixed bearings divided by the growth that they hinder
-    /// \[N/m\] (AA5).
+    /// Returns the ratio of the axial force between two fixed bearings to the expansion that they
+    /// constrain \[N/m\] (AA5).
     ///
-    /// * `bearing`: stiffness of each bearing \[N/m\], infinite if it is rigid.
+    /// * `bearing`: axial stiffness of each bearing \[N/m\], infinite for a rigid bearing.
     pub fn held(&self, bearing: f64) -> f64 {
         // C = l/EA + 2/K_b                                                (AA5)
         (self.length / (self.youngs_modulus * self.section()) + 2.0 / bearing).recip()
     }
 
-    /// Returns the tension between two fixed bearings \[N\] (AA5). A negative tension is a
+    /// Returns the axial tension between two fixed bearings \[N\] (AA5), which is negative for
     /// compression.
     ///
     /// ```math
     /// F_v(\Delta T) = \frac{\alpha_T\,l\,(\Delta T_v - \Delta T)}{C}
     /// ```
     ///
-    /// * `growth`: growth of the free screw per kelvin \[m/K\].
-    /// * `bearing`: see [`held`](Self::held).
-    /// * `stretched`: pretension as a temperature difference \[K\].
+    /// * `growth`: free expansion of the screw per kelvin \[m/K\].
+    /// * `bearing`: axial stiffness of each bearing, as in [`held`](Self::held).
+    /// * `stretched`: pretension, expressed as a temperature difference \[K\].
     /// * `rise`: temperature difference between screw and bed \[K\].
     ///
     /// Source: GY Ballscrew, "The influence of ball screw pretension"; THK, A-715.
@@ -252,54 +256,55 @@ impl Shaft {
         growth * (stretched - rise) * self.held(bearing)
     }
 
-    /// Returns the pretension as a temperature difference \[K\] for a tension \[N\], the inverse of
-    /// [`tension`](Self::tension).
+    /// Returns the pretension as a temperature difference \[K\] for a given tension \[N\]. It is
+    /// the inverse of [`tension`](Self::tension).
     pub fn stretched_by(&self, growth: f64, bearing: f64, tension: f64) -> f64 {
         // ΔT_v = F_v C/(α_T l)                                            (AA5)
         tension / (growth * self.held(bearing))
     }
 
-    /// Returns the fraction of its growth that two fixed bearings permit by their compliance.
+    /// Returns the fraction of the thermal expansion that remains between two fixed bearings
+    /// because of their compliance.
     ///
-    /// * `bearing`: see [`held`](Self::held).
+    /// * `bearing`: axial stiffness of each bearing, as in [`held`](Self::held).
     pub fn growth_left(&self, bearing: f64) -> f64 {
         // 1 − (l/EA)/C                                                    (AA5)
         1.0 - self.held(bearing) * self.length / (self.youngs_modulus * self.section())
     }
 }
 
-/// Returns the temperature difference between an axis and its surroundings in the steady state
-/// \[K\] (Z17).
+/// Returns the steady-state temperature difference between an axis and its surroundings \[K\]
+/// (Z17).
 ///
-/// * `heat`: heat produced by the axis \[W\].
-/// * `transfer`: heat transfer to the surroundings per kelvin \[W/K\], positive.
+/// * `heat`: heat generated in the axis \[W\].
+/// * `transfer`: heat transferred to the surroundings per kelvin \[W/K\], positive.
 pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
     // ΔT = Q̇/H                                                           (Z17)
     heat / transfer
 }
 
-/// Returns the time constant of the temperature rise of [`steady_rise`] \[s\], `$mc/H$` with 460
+/// Returns the time constant of the approach to [`steady_rise`] \[s\]. It is `$mc/H$`, with 460
 /// J/(kg K) for steel.
 ///
 /// * `mass`: mass of the axis \[kg\].
-/// * `transfer`: heat transfer to the surroundings per kelvin \[W/K\], positive.
+/// * `transfer`: heat transferred to the surroundings per kelvin \[W/K\], positive.
 pub fn warming_time(mass: f64, transfer: f64) -> f64 {
     mass * HEAT_CAPACITY / transfer
 }
 
 /// Returns the natural frequency of a mass on a spring \[Hz\] (BB9).
 ///
-/// * `stiffness` \[N/m\].
-/// * `mass` \[kg\].
+/// * `stiffness`: spring stiffness \[N/m\].
+/// * `mass`: moving mass \[kg\].
 pub fn natural_frequency(stiffness: f64, mass: f64) -> f64 {
     // f = √(K/m)/2π                                                       (BB9)
     (stiffness / mass).sqrt() / (2.0 * PI)
 }
 
-/// Returns the elastic lost motion \[m\] (Z6), the displacement by which an axis lags when its
+/// Returns the elastic lost motion \[m\] (Z6), which is the travel that an axis loses when its
 /// friction reverses.
 ///
-/// * `friction`: friction force that changes its sign \[N\].
+/// * `friction`: friction force that changes sign \[N\].
 /// * `stiffness`: stiffness of the axis \[N/m\].
 pub fn lost_motion(friction: f64, stiffness: f64) -> f64 {
     // u_0 = 2 F_r/K                                                       (Z6)
@@ -314,7 +319,7 @@ mod tests {
 
     const RPM: f64 = PI / 30.0;
 
-    /// Returns all end supports, in the order of increasing stiffness.
+    /// Returns all types of end supports in the order of increasing stiffness.
     fn all() -> [EndFixity; 4] {
         use EndFixity::{FixedFixed, FixedFree, FixedSupported, SupportedSupported};
         [FixedFree, SupportedSupported, FixedSupported, FixedFixed]
@@ -332,7 +337,8 @@ mod tests {
         }
     }
 
-    /// The roots satisfy their equations in a form that is of order one.
+    /// The roots satisfy their frequency equations, which are rewritten so that all terms are of
+    /// order one.
     #[test]
     fn roots_solve_the_frequency_equations() {
         let [free, tilting, one, fixed] = all().map(EndFixity::frequency_root);
@@ -345,53 +351,56 @@ mod tests {
             assert!(residual.abs() < 1e-14, "{residual}");
         }
         let x = PI * EndFixity::FixedSupported.buckling_factor().sqrt();
-        // The error of tan x is 1 + x² = 21 times the rounding error of x.
+        // The error of tan x is the rounding error of x multiplied by 1 + x² = 21.
         assert!((x.tan() - x).abs() < 1e-13, "{}", x.tan() - x);
     }
 
-    /// The factors printed in catalogs are reproduced: THK 513-1E (0.8 of the critical speed
-    /// divided by 10⁷ d/l²) to half a unit of the last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and
+    /// The results match the factors printed in catalogs: THK 513-1E (0.8 times the critical speed,
+    /// divided by 10⁷ d/l²) to half a unit in the last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²), and
     /// HSK.
     #[test]
     fn catalog_factors_are_reproduced() {
         let thk = [3.4, 9.7, 15.1, 21.9];
         let hiwin = [0.147, 0.446, 0.692, 1.0];
         for ((support, thk), hiwin) in all().into_iter().zip(thk).zip(hiwin) {
-            // With a diameter of one millimeter and a length of one meter, d/l² is 1e-6/mm.
+            // For a diameter of 1 mm and a length of 1 m, d/l² is 1e-6/mm.
             let speed = shaft(support, 1.0, 1e-3).critical_speed() / RPM;
             assert!((0.8 * speed / 10.0 - thk).abs() < 0.05, "{support:?} {speed}");
-            // HIWIN's factors differ from the roots: 0.010 too low with a free end, and at most
-            // 0.005 too high otherwise.
+            // The HIWIN factors deviate from the exact values. With a free end, the HIWIN factor is
+            // 0.010 too low. For all other supports, it is at most 0.005 too high.
             let of_fixed = shaft(EndFixity::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
             let off = speed / of_fixed - hiwin;
             assert!((-0.0055..0.0105).contains(&off), "{support:?} {off}");
-            // The factor is 273.6 instead of HIWIN's 271.
+            // The exact factor is 273.6, and HIWIN uses 271.
             assert!((of_fixed / 271.0 - 1.0).abs() < 0.01);
         }
-        // HSK states half of the buckling load as m d⁴/l² 10³ kgf, with 21 000 kgf/mm².
+        // HSK states half of the buckling load as m d⁴/l² 10³ kgf for a Young's modulus of 21 000
+        // kgf/mm².
         for (support, m) in all().into_iter().zip([1.3, 5.1, 10.2, 20.3]) {
             let load = 0.5 * shaft(support, 1.0, 1e-3).buckling_load() * (21_000.0 * 9.806_65)
                 / 206e3
                 / 9.806_65;
-            // 10³ mm⁴/(10⁶ mm²) is 10⁻³. The printed 10.2 follows from 2, where Euler has 2.046.
+            // 10³ mm⁴/(10⁶ mm²) is 10⁻³. The printed value of 10.2 results from a factor of 2
+            // instead of Euler's 2.046.
             let near = if support == EndFixity::FixedSupported { 0.025 * m } else { 0.05 };
             assert!((load / 1e-3 - m).abs() < near, "{support:?} {load}");
         }
     }
 
-    /// Worked examples. MISUMI economy series, "Selection of ball screws": 3630 N on a root
-    /// diameter of 12.5 mm and a length of 820 mm, fixed-supported, with m = 10 for 0.5 · 2.046 π³
-    /// E/64; and the speed for 790 mm, 15.1 d/l² 10⁷ = 3024 rpm. White paper of Machine Design: a
-    /// rod of one inch diameter and 100 inches length has 18 Hz if fixed and 8 Hz if supported.
+    /// MISUMI economy series, "Selection of ball screws": 3630 N for a root diameter of 12.5 mm and
+    /// a length of 820 mm (fixed-supported), with m = 10 for 0.5 · 2.046 π³ E/64, and a speed of
+    /// 15.1 d/l² 10⁷ = 3024 rpm for 790 mm. White paper by Machine Design: a rod of 1 inch diameter
+    /// and 100 inches length has a natural frequency of 18 Hz if both ends are fixed, and of 8 Hz
+    /// if both ends are supported.
     #[test]
     fn worked_examples_of_catalogs_are_reproduced() {
         let example = shaft(EndFixity::FixedSupported, 0.82, 12.5e-3);
-        // m = 10 is 10.21, rounded.
+        // MISUMI rounds the exact factor of 10.21 to m = 10.
         let permitted = example.buckling_load() / BUCKLING_SAFETY;
         assert!((permitted / 3630.0 - 1.021).abs() < 2e-3, "{permitted}");
         let example = shaft(EndFixity::FixedSupported, 0.79, 12.5e-3);
         let permitted = CRITICAL_SPEED_RATIO * example.critical_speed() / RPM;
-        // 15.1 has three digits.
+        // The factor 15.1 has only three digits.
         assert!((permitted / 3024.0 - 1.0).abs() < 3.5e-3, "{permitted}");
         let inch = 25.4e-3;
         let turns = |support| shaft(support, 100.0 * inch, inch).critical_speed() / (2.0 * PI);
@@ -399,35 +408,35 @@ mod tests {
         assert!((turns(EndFixity::SupportedSupported) - 8.0).abs() < 0.5);
     }
 
-    /// Hand calculation for a diameter of 34 mm and a length of 1 m, fixed-supported: I = 6.5597e-8
-    /// m⁴, E I = 13 513 N m².
+    /// Hand calculation for a solid screw with a diameter of 34 mm and a length of 1 m
+    /// (fixed-supported): I = 6.5597e-8 m⁴, E I = 13 513 N m².
     #[test]
     fn limits_of_a_solid_screw_match_hand_calculations() {
         let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
-        // Four digits.
+        // The hand calculation has four digits.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
         assert!((screw.buckling_load() / 1e3 - 272.8).abs() < 0.05);
-        // The section of 907.92 mm² carries 147 N/mm².
+        // The cross section of 907.92 mm² carries 147 N/mm².
         assert!((screw.yield_load(PERMITTED_STRESS) - 133_464.0).abs() < 1.0);
-        // The stiffness is 206e9 · 9.0792e-4 N divided by 1 m.
+        // The stiffness is 206e9 · 9.0792e-4 N divided by a length of 1 m.
         assert!((screw.least_stiffness() * 1e-6 - 187.03).abs() < 0.005);
-        // One kelvin and one meter give 11.5 µm.
+        // A temperature rise of 1 K extends a length of 1 m by 11.5 µm.
         assert_relative_eq!(screw.growth(11.5e-6, 1.0), 11.5e-6, max_relative = 1e-14);
     }
 
-    /// The screw has a bore of 17 mm, which is empty or filled with water. A vanishing bore gives
-    /// the solid screw.
+    /// The screw has a bore of 17 mm that is empty or filled with water. In the limit of a very
+    /// small bore, the result is that of a solid screw.
     #[test]
     fn limits_of_a_hollow_screw_match_hand_calculations() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         let hollow = Shaft { bore: 17e-3, ..solid };
-        // Five digits.
+        // The hand calculation has five digits.
         assert_relative_eq!(hollow.critical_speed() / RPM, 7167.7, max_relative = 1e-5);
         assert_relative_eq!(hollow.buckling_load(), 255_790.0, max_relative = 2e-5);
         assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
         assert_relative_eq!(hollow.section(), 680.94e-6, max_relative = 1e-5);
         let wet = Shaft { coolant: 1000.0, ..hollow };
-        // The screw contains 0.22698 kg of water in 5.34538 kg of steel.
+        // The steel weighs 5.34538 kg and the water in the bore 0.22698 kg.
         let slower = (5.345_38_f64 / (5.345_38 + 0.226_98)).sqrt();
         assert_relative_eq!(
             wet.critical_speed() / hollow.critical_speed(),
@@ -438,8 +447,8 @@ mod tests {
         assert_relative_eq!(nearly.critical_speed(), solid.critical_speed(), max_relative = 1e-12);
     }
 
-    /// THK, A-726: a core of 17.5 mm over 1100 mm, clamped by bearing and nut, may carry 15 500 N;
-    /// A-739: 12.5 mm over 700 mm, 9960 N.
+    /// Examples by THK: a core of 17.5 mm and a length of 1100 mm, clamped by bearing and nut,
+    /// carries 15 500 N (A-726). A core of 12.5 mm and a length of 700 mm carries 9960 N (A-739).
     #[test]
     fn buckling_loads_between_bearing_and_nut_match_thk() {
         for (length, diameter, printed, ours) in
@@ -448,17 +457,18 @@ mod tests {
             let screw = shaft(EndFixity::FixedSupported.of_buckling(), length, diameter);
             let permitted = screw.buckling_load() / BUCKLING_SAFETY;
             assert_relative_eq!(permitted, ours, max_relative = 1e-5);
-            // THK's factor of 20 is 20.33 rounded, with THK's value of E I.
+            // THK rounds the factor of 20.33, which includes E I, to 20.
             assert_relative_eq!(permitted, printed, max_relative = 2e-3);
         }
         let tilts = EndFixity::SupportedSupported;
         assert_eq!(tilts.of_buckling(), tilts);
     }
 
-    /// Hand calculation for a core of 34.4 mm over 1450 mm, stretched by 3 K: 6605.3 N and 50.025
-    /// um between rigid bearings, and 4885.2 N and 36.998 um between two bearings of 750 N/um. If
-    /// the screw is 8 K warmer than the bed, -11 008.8 N remain. Without a pretension, the growth
-    /// compresses the screw, and rigid bearings permit no growth.
+    /// Hand calculation for a core of 34.4 mm and a length of 1450 mm with a pretension of 3 K.
+    /// Rigid bearings give 6605.3 N and 50.025 um, and two bearings of 750 N/um give 4885.2 N and
+    /// 36.998 um. If the screw is 8 K warmer than the bed, the force is -11 008.8 N with rigid
+    /// bearings. Without a pretension, thermal expansion compresses the screw, and rigid bearings
+    /// do not permit any expansion.
     #[test]
     fn pretension_matches_hand_calculations() {
         let screw = shaft(EndFixity::FixedFixed, 1.45, 34.4e-3);
@@ -479,18 +489,18 @@ mod tests {
         let rigid = f64::INFINITY;
         let warm = screw.tension(growth, rigid, 3.0, 8.0);
         assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
-        // The thermal force of an unstretched screw of 34 mm is 21.5 kN at 10 K.
+        // For a screw of 34 mm without pretension, the thermal force at 10 K is 21.5 kN.
         let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);
-        // l/EA is 75.7 % of C.
+        // The term l/EA is 75.7 % of C.
         assert_relative_eq!(screw.growth_left(750e6), 1.0 - 4885.2 / 6605.3, max_relative = 1e-4);
     }
 
-    /// A screw held at both ends is four times as stiff in the middle and stiffer everywhere else.
-    /// Near one end, the other end has no effect.
+    /// A screw fixed at both ends has four times the minimum stiffness, and this minimum occurs in
+    /// the middle. Near one end, the other end has almost no effect.
     #[test]
-    fn a_screw_held_at_both_ends_is_stiffer() {
+    fn screw_fixed_at_both_ends_is_stiffer() {
         let (one, two) = (
             shaft(EndFixity::FixedSupported, 1.2, 30e-3),
             shaft(EndFixity::FixedFixed, 1.2, 30e-3),
@@ -504,12 +514,12 @@ mod tests {
             assert!(two.stiffness_at(position) > two.least_stiffness());
             assert!(one.stiffness_at(position) > one.least_stiffness());
         }
-        // The other end adds x/(l − x).
+        // The other end adds a fraction of x/(l − x).
         let share = two.stiffness_at(1e-6) / one.stiffness_at(1e-6);
         assert_relative_eq!(share, 1.0 + 1e-6 / (1.2 - 1e-6), max_relative = 1e-14);
     }
 
-    /// Friction of 100 N in each direction at 100 N/µm causes a lag of 2 µm.
+    /// A friction force of 100 N in each direction causes a lost motion of 2 µm at 100 N/µm.
     #[test]
     fn friction_causes_lost_motion() {
         assert_relative_eq!(lost_motion(100.0, 1e8), 2e-6, max_relative = 1e-14);

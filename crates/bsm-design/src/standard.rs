@@ -1,4 +1,4 @@
-//! The choice of a screw among standard sizes. Every combination of the lists is tried.
+//! Selection of a screw from standard sizes by evaluating every combination in the lists.
 
 use std::cmp::Ordering::Equal;
 
@@ -10,16 +10,17 @@ use crate::{
     Limits, Lists, OfferedSize, Outcome, Pitch, Requirement,
 };
 
-/// Number of designs whose efficiency is calculated to find out whether a limit affects the choice.
+/// Maximum number of designs whose efficiency is calculated to find out whether a limit affects the
+/// selection.
 const MAX_EFFICIENCY_SOLVES: usize = 64;
 
 impl Requirement {
-    /// Returns the best screw of standard sizes for the requirement, among all combinations of
-    /// nominal diameter, lead, ball, number of turns, conformity and contact angle of `lists` that
-    /// `limits` permit.
+    /// Returns the best screw of standard sizes that meets the requirement. The search evaluates
+    /// all combinations of nominal diameter, lead, ball diameter, number of turns, conformity and
+    /// contact angle in `lists` that are within `limits`.
     ///
-    /// Values that the requirement fixes replace the lists. Returns `None` if no combination is
-    /// within the limits.
+    /// Fixed values of the requirement replace the corresponding lists. Returns `None` if no
+    /// combination is within the limits.
     pub fn choose_standard(
         &self,
         lists: &Lists,
@@ -66,8 +67,8 @@ impl Requirement {
         blocked(failed, complete)
     }
 
-    /// Returns the limits that rule out better designs than the chosen design: each limit that does
-    /// so alone or, if there is none, the limits that the nearest better design violates.
+    /// Returns the limits that rule out better designs than the selected one. If no limit does so
+    /// alone, returns the limits that the nearest better design violates.
     fn holds_back(
         &self,
         failed: &[Design],
@@ -76,7 +77,7 @@ impl Requirement {
     ) -> Vec<BindingLimit> {
         let Self { objective, .. } = *self;
         let best = chosen.objective(objective);
-        // Returns the objective of a better design, with the value of its quantity.
+        // Returns the objective if the design is better than the selected one.
         let better = |design: &Design| {
             let number = |design: &Design| {
                 let value = (design.objective(objective), design.value(objective.quantity()));
@@ -84,7 +85,8 @@ impl Requirement {
             };
             if objective.asks_efficiency() { number(&complete(design)) } else { number(design) }
         };
-        // An efficiency requires a solution of its model.
+        // Each efficiency requires a solution of the ball model, so the number of evaluations is
+        // limited.
         let most = if objective.asks_efficiency() { MAX_EFFICIENCY_SOLVES } else { usize::MAX };
         let mut nearest: Vec<_> = failed.iter().map(|design| (violation(design), design)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -107,7 +109,7 @@ impl Requirement {
         })
     }
 
-    /// Returns the lists, in which fixed values replace the others.
+    /// Returns the lists with fixed values of the requirement replacing the corresponding lists.
     fn lists(&self, lists: &Lists) -> Lists {
         let one =
             |fixed: Option<f64>, list: &[f64]| fixed.map_or(list.to_vec(), |value| vec![value]);
@@ -135,19 +137,19 @@ impl Requirement {
     }
 }
 
-/// Returns how much a design violates its limits.
+/// Returns the total violation of all limits of a design.
 fn violation(design: &Design) -> f64 {
     let far = design.checks.iter().filter_map(Check::violation).filter(|e| e.is_finite());
     far.map(|violation| violation.max(0.0).powi(2)).sum()
 }
 
-/// Returns the limits that a design violates.
+/// Returns the checks of a design that fail.
 fn failing(design: &Design) -> Vec<Check> {
     let known = design.checks.iter().filter(|check| !check.value.is_nan());
     known.filter(|check| !check.passes()).copied().collect()
 }
 
-/// Returns the designs that violate a single limit, grouped by this limit.
+/// Returns the designs that violate exactly one limit, grouped by this limit.
 fn single_violations<'a>(
     designs: impl Iterator<Item = &'a Design>,
 ) -> Vec<Vec<(Check, &'a Design)>> {
@@ -163,14 +165,15 @@ fn single_violations<'a>(
     single_violations
 }
 
-/// Returns the reason why no standard size meets all limits: the design with the smallest
-/// violation, and each limit that alone prevents a solution, with the best value that it could
-/// have.
+/// Returns the reason why no standard size meets all limits. The result contains the design with
+/// the smallest violation, and each limit that alone prevents a solution together with the best
+/// value that its quantity could have.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let least = |mut designs: Vec<(Check, &Design)>| {
         designs
             .sort_by(|(a, _), (b, _)| a.violation().partial_cmp(&b.violation()).unwrap_or(Equal));
-        // An efficiency, which requires a solution of its model, may violate another limit.
+        // Calculating the efficiency, which requires a solution of the ball model, may reveal that
+        // the design violates another limit.
         let alone = |(_, design): &(Check, &Design)| failing(&complete(design)).len() == 1;
         let (least, _) = designs.into_iter().take(MAX_EFFICIENCY_SOLVES).find(alone)?;
         Some(ActiveLimit { cause: Infeasibility::SingleLimit(least.value), check: least })

@@ -1,4 +1,4 @@
-//! Normal distribution and quantiles.
+//! Normal distributions and quantiles.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -14,21 +14,21 @@ pub(crate) struct Normal {
 }
 
 impl Normal {
-    /// Returns the logarithm of the density at `x`.
+    /// Returns the logarithm of the probability density at `x`.
     pub(crate) fn ln_density(self, x: f64) -> f64 {
         let z = (x - self.mean) / self.deviation;
         -0.5 * (z * z + TAU.ln()) - self.deviation.ln()
     }
 }
 
-/// Returns the logarithm of a weighted sum of normal densities at `x`. The result is finite for any
-/// distance of `x` from the means.
+/// Returns the logarithm of a weighted sum of normal densities at `x`. The result is finite even if
+/// `x` is far from all means.
 pub(crate) fn ln_mixture<const N: usize>(parts: &[(f64, Normal); N], x: f64) -> f64 {
     ln_sum(parts.map(|(weight, normal)| weight.ln() + normal.ln_density(x)))
 }
 
-/// Returns the logarithm of a sum of numbers given by their logarithms; minus infinity if there are
-/// no numbers.
+/// Returns the logarithm of the sum of numbers whose logarithms are given. Returns minus infinity
+/// if there are no numbers.
 pub(crate) fn ln_sum(logarithms: impl IntoIterator<Item = f64, IntoIter: Clone>) -> f64 {
     let logarithms = logarithms.into_iter();
     let largest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
@@ -41,19 +41,19 @@ pub(crate) fn ln_sum(logarithms: impl IntoIterator<Item = f64, IntoIter: Clone>)
 /// Returns the quantile of the standard normal distribution for a probability between 1e-18 and 1 -
 /// 1e-15.
 pub(crate) fn normal_quantile(probability: f64) -> f64 {
-    // The derivative is the density, so the root finder can use Newton steps.
+    // The derivative is the probability density, which lets the root finder use Newton steps.
     let excess = |z: f64| {
         let cumulative = 0.5 * libm::erfc(-z * FRAC_1_SQRT_2);
         (cumulative - probability, Normal { mean: 0.0, deviation: 1.0 }.ln_density(z).exp())
     };
-    // The cumulative probabilities at the ends are 1.1e-19 and, in double precision, 1.
+    // The cumulative probabilities at both ends are 1.1e-19 and 1 (in double precision).
     let ends = [-9.0, 9.0];
     let bracket = Bracket { start: Some(0.0), ..Bracket::new(ends, ends.map(|z| excess(z).0)) };
     bracket.root(excess).root().expect("the probability is inside the bracket").x
 }
 
-/// Returns the quantile of sorted values for a probability in \[0, 1\], by linear interpolation
-/// between the two nearest values. Returns NaN if there are no values.
+/// Returns the quantile of sorted values for a probability in \[0, 1\], interpolated linearly
+/// between the two neighboring values. Returns NaN if there are no values.
 pub fn quantile(sorted: &[f64], probability: f64) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "far below 2^53 values")]
     let place = probability * sorted.len().saturating_sub(1) as f64;
@@ -74,7 +74,7 @@ mod tests {
 
     use super::*;
 
-    /// Hand calculation: between two values, quantiles are interpolated linearly.
+    /// Hand calculation: quantiles between two values are interpolated linearly.
     #[test]
     fn quantiles_are_interpolated_linearly() {
         assert!((quantile(&[1.0, 2.0, 4.0], 0.25) - 1.5).abs() < 1e-15);
@@ -83,7 +83,7 @@ mod tests {
         assert!(quantile(&[], 0.5).is_nan());
     }
 
-    /// Quantiles agree with the table of Abramowitz and Stegun (26.5) to its ten digits.
+    /// The quantiles match all ten digits in the table of Abramowitz and Stegun (26.5).
     #[test]
     fn normal_quantiles_match_tables() {
         for (probability, expected) in [
@@ -98,7 +98,7 @@ mod tests {
     }
 
     /// At a distance of 1000 standard deviations from both means, the density underflows, but its
-    /// logarithm does not.
+    /// logarithm is still finite.
     #[test]
     fn mixtures_are_finite_far_from_their_means() {
         let [one, other] =

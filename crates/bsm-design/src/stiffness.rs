@@ -1,6 +1,6 @@
-//! Displacement and stiffness of the contacts and of the body of a nut.
+//! Axial displacement and stiffness of the ball contacts and the body of a nut.
 //!
-//! Assumes: all balls carry the same load, and contact angles do not change under load.
+//! Assumes that all balls carry equal loads, and that the contact angles do not change under load.
 
 use std::f64::consts::PI;
 
@@ -11,16 +11,16 @@ use bsm_dyn::{
 
 use crate::{LIMIT_LOAD, Nut, NutBody};
 
-/// Elastic properties of one nut, which do not depend on its load.
+/// Elastic properties of one nut that do not depend on the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elasticity {
-    /// Contacts at nut and screw.
+    /// Hertzian contacts of the ball with nut and screw.
     pub hertz: [Hertz; 2],
     /// Stiffness constant `$k$` of one turn \[N/m^1.5\] (D6).
     pub turn: f64,
     /// Stiffness constant `$k\,i$` of all turns \[N/m^1.5\].
     pub turns: f64,
-    /// Stiffness of the body \[N/m\] (D8).
+    /// Stiffness of the nut body \[N/m\] (D8).
     pub body: f64,
 }
 
@@ -33,8 +33,8 @@ pub fn in_series(one: f64, other: f64) -> f64 {
 }
 
 impl Elasticity {
-    /// Returns the axial displacement of the contacts of one nut under an axial force \[N\], in m
-    /// (D7).
+    /// Returns the axial displacement \[m\] that results from the contacts of one nut under an
+    /// axial force \[N\] (D7).
     ///
     /// Source: Sobolewski (2002), eqs. 4 and 7.
     pub fn displacement(&self, force: f64) -> f64 {
@@ -42,8 +42,8 @@ impl Elasticity {
         (force / self.turns).cbrt().powi(2)
     }
 
-    /// Returns the secant stiffness of the contacts of one nut, force divided by displacement
-    /// \[N/m\] (D19).
+    /// Returns the secant stiffness of the contacts of one nut \[N/m\] (D19), which is the force
+    /// divided by the displacement.
     ///
     /// Source: Sobolewski (2002), eq. 5.
     pub fn secant(&self, force: f64) -> f64 {
@@ -51,25 +51,26 @@ impl Elasticity {
         (force * self.turns.powi(2)).cbrt()
     }
 
-    /// Returns the tangent stiffness of the contacts of one nut, for a small change of its force
-    /// \[N/m\] (D19).
+    /// Returns the tangent stiffness of the contacts of one nut \[N/m\] (D19), which is the
+    /// derivative of the force with respect to the displacement.
     pub fn tangent(&self, force: f64) -> f64 {
         // j_tan = 3/2 j_sec                                               (D19)
         1.5 * self.secant(force)
     }
 
-    /// Returns the stiffness of the contacts of two nuts that are clamped with a preload \[N\],
-    /// under a load that opens neither nut \[N/m\] (D20).
+    /// Returns the contact stiffness of two nuts that are clamped against each other with a preload
+    /// \[N\] (D20), in N/m. It is valid for loads that do not unload either nut.
     ///
-    /// Source: Sobolewski (2002), eqs. 9 and 10. A load divided by this stiffness is the
-    /// displacement `$w_o$`.
+    /// Source: Sobolewski (2002), eqs. 9 and 10. The displacement `$w_o$` is the load divided by
+    /// this stiffness.
     pub fn preloaded(&self, preload: f64) -> f64 {
         // j_w = 3 k i √δ_w                                                (D20)
         3.0 * self.turns * self.displacement(preload).sqrt()
     }
 
-    /// Returns the displacement of the contacts of two such nuts under a load \[m\] (D20). Beyond
-    /// the limit load (D23), it is the displacement of the nut that carries the load alone.
+    /// Returns the contact displacement of a preloaded nut pair under a load \[m\] (D20). Beyond
+    /// the limit load (D23), one nut alone carries the load, and the result is the displacement of
+    /// this nut.
     pub fn preloaded_displacement(&self, preload: f64, load: f64) -> f64 {
         if load > LIMIT_LOAD * preload {
             return self.displacement(load) - self.displacement(preload);
@@ -78,19 +79,20 @@ impl Elasticity {
         load / self.preloaded(preload)
     }
 
-    /// Returns the stiffness of [`preloaded`](Self::preloaded) in series with the bodies of both
-    /// nuts \[N/m\].
+    /// Returns the stiffness of the preloaded contacts ([`preloaded`](Self::preloaded)) in series
+    /// with the bodies of both nuts \[N/m\].
     pub fn preloaded_pair(&self, preload: f64) -> f64 {
         in_series(self.preloaded(preload), 2.0 * self.body)
     }
 }
 
 impl Nut {
-    /// Returns the contacts at nut and screw.
+    /// Returns the Hertzian contacts of the ball with nut and screw.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if the grooves do not permit a contact ellipse.
+    /// Returns [`Reason::CurvaturesNotHertzian`] if the groove geometry does not permit an
+    /// elliptical contact.
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let of = |member| Hertz::of(&self.curvatures(member, self.lead_angle()), modulus);
@@ -103,12 +105,13 @@ impl Nut {
     /// k = \frac{n\,(\sin\beta\cos\alpha)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
     /// ```
     ///
-    /// where `$\delta$` is the Hertz approach at unit load. Source: ISO/DP 9783 as in Sobolewski
-    /// (2002), with exact Hertz contacts of helical grooves instead of empirical formulas.
+    /// where `$\delta$` is the Hertzian approach at unit load. Source: ISO/DP 9783 as in Sobolewski
+    /// (2002), with exact Hertzian contacts in helical grooves instead of empirical formulas.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if the grooves do not permit a contact ellipse.
+    /// Returns [`Reason::CurvaturesNotHertzian`] if the groove geometry does not permit an
+    /// elliptical contact.
     pub fn elasticity(&self, body: &NutBody) -> Result<Elasticity, Reason> {
         let hertz = self.hertz()?;
         let direction = self.contact_angle.sin() * self.lead_angle().cos();
@@ -121,7 +124,7 @@ impl Nut {
 }
 
 impl NutBody {
-    /// Returns the stiffness of the body along the loaded turns \[N/m\] (D8).
+    /// Returns the stiffness of the nut body along the loaded turns \[N/m\] (D8).
     ///
     /// Source: Sobolewski (2002), eq. 2.
     pub fn stiffness(&self, nut: &Nut) -> f64 {
@@ -161,8 +164,8 @@ mod tests {
         nut.elasticity(&NutBody::usual(&nut, crate::NutSet::Single)).expect("ellipses")
     }
 
-    /// The stiffness of eq. 5 is a secant stiffness. The program formerly printed a tangent
-    /// stiffness under this name.
+    /// Eq. 5 is a secant stiffness. The program used to print the tangent stiffness under this
+    /// name.
     #[test]
     fn secant_and_tangent_stiffness_are_distinct() {
         let nut = elasticity();
@@ -175,18 +178,18 @@ mod tests {
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }
 
-    /// The pair (D20) is compared with both nuts: the slope without load is the same, and at the
-    /// limit load of eq. 8, three times the preload, the displacement is 0.926 of the displacement
-    /// of both nuts.
+    /// The pair stiffness (D20) is compared with an exact calculation of both nuts. The slopes at
+    /// zero load are equal. At the limit load of eq. 8, which is three times the preload, the
+    /// linear displacement is 0.926 times the exact displacement.
     #[test]
-    fn the_stiffness_of_a_pair_matches_two_nuts() {
+    fn pair_stiffness_matches_two_separate_nuts() {
         let nut = elasticity();
         let preload: f64 = 15e3;
         let approach = nut.displacement(preload);
         let carried = |x: f64| nut.turns * x.max(0.0).powf(1.5);
         let load = |w: f64| carried(approach + w) - carried(approach - w);
         let small = 1e-6 * approach;
-        // The next term of the series is of the order of (w/δ)².
+        // The next term of the power series is of the order of (w/δ)².
         assert_relative_eq!(load(small) / small, nut.preloaded(preload), max_relative = 1e-9);
         let limit = 3.0 * preload;
         let linear = limit / nut.preloaded(preload);

@@ -1,44 +1,45 @@
-//! The thread: arcs, bottoms and lands of the grooves of nut and screw.
+//! Geometry of the thread: arcs, bottoms and lands of the grooves in nut and screw.
 //!
-//! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). The section is across the groove,
-//! and the lead is neglected.
+//! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). The profile lies in a section
+//! perpendicular to the groove, and the lead is neglected.
 
 use bsm_dyn::hertz::{Hertz, Raceway};
 
 use crate::Nut;
 
-/// Gap between the lands of nut and screw on each side of the pitch circle diameter \[m\]
-/// (Sobolewski 2002), and its upper limit divided by the ball diameter.
+/// Difference between each land diameter and the pitch circle diameter \[m\] (Sobolewski 2002), and
+/// its upper limit divided by the ball diameter.
 const LAND_GAP: (f64, f64) = (1.5e-3, 0.5);
 
-/// Groove of the nut or of the screw. It consists of two arcs (gothic arch), or of one arc if the
-/// centers of both arcs coincide.
+/// Groove profile of the nut or of the screw. It consists of two arcs (gothic arch), or of a single
+/// arc if the centers of both arcs coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile {
     /// Radius `$R$` of the arcs \[m\].
     pub radius: f64,
-    /// Distance `$k$` of the arc centers from the middle of the groove \[m\] (G1).
+    /// Distance `$k$` of the arc centers from the center plane of the groove \[m\] (G1).
     pub offset: f64,
-    /// Distance of the arc centers from the pitch circle, away from the groove \[m\].
+    /// Radial distance of the arc centers from the pitch circle, on the side away from the groove
+    /// \[m\].
     pub height: f64,
-    /// Diameter at the bottom of the full arcs, called the calculated core diameter \[m\] (G3).
+    /// Diameter at the bottom of the complete arcs, called the calculated core diameter \[m\] (G3).
     pub core: f64,
     /// Diameter at which the two arcs meet, called the root diameter \[m\] (G5).
     pub root: f64,
-    /// Diameter of the land \[m\]: the bore of the nut, or the outer diameter of the screw.
+    /// Diameter of the land, which is the bore of the nut or the outer diameter of the screw \[m\].
     pub land: f64,
-    /// Distance of the land from the pitch circle, toward the groove \[m\].
+    /// Radial distance of the land from the pitch circle, on the side of the groove \[m\].
     pub land_height: f64,
-    /// Angle from the radial direction at which the arcs end at the land \[rad\] (G7).
+    /// Angle between the radial direction and the end of the arc at the land \[rad\] (G7).
     pub edge: f64,
 }
 
 impl Profile {
-    /// Returns points of a flank from the root, where the arcs meet, to the land: the axial
-    /// distance from the middle of the groove, and the radial distance from the pitch circle toward
-    /// the groove \[m\].
+    /// Returns points on one flank, from the root (where the arcs meet) to the land. Each point
+    /// consists of the axial distance from the center plane of the groove and the radial distance
+    /// from the pitch circle, positive toward the groove \[m\].
     ///
-    /// * `steps`: number of chords, at least 1.
+    /// * `steps`: number of intervals between the points, at least 1.
     pub fn flank(&self, steps: u32) -> Vec<(f64, f64)> {
         let [meet, edge] = self.ends();
         let point = |i: u32| {
@@ -48,47 +49,47 @@ impl Profile {
         (0..=steps).map(point).collect()
     }
 
-    /// Returns the angles from the radial direction at which a flank begins (at the root) and ends
-    /// (at the land) \[rad\].
+    /// Returns the angles between the radial direction and the two ends of a flank \[rad\], at the
+    /// root and at the land.
     pub fn ends(&self) -> [f64; 2] {
         [(self.offset / self.radius).clamp(-1.0, 1.0).asin(), self.edge]
     }
 }
 
-/// The grooves of a nut and its screw.
+/// Groove profiles of a nut and its screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thread {
-    /// Groove of the nut.
+    /// Groove profile of the nut.
     pub nut: Profile,
-    /// Groove of the screw.
+    /// Groove profile of the screw.
     pub screw: Profile,
-    /// Axial play of one nut without preload, from flank to flank \[m\].
+    /// Axial play of a single nut without preload, from flank to flank \[m\].
     pub play: f64,
 }
 
 impl Nut {
-    /// Returns the usual diameters of the bore of the nut and of the outside of the screw \[m\]
-    /// (G6).
+    /// Returns the usual land diameters \[m\], which are the bore of the nut and the outer diameter
+    /// of the screw (G6).
     ///
-    /// Source: Sobolewski (2002), `$D_{pw} \pm 1.5$` mm for balls from 3 mm. For smaller balls,
-    /// half of the ball diameter is used, so that the lands can hold the balls.
+    /// Source: Sobolewski (2002), `$D_{pw} \pm 1.5$` mm for balls of 3 mm or more. For smaller
+    /// balls, half the ball diameter is used, so that the lands can hold the balls.
     pub fn usual_lands(&self) -> (f64, f64) {
         // D_b = D_pw + min(1.5 mm, D_w/2),  d_s = D_pw − min(1.5 mm, D_w/2)  (G6)
         let gap = LAND_GAP.0.min(LAND_GAP.1 * self.ball_diameter);
         (self.pitch_diameter + gap, self.pitch_diameter - gap)
     }
 
-    /// Returns the axial play of a thread with single arcs, which is the largest play at this
-    /// contact angle \[m\] (G2).
+    /// Returns the axial play of a thread with single-arc grooves \[m\] (G2). This is the largest
+    /// possible play for the given contact angle.
     pub fn monoarc_play(&self) -> f64 {
         let (nut, screw) = self.conformity;
         // s_m = 2 (R_n + R_s − D_w) sinβ                                  (G2)
         2.0 * (nut + screw - 1.0) * self.ball_diameter * self.contact_angle.sin()
     }
 
-    /// Returns the contact angle of a thread \[rad\] for the radial distance of the bottoms of its
-    /// arcs, `$(D_{ro} - d_{ro})/2$` \[m\] (G4). Returns `None` if the distance is not between one
-    /// ball diameter and the sum of the groove radii.
+    /// Returns the contact angle of a thread \[rad\] from the radial distance between the bottoms
+    /// of the arcs in nut and screw, `$(D_{ro} - d_{ro})/2$` \[m\] (G4). Returns `None` unless this
+    /// distance is between one ball diameter and the sum of the groove radii.
     ///
     /// Source: Sobolewski (2002), eq. 1, whose printed denominator lacks the ball diameter.
     pub fn contact_angle_of(&self, bottoms: f64) -> Option<f64> {
@@ -98,16 +99,16 @@ impl Nut {
         (cos > 0.0 && cos < 1.0).then(|| cos.acos())
     }
 
-    /// Returns the thread that touches the balls at the contact angle when its axial play is taken
-    /// up, (G1) to (G7).
+    /// Returns the thread in which the balls touch at the contact angle when the axial play is
+    /// taken up, (G1) to (G7).
     ///
     /// ```math
     /// k = (R - \tfrac12 D_w)\sin\beta\,\Big(1 - \frac{s}{s_m}\Big)
     /// ```
     ///
-    /// * `play`: `$s$` \[m\], from 0 (a gothic arch that balls touch at four points) to the play of
-    ///   single arcs ([`monoarc_play`](Self::monoarc_play)).
-    /// * `lands`: diameters of bore and screw \[m\].
+    /// * `play`: axial play `$s$` \[m\], from 0 (gothic arch with four-point contact) to the play
+    ///   of single-arc grooves ([`monoarc_play`](Self::monoarc_play)).
+    /// * `lands`: bore diameter of the nut and outer diameter of the screw \[m\].
     ///
     /// Source: Sobolewski (2002), eq. 1 for a thread without play.
     pub fn thread(&self, play: f64, lands: (f64, f64)) -> Thread {
@@ -135,11 +136,11 @@ impl Nut {
         }
     }
 
-    /// Returns the axial load of one nut at which a contact ellipse reaches the end of its flank
-    /// \[N\], at the land or at the bottom of the groove. It is 0 if even the unloaded contact is
+    /// Returns the axial load on one nut at which a contact ellipse reaches the end of its flank,
+    /// at the land or at the bottom of the groove \[N\]. Returns 0 if the unloaded contact point is
     /// not on the flank.
     ///
-    /// * `hertz`: contacts at nut and screw.
+    /// * `hertz`: Hertzian contacts of the ball with nut and screw.
     pub fn edge_load(&self, thread: &Thread, hertz: &[Hertz; 2]) -> f64 {
         let direction = self.contact_angle.sin() * self.lead_angle().cos();
         let load = |(profile, hertz): (&Profile, &Hertz)| {
@@ -152,7 +153,7 @@ impl Nut {
 }
 
 impl Thread {
-    /// Returns the groove of nut or screw.
+    /// Returns the groove profile of nut or screw.
     pub fn profile(&self, member: Raceway) -> &Profile {
         match member {
             Raceway::Nut => &self.nut,
@@ -162,7 +163,7 @@ impl Thread {
 }
 
 impl Profile {
-    /// Returns the angle from the contact to the nearer end of its flank \[rad\] (G8).
+    /// Returns the angle between the contact point and the nearer end of its flank \[rad\] (G8).
     fn room(&self, contact_angle: f64) -> f64 {
         let [meet, edge] = self.ends();
         (edge - contact_angle).min(contact_angle - meet)
@@ -170,8 +171,8 @@ impl Profile {
 
     /// Returns the cross-sectional area of the groove below the land \[m²\] (G9).
     ///
-    /// Assumes: the arcs are cut off at the land, or at their widest point if the land lies beyond
-    /// it.
+    /// Assumes that the land cuts off the arcs. If the land lies beyond the widest point of the
+    /// arcs, they end at this point.
     pub fn section(&self) -> f64 {
         let cut = (self.land_height + self.height).max(0.0);
         let end = (self.radius.powi(2) - cut.powi(2)).max(0.0).sqrt();
@@ -216,10 +217,10 @@ mod tests {
         nut.thread(play, nut.usual_lands())
     }
 
-    /// Without play, the printed forms of eq. 1 and of the core diameter agree with our formulas,
-    /// and the contact angle is recovered from the core diameters.
+    /// Without play, our formulas match the printed formulas of eq. 1 and of the core diameters.
+    /// The contact angle can be recovered from the core diameters.
     #[test]
-    fn printed_formulas_match_ours() {
+    fn groove_formulas_match_the_printed_formulas() {
         let nut = nut();
         let tan = nut.contact_angle.tan();
         let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);
@@ -231,21 +232,22 @@ mod tests {
         assert_relative_eq!(n.core, core_nut, max_relative = 1e-14);
         assert_relative_eq!(s.core, core_screw, max_relative = 1e-14);
         let angle = nut.contact_angle_of(0.5 * (n.core - s.core)).expect("a thread");
-        // The cosine is a difference of lengths that are thirty times as large as the difference.
+        // The cosine is the difference of two lengths that are thirty times as large as this
+        // difference.
         assert_relative_eq!(angle, nut.contact_angle, max_relative = 1e-12);
         assert_eq!(nut.contact_angle_of(nut.ball_diameter - 1e-9), None);
         assert_eq!(nut.contact_angle_of(n.radius + s.radius + 1e-9), None);
     }
 
-    /// In contact, the arc center, the ball center and the contact point are on a straight line:
-    /// the ball touches the arc at the contact angle when the nut has taken up its play.
+    /// When the play is taken up, the ball touches both arcs at the contact angle, so the line
+    /// through both arc centers has this angle to the radial direction.
     #[test]
     fn play_is_taken_up_at_the_contact_angle() {
         let nut = nut();
         for share in [0.0, 0.3, 1.0] {
             let Thread { nut: n, screw: s, play } = thread(&nut, share * nut.monoarc_play());
-            // In the radial direction the arc centers are where the contact angle requires them; in
-            // the axial direction half of the play is missing.
+            // In the radial direction, the arc centers are where the contact angle requires them.
+            // In the axial direction, they are offset by half of the play.
             let along = n.offset + s.offset + 0.5 * play;
             let across = n.height + s.height;
             assert_relative_eq!(along.atan2(across), nut.contact_angle, max_relative = 1e-12);
@@ -253,13 +255,14 @@ mod tests {
             assert_relative_eq!(along.hypot(across), center_distance, max_relative = 1e-12);
         }
         let single = thread(&nut, nut.monoarc_play());
-        // The root of a groove with a single arc is at the bottom of the arc.
+        // In a single-arc groove, the root is at the bottom of the arc.
         assert_relative_eq!(single.nut.root, single.nut.core, max_relative = 1e-14);
         assert_relative_eq!(single.screw.root, single.screw.core, max_relative = 1e-14);
     }
 
-    /// Without an offset, the section is half a circle. If the land lies at the root, the section
-    /// is zero. In between, the section of a gothic arch agrees with the sum of many strips.
+    /// Without an offset of the arc centers, the section is a semicircle. If the land is at the
+    /// root, the section is zero. In between, the section of a gothic arch matches the sum of many
+    /// strips.
     #[test]
     fn the_section_matches_a_sum_of_strips() {
         let profile = thread(&nut(), 0.0).nut;
@@ -274,14 +277,16 @@ mod tests {
             let arc = radius.powi(2) - (x + profile.offset).powi(2);
             2.0 * width * (arc.max(0.0).sqrt() - floor).max(0.0)
         });
-        // The error of the midpoint rule is the strip at the end, which is 1e-5 of the width.
+        // The error of the midpoint rule is the area of the last strip, whose width is 1e-5 of the
+        // total.
         assert_relative_eq!(strips.sum::<f64>(), profile.section(), max_relative = 1e-5);
     }
 
-    /// The lands leave every ball more room than it needs at 45 deg. With a gap of 1.5 mm for every
-    /// ball, 17 255 nuts of the catalog formerly had their bore outside of the balls.
+    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. With the same
+    /// gap of 1.5 mm for all balls, the bore of 17 255 nuts of the catalog used to lie outside
+    /// their balls.
     #[test]
-    fn lands_leave_enough_room_for_every_ball() {
+    fn lands_leave_enough_flank_for_balls_of_all_sizes() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {
             let nut = Nut { ball_diameter: ball, contact_angle: FRAC_PI_4, ..nut() };
             let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);

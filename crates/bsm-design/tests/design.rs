@@ -1,5 +1,5 @@
-//! Compares the search for a screw with full searches, and checks the reasons why no screw is
-//! found.
+//! Tests that compare the search for a screw with exhaustive searches, and that check the reported
+//! reasons if no screw is found.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use bsm_dyn::{Direction, DrivenPart, Material, angles::Angles};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Ball diameters for the tests \[m\].
+/// Ball diameters in stock \[m\].
 const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e-3];
 
 fn load(newtons: f64, rpm: f64) -> LoadCase {
@@ -21,7 +21,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
     LoadCase::Cycle(vec![ProfileSegment::constant(1.0, pace, newtons)])
 }
 
-/// Accepts every nut. Load distribution does not matter in these tests.
+/// Accepts every nut, because load distribution does not matter in these tests.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a rule, which may be broken")]
 fn accept_every_nut(_nut: &Nut) -> Result<(), Vec<&'static str>> {
     Ok(())
@@ -76,7 +76,7 @@ fn feed_drive() -> Requirement {
     }
 }
 
-/// Returns the efficiency in closed form, which needs no model.
+/// Returns the efficiency from a closed formula, without solving a ball model.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a model, which may have none")]
 fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
     let angles = Angles { lead: nut.lead_angle(), contact: nut.contact_angle };
@@ -104,16 +104,17 @@ fn nut(pitch: f64, ball: f64, balls: f64, turns: f64, beta: f64, conformity: f64
     }
 }
 
-/// Returns contact angles in steps of one degree with conformities within their limits.
+/// Returns all combinations of contact angles in steps of one degree and conformities within their
+/// limits.
 fn angles_and_conformities() -> impl Iterator<Item = (f64, f64)> {
     let conformities = (0..=5).map(|i| 0.5 / (0.97 - 0.004 * f64::from(i)));
     (30..=75)
         .flat_map(move |deg| conformities.clone().map(move |f| (f64::from(deg).to_radians(), f)))
 }
 
-/// Returns the best objective of all screws with an integer number of balls and contact angles in
+/// Returns the best objective of all screws with a whole number of balls and contact angles in
 /// steps of one degree.
-fn full_search(requirement: &Requirement, lead: f64) -> f64 {
+fn exhaustive_search(requirement: &Requirement, lead: f64) -> f64 {
     let mut best = f64::INFINITY;
     for turns in 2..=6 {
         for ball in STOCK {
@@ -135,11 +136,13 @@ fn full_search(requirement: &Requirement, lead: f64) -> f64 {
     best
 }
 
-/// The search is at least as good as a full search. With steps of one degree, the full search
-/// misses the optimum by up to 2e-3, and the search may stop 1e-3 before the optimum.
+/// The search must be at least as good as an exhaustive search. The exhaustive search misses the
+/// optimum by up to 2e-3 because of its steps of one degree, and the search may stop 1e-3 before
+/// the optimum.
 #[test]
-fn the_search_is_as_good_as_a_full_search() {
-    // Balls of 0.7 times the lead are in stock, nearly in stock, or far from any size in stock.
+fn search_is_as_good_as_an_exhaustive_search() {
+    // Depending on the lead, a ball with the largest permitted diameter, 0.7 times the lead, is in
+    // stock, nearly in stock, or far from all sizes in stock.
     for (objective, lead, rpm, life) in [
         (Objective::Mass, 10e-3, 1500.0, Some(3.6e7)),
         (Objective::Capacity, 10e-3, 1500.0, None),
@@ -155,15 +158,15 @@ fn the_search_is_as_good_as_a_full_search() {
         assert!(STOCK.iter().any(|ball| (ball - design.nut.ball_diameter).abs() < 1e-12));
         assert!(design.nut.balls_per_turn.fract() < 1e-9, "{design:?}");
         let ours = design.objective(objective);
-        let full = full_search(&requirement, lead);
+        let full = exhaustive_search(&requirement, lead);
         assert!(ours <= full + 1e-3, "{objective:?}: {ours} {full} {design:?}");
         assert!(ours >= full - 3e-2, "{objective:?}: too good to be true, {ours} {full}");
         assert!(!active.is_empty(), "{objective:?}");
     }
 }
 
-/// A required life that no screw reaches is the only blocking limit. Its best value agrees with a
-/// full search over fractional numbers of balls.
+/// The only blocking limit is a required life that no screw reaches. The reported best life matches
+/// an exhaustive search with fractional numbers of balls.
 #[test]
 fn blocking_limit_is_named_with_its_best_value() {
     let requirement = Requirement { life: Some(RequiredLife::Time(3.6e9)), ..feed_drive() };
@@ -197,12 +200,13 @@ fn blocking_limit_is_named_with_its_best_value() {
         }
     }
     let alone = alone.expect("life blocks alone");
-    // The life is proportional to the cube of the rating, and the grid has steps of 1 % in life.
+    // The life is proportional to the cube of the rating, and neighboring grid points differ by 1 %
+    // in life.
     assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
 }
 
-/// An audit found that without a required life, a screw with a rating of 6095 N was selected for 8
-/// kN, which it carries for 7.4 h.
+/// An audit found that, without a required life, a screw with a rating of 6095 N was selected for a
+/// load of 8 kN, although its life under this load is only 7.4 h.
 #[test]
 fn a_load_above_the_rating_is_rejected() {
     let fixed = FixedValues {
@@ -223,8 +227,8 @@ fn a_load_above_the_rating_is_rejected() {
     assert!(design.value(Quantity::DynamicRating) > 2e3, "{design:?}");
 }
 
-/// A contact ellipse that extends beyond the land is rejected: with balls of 3.175 mm the land ends
-/// at 63 deg.
+/// A contact ellipse that extends beyond the land is rejected. With balls of 3.175 mm, the land is
+/// at a contact angle of 63 deg.
 #[test]
 fn an_ellipse_beyond_the_land_is_rejected() {
     let fixed =
@@ -240,7 +244,7 @@ fn an_ellipse_beyond_the_land_is_rejected() {
     best_design(&Requirement { fixed, ..requirement });
 }
 
-/// Fixed values do not change, and a fixed value outside its limit is reported as the blocking
+/// Fixed values do not change, and a fixed value outside its limits is reported as a blocking
 /// limit.
 #[test]
 fn fixed_values_are_kept() {
@@ -276,7 +280,8 @@ fn fixed_values_are_kept() {
     assert!(blocking.iter().any(alone), "{blocking:?}");
 }
 
-/// A torque determines the load (L1) independently of friction, so the same screw is selected.
+/// A torque determines the load (L1) independently of friction, so both specifications select the
+/// same screw.
 #[test]
 fn a_torque_determines_the_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
@@ -292,8 +297,7 @@ fn a_torque_determines_the_load() {
     assert!((masses[0] / masses[1] - 1.0).abs() < 1e-3, "{masses:?}");
 }
 
-/// If all limits except the integer number of balls can be met, the integer number is reported as
-/// the blocking limit.
+/// If only the whole number of balls prevents a solution, it is reported as the reason.
 #[test]
 fn an_integer_number_of_balls_can_be_the_blocking_limit() {
     let requirement = Requirement { stock: vec![1e-3], ..feed_drive() };

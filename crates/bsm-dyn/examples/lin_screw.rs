@@ -1,4 +1,5 @@
-//! Solves the rigid model for Lin's screw, and shows why it has no solution at a small lead angle.
+//! Solves the rigid model for Lin's screw, and shows why there is no solution at a small lead
+//! angle.
 //!
 //!     cargo run -p bsm-dyn --example lin_screw
 #![expect(clippy::print_stdout, reason = "the result of an example")]

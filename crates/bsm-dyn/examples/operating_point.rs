@@ -1,5 +1,5 @@
-//! Solves one operating point of a feed drive in SI units in three models of increasing
-//! detail, and prints efficiency and losses: `cargo run --release --example operating_point`.
+//! Solves one operating point of a feed drive in SI units with three models of increasing detail,
+//! and prints efficiency and losses: `cargo run --release --example operating_point`.
 
 use std::f64::consts::PI;
 use std::io::{Error, Write as _, stdout};
@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
     };
     let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
 
-    // All points that a thread solves reuse the workspace.
+    // One workspace can be reused for all points that a thread solves.
     let mut workspace = ModelWorkspace::default();
     for problem in [
         Problem::Rigid(Rigid { point }),

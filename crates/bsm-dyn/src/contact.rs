@@ -1,4 +1,5 @@
-//! The contact between ball and groove: geometry, Hertz pressure, friction, lubricant and balance.
+//! The contact between ball and groove: geometry, Hertz pressure, friction, lubricant and force
+//! balance.
 
 mod angles;
 mod balance;

@@ -1,4 +1,4 @@
-//! Cost of solves: evaluations of the equations of a model, quadrature nodes and searches.
+//! Cost of solves: numbers of evaluations of model equations, quadrature nodes and searches.
 
 use std::array::from_fn;
 use std::cell::Cell;
@@ -9,14 +9,14 @@ thread_local! {
     static SEARCHES: Cell<usize> = const { Cell::new(0) };
 }
 
-/// Cost of one or several solves.
+/// Cost of one or more solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
     /// Number of evaluations of the equations of all models, including the evaluations of searches.
     pub evaluations: usize,
     /// Number of quadrature nodes of contact ellipses at which friction was evaluated.
     pub nodes: usize,
-    /// Number of continuations, scans for other roots, and trials of scattered starting points.
+    /// Number of continuations, scans for other roots, and searches from scattered starting values.
     pub searches: usize,
 }
 
@@ -30,13 +30,13 @@ pub fn cost_of<R>(work: impl FnOnce() -> R) -> (R, Cost) {
     (result, Cost { evaluations, nodes, searches })
 }
 
-/// Counts one evaluation of the equations of a model, in any scalar.
+/// Counts one evaluation of the equations of a model, in any scalar type.
 #[inline]
 pub(crate) fn evaluated() {
     EVALUATIONS.set(EVALUATIONS.get().wrapping_add(1));
 }
 
-/// Counts quadrature nodes of contact ellipses.
+/// Adds to the number of quadrature nodes of contact ellipses.
 #[inline]
 pub(crate) fn summed(nodes: usize) {
     NODES.set(NODES.get().wrapping_add(nodes));
@@ -47,7 +47,8 @@ pub(crate) fn searched() {
     SEARCHES.set(SEARCHES.get().wrapping_add(1));
 }
 
-/// Converts a number of steps that was counted in floating point, as for lanes, to an integer.
+/// Converts a number of steps to an integer. Solves of several points side by side count in
+/// floating point.
 pub(crate) fn count_of(steps: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -80,7 +81,8 @@ mod tests {
         }
     }
 
-    /// Returns the median and the 99 % quantile of the evaluations over seeded practical points.
+    /// Returns the median and the 99 % quantile of the number of evaluations at random practical
+    /// points with a fixed seed.
     fn median_and_quantile(model: Model) -> [usize; 2] {
         const POINTS: usize = 300;
         let mut rng = ChaCha8Rng::seed_from_u64(1994);
@@ -92,7 +94,7 @@ mod tests {
                 let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
                 (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
-            // The benchmarks, too, use only points for which the rigid model has a root.
+            // As in the benchmarks, only points for which the rigid model has a root are used.
             if count(Model::Rigid).is_some() {
                 counts.push(count(model).expect("a practical point"));
             }
@@ -101,27 +103,28 @@ mod tests {
         [counts[POINTS / 2], counts[POINTS * 99 / 100]]
     }
 
-    /// When continuation was formerly tried before Newton's method, `elastic` took three times as
-    /// long, and no test failed. The bounds are 1.5 times the counts in brackets.
+    /// An earlier version tried continuation before Newton's method. The model `elastic` took three
+    /// times as long, and no test failed. The bounds here are 1.5 times the counts that are given
+    /// in brackets.
     #[test]
-    fn numbers_of_evaluations_stay_within_bounds() {
+    fn evaluation_counts_stay_within_bounds() {
         let mut violations = Vec::new();
         for (model, bounds) in [
-            // The model takes sweeps, the last of which calculates the solution [4, 7].
+            // The solve consists of sweeps; the last sweep calculates the solution [4, 7].
             (Model::Rigid, [6, 10]),
-            // Newton's method solves for two unknowns, with both contacts in every evaluation [24,
-            // 28].
+            // Newton's method has two unknowns; every evaluation calculates both contacts [24, 28].
             (Model::RacewayControl, [36, 42]),
-            // The solve consists of the beginning of the curve, Newton's method in three unknowns,
-            // and a check with the seven equations [12, 13].
+            // The solve consists of the beginning of the curve, Newton's method with three
+            // unknowns, and a check with the seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // The solve consists of the rolling ball for the starting values, and Newton's method
-            // with coarse and fine quadrature [34, 39].
+            // Newton's method starts from the rolling ball and uses a coarse and a fine
+            // quadrature [34, 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_quantile(model);
             let exceeds = counted[0] > bounds[0] || counted[1] > bounds[1];
-            // Zero counts would satisfy the upper bounds.
+            // A lower bound is checked as well, because missing counts would satisfy the upper
+            // bounds.
             if exceeds || counted[0] * 2 < bounds[0] {
                 violations.push((model, counted, bounds));
             }

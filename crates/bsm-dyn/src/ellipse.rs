@@ -1,4 +1,4 @@
-//! Friction integrated over the contact ellipse.
+//! Integration of friction over the contact ellipse.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (E2) to (E6), and
 //! `docs/theory/09-traction.md`, equations (T12) to (T20).
@@ -48,27 +48,26 @@ pub(crate) struct Ellipse<D, P = f64> {
     pub ball_radius: P,
 }
 
-/// Returns the radius of the deformed contact surface of ball and groove \[m\] (E2).
+/// Returns the radius of the deformed contact surface \[m\] (E2).
 ///
-/// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*; it is the harmonic mean
-/// of the radii of ball and groove.
+/// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*. The result is the
+/// harmonic mean of the radii of ball and groove.
 #[inline(always)]
 pub fn pressed_radius<D: Real>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
 
-/// Integrated friction of a contact, in the axes of the contact.
+/// Friction of a contact, integrated over the ellipse, in contact coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integral<D> {
     /// Force along `$t$` and along `$t \times N$`.
     pub(crate) force: [D; 2],
-    /// Moment about the ball center, with axes along `$t$`, `$N$` and `$t \times N$`.
+    /// Moment about the ball center, with components along `$t$`, `$N$` and `$t \times N$`.
     pub(crate) moment: [D; 3],
 }
 
-/// Returns the components of a motion relative to the body of `contact`, in the axes of the
-/// contact.
+/// Converts a motion relative to the contacting body to contact coordinates.
 pub(crate) fn contact_motion<D: Scalar>(
     motion: &Motion<D>,
     contact: &Contact<D>,
@@ -83,7 +82,7 @@ pub(crate) fn contact_motion<D: Scalar>(
 }
 
 impl<D: Scalar> Integral<D> {
-    /// Returns the wrench on the ball in the axes of `contact`.
+    /// Converts the integrated friction to a wrench on the ball.
     pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
         let tangent = BallFrame::tangent();
         let across = tangent.cross(&contact.normal);
@@ -96,15 +95,15 @@ impl<D: Scalar> Integral<D> {
 }
 
 impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
-    /// Returns the friction of the whole ellipse on the ball, and the power that it dissipates (E3)
-    /// to (E6).
+    /// Integrates friction over the ellipse. Returns the wrench on the ball, and the friction power
+    /// (E3) to (E6).
     ///
-    /// * `motion`: motion of the ball relative to the body of this contact.
+    /// * `motion`: motion of the ball relative to the contacting body.
     /// * `arc_length_per_radian`: length of the helix per radian, `$d$` \[m\].
-    /// * `creep`: creep speed `$v_e$` \[m/s\], positive. Below it, friction is nearly proportional
-    ///   to the slip.
+    /// * `creep`: creep speed `$v_e$` \[m/s\], positive. If the slip speed is below the creep
+    ///   speed, friction is nearly proportional to the slip.
     ///
-    /// Source: Coulomb traction over the Hertz ellipse with spin and Heathcote slip, as in Jones
+    /// Source: Coulomb friction over the Hertz ellipse with spin and Heathcote slip, as in Jones
     /// and Harris.
     pub(crate) fn friction<L>(
         &self,
@@ -122,7 +121,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
-    /// Returns the ellipse with its motion.
+    /// Creates the patch of an ellipse with a given motion.
     pub(crate) fn patch(&self, local: &ContactMotion<D>, creep: f64) -> Patch<D> {
         let [t, n, c] = local.omega;
         Patch {
@@ -136,8 +135,8 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
 }
 
 impl<D: Scalar> Patch<D> {
-    /// Returns the friction divided by `$Q$`, and its power (E3) to (E6), node by node and with all
-    /// derivatives.
+    /// Integrates friction node by node, with all derivatives. Returns the friction divided by
+    /// `$Q$`, and its power (E3) to (E6).
     pub(crate) fn integrate<L: FrictionLaw<D>>(
         &self,
         law: &L,
@@ -172,7 +171,7 @@ impl<D: Scalar> Patch<D> {
         (sum, power)
     }
 
-    /// Returns the values without derivatives.
+    /// Returns the patch without derivatives.
     #[inline(always)]
     fn values(&self) -> Patch {
         Patch {
@@ -193,13 +192,13 @@ impl<D: Scalar> Patch<D> {
 /// Scalars over constants of type `P` for which friction can be integrated over the contact
 /// ellipses.
 ///
-/// The default implementation is [`Patch::integrate`], which is exact and slow. Numbers and their
-/// jets have fast sums.
+/// The default implementation is [`Patch::integrate`], which is exact but slow. Plain numbers and
+/// jets of numbers have fast sums.
 pub(crate) trait Integrate<P: Scalar>: Over<P> {
-    /// Returns friction and friction power at two contacts for a constant coefficient, divided by
-    /// `$f Q$`. Fast sums omit the derivatives of the power.
+    /// Returns friction and friction power at two contacts with a constant coefficient, divided by
+    /// `$f Q$`. Fast sums do not calculate the derivatives of the power.
     ///
-    /// * `alone`: true if only the first contact is requested.
+    /// * `alone`: true if only the first contact is calculated.
     fn dry<S: Simd>(
         _simd: S,
         patches: &[Patch<Self>; 2],
@@ -211,9 +210,9 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
         [first, if alone { first } else { patches[1].integrate(&one, nodes[1].rule.into()) }]
     }
 
-    /// Returns friction and friction power of a lubricant at nut and screw, divided by `$Q$`. Fast
-    /// sums omit the derivatives of the power and the derivatives with respect to the largest
-    /// pressure.
+    /// Returns friction and friction power at nut and screw with a lubricant, divided by `$Q$`.
+    /// Fast sums do not calculate the derivatives of the power or the derivatives with respect to
+    /// the maximum pressure.
     ///
     /// * `films`: film thicknesses \[m\].
     fn lubricated<S: Simd>(
@@ -233,7 +232,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     }
 }
 
-/// Returns the friction at two contacts for a constant coefficient, as in [`Integrate::dry`].
+/// Returns the friction at two contacts with a constant coefficient, as in [`Integrate::dry`].
 pub(crate) fn dry_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
     nodes: &[Placement<'_>; 2],
@@ -253,7 +252,7 @@ pub(crate) fn dry_friction<P: Scalar, D: Integrate<P>>(
     Arch::new().dispatch(Call(patches, nodes, alone, PhantomData))
 }
 
-/// Returns the friction of a lubricant at two contacts, as in [`Integrate::lubricated`].
+/// Returns the friction at two contacts with a lubricant, as in [`Integrate::lubricated`].
 pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
     laws: [&MixedFriction<D>; 2],
@@ -291,7 +290,7 @@ impl<D: Real> Integral<D> {
         }
     }
 
-    /// Adds force and moment of another contact, multiplied by a factor.
+    /// Adds force and moment of another integral, multiplied by a factor.
     #[inline(always)]
     pub(crate) fn add_times(&mut self, other: &Self, factor: f64) {
         for (to, from) in self.force.iter_mut().zip(other.force) {
@@ -349,7 +348,8 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         let points = [patches[0].values(), patches[1].values()];
         let found = sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, [false, alone]);
         let [nut, screw] = &found;
-        // A closure would be compiled for the baseline instruction set.
+        // The array is written out, because a closure would be compiled for the baseline
+        // instruction set.
         [
             (Integral::with_slopes(nut, &patches[0]), nut.power.into()),
             (Integral::with_slopes(screw, &patches[1]), screw.power.into()),
@@ -376,15 +376,15 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
     }
 }
 
-/// Returns a number with the derivatives of the logarithm of another number.
+/// Returns a jet with the value of `x` and the derivatives of the logarithm of `x`.
 #[inline(always)]
 fn logarithmic<const N: usize>(x: Jet<N>) -> Jet<N> {
     x.chain(x.re, x.re.recip())
 }
 
 impl<const N: usize> Integral<Jet<N>> {
-    /// Returns sums with the derivatives that follow from the derivatives with respect to the
-    /// motion and the growth of the ellipse.
+    /// Creates the integral with derivatives, from the derivatives of the sums with respect to the
+    /// motion and to the growth of the ellipse.
     #[inline(always)]
     fn with_slopes(sums: &Resultants, patch: &Patch<Jet<N>>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c] = sums.values;
@@ -402,7 +402,7 @@ impl<const N: usize> Integral<Jet<N>> {
         all
     }
 
-    /// Adds slopes times the derivatives of an argument.
+    /// Adds the product of slopes and derivatives of an argument.
     #[inline(always)]
     fn add_slopes(&mut self, slopes: [f64; SUMS], argument: Jet<N>) {
         let [f_t, f_c, m_t, m_n, m_c] = slopes;
@@ -435,8 +435,8 @@ mod tests {
     fn ellipse() -> (Ellipse<f64>, Quadrature) {
         let frame = BallFrame::turned(0.17, 0.0);
         let contact = Contact::new(Site::Nut, 0.8, &frame);
-        // The contact is flat and far from the center, so that there is no Heathcote slip and no
-        // difference of lever arms.
+        // The contact is flat and far from the ball center, so there is no Heathcote slip and all
+        // points have the same lever arm.
         let ellipse = Ellipse {
             contact,
             load: 130.0,
@@ -447,7 +447,8 @@ mod tests {
         (ellipse, Quadrature::of(1e-8))
     }
 
-    /// If all points have the same slip, the force is f Q against the slip, and the power is f Q
+    /// If all points have the same slip, the friction force is f Q against the slip, and the
+    /// friction power is f Q multiplied by the slip speed.
     /// |v|.
     #[test]
     fn uniform_slip_gives_coulomb_friction() {
@@ -459,7 +460,7 @@ mod tests {
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-10);
     }
 
-    /// For pure spin, the moment is 3/8 f Q a E(m).
+    /// For pure spin, the friction moment is 3/8 f Q a E(m).
     #[test]
     fn pure_spin_gives_the_analytic_moment() {
         let (ellipse, quadrature) = ellipse();
@@ -467,15 +468,16 @@ mod tests {
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let (_, e) = ellip::ellipke(1.0 - 0.04).expect("parameter below 1");
         let expected = 3.0 / 8.0 * 0.08 * 130.0 * 0.5e-3 * e;
-        // The direction of slip has a kink at the center, where the quadrature converges like
-        // 1/order³.
+        // At the center, the direction of slip has a singularity, where the quadrature converges
+        // like 1/order³.
         let spin_moment = -wrench.moment.dot(&ellipse.contact.normal);
         assert_relative_eq!(spin_moment, expected, max_relative = 1e-4);
         assert_relative_eq!(power, spin_moment * 50.0, max_relative = 1e-10);
         assert!(wrench.force.norm() <= 1e-10 * 0.08 * 130.0, "{}", wrench.force);
     }
 
-    /// A friction coefficient that falls from 0.1 at the rim to 0.02 at the largest pressure.
+    /// A friction coefficient that decreases from 0.1 at the rim of the ellipse to 0.02 at the
+    /// maximum pressure.
     struct FallingFriction;
 
     impl FrictionLaw<f64> for FallingFriction {
@@ -484,22 +486,24 @@ mod tests {
         }
     }
 
-    /// If all points have the same slip, the load-weighted mean pressure of a Hertz ellipse is
-    /// three quarters of the largest pressure.
+    /// If all points have the same slip, the mean coefficient is the coefficient at the
+    /// load-weighted mean pressure, which is three quarters of the maximum pressure in a Hertz
+    /// ellipse.
     #[test]
-    fn a_friction_law_uses_the_pressure_of_each_point() {
+    fn friction_law_is_evaluated_at_the_local_pressure() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &FallingFriction, 1e-9, &quadrature);
         let full = (0.1 - 0.08 * 0.75) * 130.0;
-        // The pressure falls like a square root at the rim, which reduces the accuracy to 3e-6.
+        // Near the rim, the pressure decreases like a square root, which limits the accuracy to
+        // 3e-6.
         assert_relative_eq!(wrench.force, Vector3::new(-full, 0.0, 0.0), max_relative = 1e-5);
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-5);
     }
 
-    /// The power equals the work of force and moment on the motion per unit time.
+    /// The friction power equals the power of force and moment in the given motion.
     #[test]
-    fn power_is_force_times_motion() {
+    fn friction_power_equals_the_power_of_force_and_moment() {
         let (ellipse, quadrature) = ellipse();
         let ellipse = Ellipse { pressed_radius: 4.2e-3, ..ellipse };
         let omega = Vector3::new(3.0, -57.0, 21.0);
@@ -509,7 +513,7 @@ mod tests {
         assert_relative_eq!(power, -done, max_relative = 1e-12);
     }
 
-    /// Returns a contact in units of its ball, with derivatives with respect to the motion and the
+    /// Returns a contact in scaled units, with derivatives with respect to the motion and to the
     /// growth of the ellipse.
     fn with_slopes(
         [along, w_t, w_n, w_c]: [f64; 4],
@@ -535,10 +539,10 @@ mod tests {
     }
 
     proptest! {
-        /// Compares the fast sums of an oil with its friction law at the same nodes: values, and
-        /// derivatives with respect to motion, growth and film.
+        /// Compares the fast sums for an oil with its friction law at equal nodes: values, and
+        /// derivatives with respect to motion, growth and film thickness.
         #[test]
-        fn fast_sums_of_an_oil_match_its_friction_law(
+        fn fast_sums_for_an_oil_match_the_friction_law(
             along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.01..1.0_f64,
@@ -581,24 +585,24 @@ mod tests {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
-                // The tolerance allows for rounding of sums over hundreds of nodes, of the
-                // magnitude of the coefficient.
+                // The tolerance allows for rounding errors of sums over hundreds of nodes whose
+                // terms have the magnitude of the coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
                 for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
-                    // Derivatives with respect to the slip are relative to the creep speed; the
-                    // derivative with respect to the film is not.
+                    // Derivatives with respect to the slip scale with the reciprocal of the creep
+                    // speed; the derivative with respect to the film thickness does not.
                     let unit = if k < 5 { 1.0 / creep } else { 1.0 };
                     prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
                 }
             }
         }
 
-        /// Compares the fast sums with the friction law at the same nodes: values and derivatives,
+        /// Compares the fast sums with Coulomb friction at equal nodes: values and derivatives,
         /// with the spin pole inside and outside the ellipse.
         #[test]
-        fn fast_sums_match_the_coulomb_law(
+        fn fast_sums_match_coulomb_friction(
             digits in 2.0..9.0_f64, along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64,
@@ -613,8 +617,8 @@ mod tests {
             let [(fast, sloped_power), _] = dry_friction::<f64, _>(&[patch; 2], &[nodes; 2], true);
             let Resultants { values, power: fast_power, .. } =
                 sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
-            // The tolerance allows for rounding of sums of terms of at most one, and of derivatives
-            // of at most 1/v_e.
+            // The tolerance allows for rounding errors of sums whose terms are at most one, and of
+            // derivatives that are at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
                     && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
@@ -646,11 +650,11 @@ mod tests {
         }
     }
 
-    /// The random contacts have semi-axes and slips that vary over orders of magnitude, and many of
-    /// them have the spin pole inside. Compared with two finer quadratures that agree, the error of
-    /// the quadrature is as stated.
+    /// The errors of the quadratures are as stated for random contacts, compared with two finer
+    /// quadratures that agree. The semi-axes and slips of the contacts vary over orders of
+    /// magnitude, and many contacts have the spin pole inside the ellipse.
     #[test]
-    fn errors_at_random_contacts_are_within_the_accuracy() {
+    fn quadrature_errors_at_random_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let fine = [(60, 1e-15), (90, 1e-16)]
             .map(|(nodes, tolerance)| Quadrature::with(nodes, tolerance, 0));
@@ -689,7 +693,7 @@ mod tests {
             })
             .collect();
         println!("{quantiles:?}");
-        // The limits are a quarter above the observed errors, to allow for the random draw. The two
+        // The limits are 25 % above the observed errors, to allow for other random numbers. The two
         // finer quadratures agree much better than these errors.
         for ([_, most, worst], limits) in
             quantiles.iter().zip([[6e-3, 1e-2], [1.2e-5, 5e-5], [1.5e-6, 2.5e-6], [1e-9, 1e-8]])
@@ -698,11 +702,10 @@ mod tests {
         }
     }
 
-    /// The contacts are rolling balls in thin and thick oil, at low and high pressure. The errors
-    /// of the quadratures relative to the friction are as stated, compared with two finer
-    /// quadratures that agree.
+    /// The errors of the quadratures, relative to the friction, are as stated for rolling balls in
+    /// thin and thick oil at low and high pressure. They are compared with a finer quadrature.
     #[test]
-    fn errors_of_lubricated_contacts_are_as_stated() {
+    fn quadrature_errors_of_lubricated_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);
         let rules = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].map(Quadrature::of_oil);
         let mut errors = [const { Vec::new() }; 4];
@@ -731,7 +734,7 @@ mod tests {
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
             });
             let [others @ .., exact] = sums;
-            // This is the upper limit of the friction coefficient.
+            // The errors are divided by the upper limit of the friction coefficient.
             let most = law.most();
             for (errors, sums) in errors.iter_mut().zip(&others) {
                 let off = sums.iter().zip(&exact);
@@ -743,7 +746,7 @@ mod tests {
             [50, 90, 100].map(|share| errors[(errors.len() * share / 100).min(errors.len() - 1)])
         });
         println!("{quantiles:?}");
-        // The limits are two to three times the observed errors, to allow for the random draw.
+        // The limits are two to three times the observed errors, to allow for other random numbers.
         for (found, limits) in quantiles.iter().zip([
             [4e-4, 1e-2, 7e-2],
             [6e-6, 5e-5, 2e-3],

@@ -1,12 +1,13 @@
-//! Steady motion of the balls of a ball screw: contact laws, balance and models.
+//! Steady motion of the balls in a ball screw: contact laws, force balance and models.
 //!
-//! The crate uses SI units and radians throughout. It contains no files, threads or random numbers.
-//! A [`Problem`] is one operating point with the inputs of one model. [`Problem::solve`] returns a
-//! [`Solution`], even if the point has no solution.
+//! The crate uses SI units and radians throughout. It does not use files, threads or random
+//! numbers. A [`Problem`] is one operating point with the inputs of one model. [`Problem::solve`]
+//! returns a [`Solution`] even if the operating point has no solution; the [`Solution`] then
+//! contains the reason.
 //!
 //! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!
-//! The feed drive of `examples/feed_drive.json` has rolling balls and an efficiency of 98.6 %:
+//! The feed drive in `examples/feed_drive.json` has rolling balls and an efficiency of 98.6 %:
 //!
 //! ```
 //! use std::f64::consts::PI;
@@ -57,7 +58,7 @@ pub mod angles {
     pub use crate::contact::{Angles, Optimum, Sines};
 }
 
-/// Hertz contacts between ball and groove, and the slip in their ellipses.
+/// Hertz contacts between ball and groove, and the slip in the contact ellipses.
 pub mod hertz {
     pub use crate::contact::{
         Axes, Curvatures, Groove, Hertz, Raceway, contact_modulus, flat_stiffness,
@@ -66,7 +67,8 @@ pub mod hertz {
     pub use crate::models::{HertzContact, yield_ratio};
 }
 
-/// Friction that follows from an oil or a grease: viscosity, films, mixed friction and temperature.
+/// Friction of lubricated contacts with an oil or a grease: viscosity, films, mixed friction and
+/// temperature.
 pub mod lubrication {
     pub use crate::contact::{
         BaseOil, ContactFilm, FilmState, FrictionLaw, Losses, Lubricant, MixedFriction, Oil,
@@ -76,8 +78,8 @@ pub mod lubrication {
     pub use crate::models::{LubricatedArch, LubricatedBall, LubricatedModel};
 }
 
-/// The models of a ball, each with its inputs and its workspace. [`Problem`] chooses
-/// among them at run time.
+/// The models of a ball, each with its inputs and its workspace. A [`Problem`] selects one of the
+/// models at run time.
 pub mod model {
     pub use crate::contact::centrifugal_force;
     pub use crate::models::{
@@ -97,8 +99,8 @@ pub mod gothic {
     };
 }
 
-/// Parts of a [`Solution`]: motion and contacts of the ball, transmission, skid
-/// numbers and slip.
+/// Components of a [`Solution`]: motion and contacts of the ball, transmission, skid numbers and
+/// slip.
 pub mod solution {
     pub use crate::contact::Power;
     pub use crate::models::{
@@ -108,7 +110,7 @@ pub mod solution {
     };
 }
 
-/// Balls that push each other in a train, and their way into the return.
+/// Balls that push each other in a ball train, and their way into the ball return.
 pub mod train {
     pub use crate::contact::{
         EntryStep, Wedge, apex_thrust, impact_force, linear_impact_force, step_thrust,
@@ -117,9 +119,9 @@ pub mod train {
     pub use crate::models::{TrainBall, TrainMotion};
 }
 
-/// Equations that kernels use to solve the same models for many points, and that benchmarks and
-/// validation time and compare. They are not part of the API, because another implementation would
-/// not have them.
+/// Equations of the models for kernels that solve many points at once, and for benchmarks and
+/// validation. They are not part of the API, because a different implementation would not have
+/// them.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};

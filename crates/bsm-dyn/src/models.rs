@@ -1,4 +1,4 @@
-//! The models, ordered by the number of inputs, and the code that they share.
+//! The models, ordered by increasing number of inputs, and their shared code.
 
 mod auto;
 mod ball;

@@ -5,7 +5,7 @@ use std::fmt;
 
 use bsm_newton::{EvalError, Report, Termination};
 
-/// Declares an enum whose variants have names in files and on the command line.
+/// Declares an enum whose variants have names that are used in files and on the command line.
 macro_rules! named {
     (
         $(#[$about:meta])*
@@ -15,15 +15,15 @@ macro_rules! named {
         pub enum $kind { $($(#[$of])* $variant,)* }
 
         impl $kind {
-            /// All variants in their order.
+            /// All variants in declaration order.
             pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
-            /// Returns the name in files and on the command line.
+            /// Returns the name that is used in files and on the command line.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            /// Returns the variant with the given name.
+            /// Returns the variant with the given name, or `None` if there is no such variant.
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|variant| variant.name() == name)
             }
@@ -33,29 +33,29 @@ macro_rules! named {
 pub(crate) use named;
 
 named! {
-    /// The controlling raceway, at which the ball does not spin.
+    /// The controlling raceway, on which the ball does not spin.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Control {
-        /// The raceway of the nut.
+        /// The raceway on the nut.
         Nut = "nut",
-        /// The raceway of the screw.
+        /// The raceway on the screw.
         Screw = "screw",
     }
 }
 
-/// The part of a screw drive that the motor turns.
+/// The part of a screw drive that the motor rotates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrivenPart {
-    /// The screw turns, and the nut travels.
+    /// The screw rotates, and the nut travels.
     Screw,
-    /// The nut turns and travels; the screw is at rest.
+    /// The nut rotates and travels; the screw is at rest.
     Nut,
 }
 
-/// Direction of drive: the side that drives.
+/// Direction of the drive: the side (rotary or linear) that drives the other side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// The drive works against the axial load, `$W > 0$`.
+    /// The drive moves against the axial load, `$W > 0$`.
     RotaryToLinear,
     /// The load drives (back-driving), `$W < 0$`.
     LinearToRotary,
@@ -92,141 +92,148 @@ named! {
     /// Status of a solve.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Status {
-        /// The outputs are the solution.
+        /// The solve converged, and the outputs are the solution.
         Converged = "converged",
         /// No solution exists; [`Evidence`] states how certain this is.
         NoSolution = "no_solution",
-        /// The iteration found no solution, but there is no evidence that none exists.
+        /// The iteration found no solution, but a solution is not excluded.
         NotConverged = "not_converged",
         /// The model does not accept these inputs.
         InvalidInput = "invalid_input",
     }
 }
 
-/// The reason why there is no solution.
+/// Reason why there is no solution.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
     /// `$\sin\beta \le f D$`: friction holds any axial load, so the drive cannot turn.
     SelfLocking {
-        /// `$\sin\beta$`.
+        /// Sine of the contact angle, `$\sin\beta$`.
         sin_contact_angle: f64,
-        /// `$f D$`, which is at least `$\sin\beta$`.
+        /// Friction term `$f D$`, which is at least `$\sin\beta$`.
         friction_term: f64,
     },
-    /// The quasi-static balance requires a normal load that is not positive, because friction holds any axial load.
+    /// The quasi-static force balance requires a normal load that is not positive, because friction
+    /// holds any axial load.
     FrictionHoldsLoad {
         /// Ratio of the normal load to the axial load per ball.
         load_ratio: f64,
     },
-    /// The slip at A would have to be negative under saturated friction. The ball rolls on the nut instead, which these
-    /// equations exclude.
+    /// With saturated friction, the slip at contact A would have to be negative. The ball rolls on
+    /// the nut instead, which these equations do not cover.
     NutContactWouldRoll {
-        /// Slip speed at A along its friction direction, relative to `$r_b|W|$`; not positive.
+        /// Slip speed at contact A along its friction direction, divided by `$r_b|W|$`; not
+        /// positive.
         slip: f64,
-        /// True if `slip` solves the equations continued beyond rolling, false if it is the first-order value.
+        /// True if `slip` satisfies the equations continued beyond rolling; false if it is the
+        /// first-order value.
         exact: bool,
     },
     /// Contact A' on the unloaded flank would have to act in tension.
     UnloadedFlankWouldPull {
-        /// `$Q_{A'}/F_a$`, not positive.
+        /// Load ratio `$Q_{A'}/F_a$`, not positive.
         load_ratio: f64,
     },
     /// A loaded contact would have to act in tension.
     LoadedContactWouldPull {
-        /// `$Q_A/F_a$`.
+        /// Load ratio `$Q_A/F_a$`.
         nut_load_ratio: f64,
-        /// `$Q_B/F_a$`.
+        /// Load ratio `$Q_B/F_a$`.
         screw_load_ratio: f64,
     },
-    /// The branch of steady motions that begins without inertia does not reach the inertia ratio of this point.
+    /// The branch of steady motions that begins without inertia does not reach the inertia ratio of
+    /// this operating point.
     NoRootAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia_ratio: f64,
-        /// Nearest inertia ratio with a steady motion on the branch, with all other inputs unchanged.
+        /// Nearest inertia ratio at which there is a steady motion on the branch, with all other
+        /// inputs unchanged.
         nearest: f64,
     },
-    /// A contact angle is not between 0 and 90 degrees. With `no_solution`, the angles are those of the first root, or of
-    /// the end of a path on which no root has both angles in this range, and no other root is known.
+    /// A contact angle is not between 0 and 90 degrees. With the status `no_solution`, the angles
+    /// belong to the first root, or to the end of a path without a root that has both angles in
+    /// this range; no other root is known.
     BallLeavesFlank {
         /// Contact angle at the nut \[rad\].
         nut: f64,
         /// Contact angle at the screw \[rad\].
         screw: f64,
     },
-    /// The flanks cannot hold the centrifugal force of the rolling ball at any contact angles
+    /// The flanks cannot hold the centrifugal force of the rolling ball for any contact angles
     /// between 0 and 90 degrees.
     FlanksCannotHold {
         /// The controlling raceway.
         control: Control,
-        /// Ratio of the centrifugal force that the flanks hold to the axial load, for a contact
+        /// Ratio of the centrifugal force that the flanks can hold to the axial load, at a contact
         /// angle of 90 degrees at the screw.
         held: f64,
-        /// Ratio of the centrifugal force to the axial load in this state.
+        /// Ratio of the actual centrifugal force to the axial load in the same state.
         centrifugal: f64,
     },
-    /// At every balance of forces with saturated friction, the slip would have the direction of friction instead of the
-    /// opposite direction.
+    /// Wherever the forces balance with saturated friction, the slip would have the direction of
+    /// friction instead of the opposite direction.
     SlipAlongFriction {
-        /// Slip speed at the nut without inertia, relative to `$r_b|W|$`.
+        /// Slip speed at the nut without inertia, divided by `$r_b|W|$`.
         slip: f64,
     },
-    /// The inertia ratio is outside the range of the balls that slide against friction on both flanks.
+    /// The inertia ratio is outside the range in which the ball slides against friction on both
+    /// flanks.
     NoSkidAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia: f64,
-        /// Smallest inertia ratio of a sliding ball.
+        /// Smallest inertia ratio at which the ball slides.
         least: f64,
-        /// Largest inertia ratio of a sliding ball.
+        /// Largest inertia ratio at which the ball slides.
         most: f64,
     },
-    /// The search failed: no root was found, and none is excluded.
+    /// The search failed: no root was found, and no root is excluded.
     SearchLost,
-    /// The curvatures of ball and groove do not give an ellipse with its long axis across the
-    /// groove.
+    /// The curvatures of ball and groove do not result in a contact ellipse with its long axis
+    /// across the groove.
     CurvaturesNotHertzian {
         /// Curvature along the track \[1/m\].
         longitudinal: f64,
         /// Curvature across the groove \[1/m\].
         transverse: f64,
     },
-    /// The ball does not travel around the axis (`$P = 0$`), so that no gyroscopic moment balances
-    /// the friction couple.
+    /// The ball does not orbit around the axis (`$P = 0$`), so no gyroscopic moment balances the
+    /// friction couple.
     BallDoesNotCircle,
-    /// The inertia ratio `$m r_m W^2/F_a$` is outside the range that double precision can balance:
-    /// below 1e-100 or above 1e28.
+    /// The inertia ratio `$m r_m W^2/F_a$` is below 1e-100 or above 1e28, so the forces cannot be
+    /// balanced in double precision.
     InertiaOutOfRange {
         /// Value of the inertia ratio.
         inertia_ratio: f64,
     },
-    /// `$f = 0$`: the rotation of the ball is not determined.
+    /// Without friction (`$f = 0$`), the rotation of the ball is undetermined.
     Frictionless,
     /// Nut and screw do not rotate relative to each other.
     NoRelativeSpeed,
-    /// The model covers screw drive or nut drive, but not both parts turning.
+    /// The model is valid if either the screw or the nut rotates, but not if both rotate.
     DualDrive,
-    /// The powers of the root do not balance, because its rounding errors are too large.
+    /// The powers at the root do not balance because of rounding errors.
     PowerDoesNotBalance {
         /// Relative error of the power balance.
         imbalance: f64,
     },
     /// At all temperatures up to a limit, the losses exceed the heat that the lubricant transfers to its surroundings.
     LubricantRunsAway {
-        /// Limit temperature \[K\].
+        /// Maximum temperature of the search \[K\].
         hottest: f64,
     },
-    /// The model cannot be evaluated at the required point.
+    /// The equations of the model cannot be evaluated at a required point.
     Refused {
-        /// Quantity, value and requirement.
+        /// Quantity, value and requirement that was not met.
         error: EvalError,
     },
-    /// The iteration ended early.
+    /// Newton's method did not converge.
     Newton {
-        /// Termination of the iteration.
+        /// Reason why the iteration ended.
         status: Termination,
-        /// Last scaled residual.
+        /// Scaled residual at the end of the iteration.
         residual: f64,
-        /// Equation with the largest residual, as text.
+        /// Name of the equation with the largest residual.
         worst_equation: String,
     },
 }
@@ -241,24 +248,26 @@ impl fmt::Display for Reason {
             ),
             Self::FrictionHoldsLoad { load_ratio } => write!(
                 f,
-                "friction holds any load: the normal load would be {load_ratio:.3} of the axial load per ball"
+                "friction holds any axial load: the normal load would be {load_ratio:.3} times the axial load per ball"
             ),
             Self::NutContactWouldRoll { slip, .. } => write!(
                 f,
-                "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
+                "the ball would roll on the nut: its slip speed there would be {slip:.3e} times r_b W"
             ),
             Self::UnloadedFlankWouldPull { load_ratio } => write!(
                 f,
-                "the contact on the unloaded flank would pull with {load_ratio:.3e} of the axial load per ball"
+                "the contact on the unloaded flank would have to act in tension: its normal load would be {load_ratio:.3e} \
+                 times the axial load per ball"
             ),
             Self::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => write!(
                 f,
-                "a loaded contact would pull: nut {nut_load_ratio:.3e}, screw {screw_load_ratio:.3e} of the axial load \
-                 per ball"
+                "a loaded contact would have to act in tension: the normal loads at nut and screw would be \
+                 {nut_load_ratio:.3e} and {screw_load_ratio:.3e} times the axial load per ball"
             ),
             Self::NoRootAtInertia { inertia_ratio, nearest } => write!(
                 f,
-                "no steady motion has the inertia ratio {inertia_ratio:.3e}; the nearest that has one is {nearest:.3e}"
+                "there is no steady motion at the inertia ratio {inertia_ratio:.3e}; the nearest inertia ratio with a steady \
+                 motion is {nearest:.3e}"
             ),
             Self::BallLeavesFlank { nut, screw } => write!(
                 f,
@@ -267,47 +276,55 @@ impl fmt::Display for Reason {
             ),
             Self::FlanksCannotHold { control, held, centrifugal } => write!(
                 f,
-                "under {} control the flanks hold {held:.3e} of the axial load, less than the centrifugal force \
-                 {centrifugal:.3e}",
+                "under {} control, the flanks can hold a centrifugal force of {held:.3e} times the axial load, but the \
+                 centrifugal force is {centrifugal:.3e} times the axial load",
                 control.name()
             ),
             Self::SlipAlongFriction { slip } => write!(
                 f,
-                "slip would point along friction wherever the forces balance: {slip:.3e} of r_b W at the nut"
+                "wherever the forces balance, the slip would have the direction of friction; at the nut, the slip speed \
+                 would be {slip:.3e} times r_b W"
             ),
             Self::NoSkidAtInertia { inertia, least, most } => write!(
                 f,
-                "a sliding ball has inertia ratios from {least:.3e} to {most:.3e}, not {inertia:.3e}"
+                "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
+                 {inertia:.3e}"
             ),
             Self::SearchLost => write!(f, "all strategies failed to find or exclude a root"),
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
                 f,
-                "the curvatures {longitudinal:e} and {transverse:e} 1/m give no contact ellipse across the groove"
+                "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
+                 across the groove"
             ),
             Self::BallDoesNotCircle => {
-                write!(f, "the ball does not circle: its precession is zero")
+                write!(f, "the ball does not orbit: its precession rate is zero")
             }
             Self::InertiaOutOfRange { inertia_ratio } => write!(
                 f,
                 "the inertia ratio {inertia_ratio:e} is outside the range of double precision"
             ),
             Self::Frictionless => {
-                write!(f, "friction is zero, and nothing fixes the rotation of the ball")
+                write!(f, "friction is zero, so the rotation of the ball is undetermined")
             }
             Self::NoRelativeSpeed => write!(f, "nut and screw do not turn relative to each other"),
-            Self::DualDrive => write!(f, "both nut and screw turn; the model covers one of both"),
+            Self::DualDrive => {
+                write!(f, "both nut and screw turn, but only one of them may turn in this model")
+            }
             Self::PowerDoesNotBalance { imbalance } => write!(
                 f,
                 "the powers of the root do not balance: the relative error is {imbalance:.3e}"
             ),
             Self::LubricantRunsAway { hottest } => {
-                write!(f, "the lubricant heats up without bounds, at least to {hottest:.1} K")
+                write!(
+                    f,
+                    "the lubricant heats up to more than {hottest:.1} K, because the losses always exceed the cooling"
+                )
             }
             Self::Refused { error } => error.fmt(f),
             Self::Newton { status, residual, worst_equation } => write!(
                 f,
-                "Newton's method failed: {status}; the largest part of the residual {residual:.3e} is in \
-                 {worst_equation:?}"
+                "Newton's method failed: {status}; the residual is {residual:.3e}, and its largest component belongs to \
+                 the equation {worst_equation:?}"
             ),
         }
     }
@@ -316,7 +333,7 @@ impl fmt::Display for Reason {
 impl Error for Reason {}
 
 impl From<Report> for Reason {
-    /// Describes how a solve that did not converge ended.
+    /// Describes why a Newton solve did not converge.
     fn from(report: Report) -> Self {
         Self::Newton {
             status: report.status,
@@ -329,24 +346,24 @@ impl From<Report> for Reason {
 /// Evidence that there is no solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Evidence {
-    /// A proof from the equations of the model, up to rounding.
+    /// Proof from the equations of the model, up to rounding errors.
     Proof,
-    /// A limit measured at many points excludes a solution: the error of an expansion, or the range
-    /// in which several solutions exist.
+    /// A limit that was determined by tests at many points excludes a solution. The limit is the
+    /// error of the first-order solution, or the range in which several solutions exist.
     Bound,
-    /// The curve of states that begins without inertia was followed to its end. Two solutions within
-    /// one step, and solutions on other curves, may have been missed.
+    /// The curve of states that begins without inertia was followed to its end. Two solutions
+    /// within one step, and solutions on other curves, may have been missed.
     Traced {
-        /// Longest step, in the unit of the curve.
+        /// Longest step length, in the unit of the curve.
         resolution: f64,
     },
 }
 
 impl Evidence {
-    /// Names in files, with the strongest evidence first.
+    /// Names that are used in files, starting with the strongest evidence.
     pub const NAMES: [&str; 3] = ["proof", "bound", "traced"];
 
-    /// Returns the index in [`Self::NAMES`].
+    /// Returns the index in [`Self::NAMES`]; 0 is the strongest evidence.
     pub fn rank(self) -> u8 {
         match self {
             Self::Proof => 0,
@@ -355,7 +372,7 @@ impl Evidence {
         }
     }
 
-    /// Returns the name in files.
+    /// Returns the name that is used in files.
     pub fn name(self) -> &'static str {
         Self::NAMES[usize::from(self.rank())]
     }
@@ -369,7 +386,7 @@ impl fmt::Display for Evidence {
             Self::Traced { resolution } => {
                 write!(
                     f,
-                    "the curve of states from small inertia on, followed to its end in steps of at most {resolution:e}"
+                    "the solution curve was followed from small inertia to its end in steps of at most {resolution:e}"
                 )
             }
         }
@@ -397,30 +414,31 @@ impl fmt::Display for NoAnswer {
 impl Error for NoAnswer {}
 
 impl NoAnswer {
-    /// A failed search: no root was found, and none is excluded.
+    /// A failed search: no root was found, and no root is excluded.
     pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
-    /// Reports that no solution exists, with the evidence.
+    /// Creates the outcome that no solution exists, with the evidence.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    /// Reports that the iteration found no solution, but none is excluded.
+    /// Creates the outcome that the iteration found no solution, but that a solution is not
+    /// excluded.
     pub(crate) const fn not_converged(reason: Reason) -> Self {
         Self { status: Status::NotConverged, reason, evidence: None }
     }
 
-    /// Reports that the model does not accept the inputs.
+    /// Creates the outcome that the model does not accept the inputs.
     pub(crate) fn invalid(reason: Reason) -> Self {
         Self { status: Status::InvalidInput, reason, evidence: None }
     }
 
-    /// Returns how the solve ended.
+    /// Returns the status of the solve.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// Returns why there is no solution.
+    /// Returns the reason why there is no solution.
     pub fn reason(&self) -> &Reason {
         &self.reason
     }
@@ -431,7 +449,7 @@ impl NoAnswer {
     }
 }
 
-/// Reports that the model cannot be evaluated.
+/// Creates the outcome that the equations of the model cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
     NoAnswer::not_converged(Reason::Refused { error })
 }

@@ -1,5 +1,6 @@
-//! Choice of the model by error bounds for lanes, Eqs (A2) to (A5). Rows that skid are collected and
-//! solved side by side. Rows that need traction are left to the model.
+//! Model selection by error bounds for lanes, Eqs (A2) to (A5). Rows with skidding balls are
+//! collected and solved side by side. Rows that require the traction model are passed to the scalar
+//! solver.
 
 use std::iter::repeat_with;
 
@@ -17,14 +18,15 @@ use crate::kernel::{Kernel, OutputColumn, RowChoice, RowKernel, Rows, Selection,
 use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
-/// Outputs of a kernel that the choice of the model requires.
+/// Additional outputs that the model selection requires.
 const REQUIRED: [OutputKey; 1] = [OutputKey::efficiency];
 
-/// Outputs of raceway control that a result of gross slip retains.
+/// Outputs of raceway control that are kept if the result comes from the gross-slip model.
 const RETAINED: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
 
-/// Solves the rows for which the kernel of raceway control or gross slip meets the tolerance, and
-/// returns the reasons for the choice. All other rows are left to the model.
+/// Solves all rows for which the raceway-control kernel or the gross-slip kernel meets the
+/// tolerance, and returns the reasons for the selected models. All other rows are passed to the
+/// scalar solver.
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
     let rolling = arch.dispatch(RollingRows(&mut rows));
     let selection = rows.wanted.with(&REQUIRED, rows.columns.len());
@@ -35,7 +37,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
             Some(basis @ Basis::Rolling { .. }) if ball.is_unique => {
                 auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);
             }
-            // Only the model searches for other solutions.
+            // Only the scalar solver can search for further solutions.
             Some(Basis::Rolling { .. }) | None => {}
             Some(basis) => skidding.push((ball, basis)),
         }
@@ -54,23 +56,23 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
     auto.chosen
 }
 
-/// Rows for which the model is chosen.
+/// Rows for which a model is selected.
 struct AutoRows<'a, 'b> {
     rows: Rows<'a, 'b>,
-    /// The requested outputs, and the outputs that the choice requires.
+    /// Requested outputs and outputs that the model selection requires.
     selection: Selection,
-    /// Permitted error of the efficiency.
+    /// Largest permitted error of the efficiency.
     tolerance: f64,
-    /// Choices for the solved rows.
+    /// Selected models of the solved rows.
     chosen: Vec<RowChoice>,
 }
 
-/// Results of a kernel for some of the rows.
+/// Results of a kernel for a subset of the rows.
 struct Group {
     columns: Vec<OutputColumn<'static>>,
-    /// Index of the column with the efficiency.
+    /// Index of the efficiency column.
     efficiency: usize,
-    /// Flags of the rows that are solved.
+    /// True for each row that the kernel has solved.
     done: Vec<bool>,
 }
 
@@ -82,7 +84,7 @@ impl Group {
 }
 
 impl AutoRows<'_, '_> {
-    /// Solves some of the rows with a kernel.
+    /// Solves a subset of the rows with a kernel.
     fn solve_group<'c>(
         &self,
         balls: impl Iterator<Item = &'c RollingRow>,
@@ -101,7 +103,7 @@ impl AutoRows<'_, '_> {
         Group { columns, efficiency, done }
     }
 
-    /// Copies the results of a kernel, except for the retained outputs.
+    /// Copies the results of a kernel for one row, except for the retained outputs.
     fn copy(&mut self, ball: &RollingRow, (group, i): (&Group, usize), retained: &[OutputKey]) {
         let retained = retained.iter().filter_map(|key| self.rows.wanted.index(*key));
         let retained: Vec<_> = retained.collect();
@@ -112,8 +114,7 @@ impl AutoRows<'_, '_> {
         }
     }
 
-    /// Adds the error bounds to a result, marks its row as solved and stores the reason for the
-    /// choice.
+    /// Stores the error bounds and the selected model of a row, and marks the row as solved.
     fn choose(&mut self, ball: &RollingRow, efficiency: f64, bound: f64, basis: Basis) {
         let Some(direction) = Direction::of(ball.speed) else { return };
         let error = ErrorBound::of(direction, efficiency, bound);
@@ -131,18 +132,18 @@ impl AutoRows<'_, '_> {
     }
 }
 
-/// A row whose ball rolls according to raceway control.
+/// A row whose ball rolls according to the raceway-control model.
 struct RollingRow {
     row: usize,
     /// Relative speed `$W$`.
     speed: f64,
     efficiency: f64,
     errors: ModelErrors,
-    /// True if no other rolling motion exists.
+    /// True if the rolling motion is known to be the only solution.
     is_unique: bool,
 }
 
-/// Solves rows with raceway control, and returns the solved rows with their error bounds.
+/// Solves rows with the raceway-control model and returns the solved rows with their error bounds.
 struct RollingRows<'a, 'b, 'c>(&'c mut Rows<'a, 'b>);
 
 impl WithSimd for RollingRows<'_, '_, '_> {

@@ -1,4 +1,4 @@
-//! The closed form for lanes, Eqs (C1) to (C11).
+//! Closed-form model for lanes, Eqs (C1) to (C11).
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};
@@ -35,14 +35,15 @@ impl Kernel for ClosedFormKernel {
     }
 }
 
-/// Returns the mask of the points at which the load drives; false if the speed is unknown.
+/// Returns a mask that is true for points at which the load drives the screw. If the speed is
+/// unknown, the mask is false.
 #[inline(always)]
 pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
     given.drive().map_or(zero.lt(zero), |drive| drive.relative_speed().lt(zero))
 }
 
-/// Returns the size and the load of the screw, or `None` if an input is missing.
+/// Returns dimensions and load of the screw, or `None` if an input is missing.
 #[inline(always)]
 pub(super) fn screw_size<S: Simd>(given: &LaneInputs<'_, S>) -> Option<ScrewSize<Lane<S>>> {
     let pitch_radius = given.try_get(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM);

@@ -1,4 +1,5 @@
-//! A ball between elastic raceways for lanes: its units, and the outputs of its contacts.
+//! Ball between elastic raceways for lanes, with its reference units and the outputs for its
+//! contacts.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
@@ -9,16 +10,17 @@ use crate::kernel::Sink;
 use crate::operand::{Lane, LaneInputs};
 use crate::units::{Units, modulus};
 
-/// A lane of points in units of ball radius, axial load per ball and relative speed.
+/// Ball and contacts of each point in a lane, with quantities divided by ball radius, axial load
+/// per ball and relative speed.
 pub(super) type Contacts<S> = BallContacts<Lane<S>>;
 
-/// A contact at its contact angle, in the same units.
+/// A loaded contact of each point in a lane, in the same units as [`Contacts`].
 pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
 
-/// Reads a lane of points in SI units and in the units of its ball. It is a separate call because
-/// three kernels share it.
+/// Function object that reads a lane of points in SI units and converts it to dimensionless units.
+/// It is compiled as a separate function because three kernels share it.
 ///
-/// Like all such calls it is a type, because a closure would be called through a shim that is
+/// It is a type instead of a closure, because a closure would be called through a shim that is
 /// compiled for another instruction set.
 pub(super) struct UnitsCall<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
 
@@ -41,12 +43,12 @@ impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
     }
 }
 
-/// Contact angles, each of which requires an arctangent.
+/// Outputs for the contact angles, each of which requires an arctangent.
 const ANGLES: [OutputKey; 2] =
     [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
 
-/// Stores the results of a ball on two elastic contacts. It is a separate call because three
-/// kernels share it.
+/// Function object that stores the results of a ball with two elastic contacts. It is compiled as a
+/// separate function because three kernels share it.
 pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,

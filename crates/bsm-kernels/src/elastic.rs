@@ -1,4 +1,4 @@
-//! The elastic model for lanes.
+//! Elastic model for lanes.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
@@ -58,7 +58,8 @@ impl Kernel for ElasticKernel {
     }
 }
 
-/// The direct solve of the elastic model. It is a separate call because the code is long.
+/// Function object that solves the elastic model directly. It is compiled as a separate function
+/// because its code is long.
 struct GrossSlipCall<'a, S: Simd> {
     contacts: &'a Contacts<S>,
     /// Friction coefficient with the sign of the speed.

@@ -1,4 +1,4 @@
-//! The trait of the kernels, and the rows of a table that a kernel solves.
+//! Trait of the kernels, and the rows of a table that a kernel solves.
 
 use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
 use bsm_dyn::{Model, SteadyState, model::Choice};
@@ -6,21 +6,22 @@ use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
 
-/// The direct solve of a model for lanes.
+/// A model that can be solved directly for lanes of points.
 pub(crate) trait Kernel {
-    /// The model.
+    /// Model that the kernel solves.
     const MODEL: Model;
 
-    /// Solves a lane of points, stores the requested outputs, and returns the mask of the points that are solved.
+    /// Solves a lane of points, stores the requested outputs, and returns a mask that is true for
+    /// the solved points.
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S>;
 }
 
-/// The requested outputs, and their columns.
+/// Requested outputs with the indices of their columns.
 #[derive(Debug, Clone)]
 pub struct Selection([Option<usize>; OUTPUTS.len()]);
 
 impl Selection {
-    /// Returns the selection of outputs in the order of their columns.
+    /// Creates a selection from outputs in the order of their columns.
     pub fn of(outputs: &[&Output]) -> Self {
         let mut indices = [None; OUTPUTS.len()];
         for (index, output) in outputs.iter().enumerate() {
@@ -31,8 +32,8 @@ impl Selection {
         Self(indices)
     }
 
-    /// Returns the selection extended by outputs that it lacks. Their columns follow the first
-    /// `len` columns.
+    /// Returns the selection with missing outputs added. The columns of added outputs follow the
+    /// first `len` columns.
     pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
         let mut this = self.clone();
         let missing = keys.iter().filter(|key| self.index(**key).is_none());
@@ -42,19 +43,19 @@ impl Selection {
         this
     }
 
-    /// Returns the column of an output.
+    /// Returns the column index of an output, or `None` if the output is not selected.
     pub(crate) fn index(&self, key: OutputKey) -> Option<usize> {
         self.0[key as usize]
     }
 }
 
-/// Column of an output for some rows. Missing values are NaN.
+/// Column with the values of an output for some rows. Missing values are NaN.
 #[derive(Debug)]
 pub enum OutputColumn<'a> {
-    /// Memory of the caller, which must contain only NaN.
+    /// Memory provided by the caller, which initially must contain only NaN.
     Given(&'a mut [f64]),
     /// Memory that is allocated when the first value is stored. Most outputs belong to other models
-    /// and never need memory.
+    /// and never require memory.
     OnDemand {
         /// Number of rows.
         rows: usize,
@@ -64,7 +65,7 @@ pub enum OutputColumn<'a> {
 }
 
 impl OutputColumn<'_> {
-    /// Returns a column without memory.
+    /// Creates a column that does not own any memory yet.
     pub fn on_demand(rows: usize) -> Self {
         Self::OnDemand { rows, values: Vec::new() }
     }
@@ -91,7 +92,7 @@ impl OutputColumn<'_> {
         }
     }
 
-    /// Returns the memory of all rows.
+    /// Returns the values of all rows, and allocates their memory if necessary.
     #[inline(always)]
     pub(crate) fn values_mut(&mut self) -> &mut [f64] {
         match self {
@@ -106,25 +107,25 @@ impl OutputColumn<'_> {
     }
 }
 
-/// Columns for the outputs of a lane of points.
+/// Destination for the outputs of a lane of points.
 pub(crate) struct Sink<'a, 'b> {
-    /// The requested outputs.
+    /// Requested outputs with the indices of their columns.
     pub(crate) wanted: &'a Selection,
-    /// Columns of the outputs.
+    /// Columns in which the outputs are stored.
     pub(crate) columns: &'a mut [OutputColumn<'b>],
-    /// Index of the first point.
+    /// Row index of the first point in the lane.
     pub(crate) row: usize,
 }
 
 impl Sink<'_, '_> {
-    /// Returns true if any of these outputs is requested. Expensive quantities are calculated only
-    /// in this case.
+    /// Returns true if any of the given outputs is requested. This lets a kernel skip expensive
+    /// quantities.
     #[inline(always)]
     pub(crate) fn wants(&self, keys: &[OutputKey]) -> bool {
         keys.iter().any(|key| self.wanted.index(*key).is_some())
     }
 
-    /// Stores the values of an output, in the unit of the output.
+    /// Stores the values of an output, in the unit of this output.
     #[inline(always)]
     pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
         if let Some(index) = self.wanted.index(key) {
@@ -146,7 +147,7 @@ impl Sink<'_, '_> {
         }
     }
 
-    /// Stores the requested outputs of a result.
+    /// Stores all requested outputs of a solution.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(&mut self, solved: &SteadyState<Lane<S>>) {
         let Self { wanted, columns, row } = self;
@@ -160,33 +161,33 @@ impl Sink<'_, '_> {
     }
 }
 
-/// Some rows of a chunk, and the memory for their results.
+/// Consecutive rows of a chunk, together with the memory for their results.
 #[derive(Debug)]
 pub struct Rows<'a, 'b> {
-    /// The inputs of the chunk.
+    /// Inputs of the whole chunk.
     pub inputs: &'a InputColumns<'a>,
-    /// The requested outputs.
+    /// Requested outputs with the indices of their columns.
     pub wanted: &'a Selection,
-    /// Index of the first row in the chunk.
+    /// Index of the first of these rows in the chunk.
     pub first: usize,
-    /// Columns of the outputs, for these rows only.
+    /// Output columns, which cover only these rows.
     pub columns: &'a mut [OutputColumn<'b>],
-    /// Flags of the rows that are solved.
+    /// True for each row that has been solved.
     pub done: &'a mut [bool],
 }
 
-/// The model of a row that `auto` chose by its error bounds, with the reason for the choice.
+/// Model that `auto` selected for a row by its error bounds, with the reason for the selection.
 #[derive(Debug, Clone, Copy)]
 pub struct RowChoice {
-    /// Index among the rows.
+    /// Index of the row in [`Rows`].
     pub row: usize,
-    /// The reason.
+    /// Reason for the selection.
     pub choice: Choice,
     /// Error bound of the efficiency.
     pub bound: f64,
 }
 
-/// A kernel applied to rows.
+/// A kernel together with the rows to which it is applied.
 pub(crate) struct RowKernel<'a, 'b, K> {
     pub(crate) kernel: K,
     pub(crate) rows: Rows<'a, 'b>,

@@ -1,8 +1,9 @@
-//! Vector kernels: the models for several points at a time, on the widest instruction set of the
-//! machine.
+//! Vector kernels that solve the models for several points at a time, with the widest instruction
+//! set of the machine.
 //!
-//! A kernel evaluates the direct solve of its model for lanes. Rows that the direct solve leaves unsolved fall back to
-//! `Problem::solve` of `bsm-dyn`, which also writes the messages. Tests compare the results of kernels and models.
+//! A kernel evaluates the direct solution of its model for lanes. Rows that a kernel cannot solve
+//! are passed to the scalar solver, `Problem::solve` of `bsm-dyn`, which also generates the
+//! messages. Tests compare the results of kernels and models.
 
 mod auto;
 mod closed_form;
@@ -30,8 +31,8 @@ pub use self::kernel::{OutputColumn, RowChoice, Rows, Selection};
 pub use operand::{InputColumn, InputColumns, is_plain};
 
 impl Rows<'_, '_> {
-    /// Solves the rows for which the direct solve of a model succeeds. For `auto`, the result contains the chosen model of each
-    /// solved row; otherwise it is empty.
+    /// Solves all rows for which the model has a direct solution. For `auto`, returns the selected
+    /// model of each solved row; otherwise, returns an empty vector.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),
@@ -51,8 +52,8 @@ impl Rows<'_, '_> {
             ModelChoice::Fixed(Model::Elastic) => {
                 arch.dispatch(RowKernel { kernel: ElasticKernel, rows: self });
             }
-            // Traction has no kernel, because its friction sums already fill the lanes with a
-            // single point.
+            // Traction has no kernel, because the friction integrals of a single point already fill
+            // the lanes.
             ModelChoice::Fixed(Model::Traction) => {}
         }
         Vec::new()

@@ -1,4 +1,4 @@
-//! The inputs of many points for lanes. Columns and constants are treated alike.
+//! Inputs of many points for lanes, which come from columns or constants.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,8 @@ use bsm_dyn::{Model, angles::Sines, lubrication::Lubricant, model::RacewayFricti
 use bsm_kin::Drive;
 use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 
-/// Number of vectors per lane. The number was measured to be the fastest for the rigid model.
+/// Number of vectors per lane. According to benchmarks, this number is the fastest for the rigid
+/// model.
 const UNROLL: usize = 2;
 
 pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
@@ -20,30 +21,31 @@ pub(crate) const MANY: usize = UNROLL * BLOCK;
 /// Source of the values of an input.
 #[derive(Debug)]
 pub enum InputColumn<'a> {
-    /// The points do not have the input.
+    /// No point has a value for the input.
     Absent,
-    /// All points have the same value, which satisfies its rule and is plain ([`is_plain`]).
+    /// All points have the same value, which has already been checked against the rule of the input
+    /// and is plain ([`is_plain`]).
     Constant(f64),
-    /// Each point has its own value, which is checked against the rule.
+    /// Each point has its own value, which must be checked against the rule.
     Column(Rule, Cow<'a, [f64]>),
 }
 
-/// The inputs of some points for one model.
+/// Inputs of several points for one model.
 #[derive(Debug)]
 pub struct InputColumns<'a> {
     inputs: [InputColumn<'a>; INPUTS.len()],
-    /// Indices of the inputs that are columns.
+    /// Indices of all inputs that are columns.
     columns: Vec<usize>,
-    /// The source of friction except for its temperature, and the method; `None` for a friction
-    /// coefficient.
+    /// Lubricant without its temperature, and the method for raceway friction; `None` for a
+    /// constant friction coefficient.
     pub(crate) lubricant: Option<(Lubricant, RacewayFriction)>,
 }
 
 impl<'a> InputColumns<'a> {
-    /// Creates the columns from inputs in the order of [`INPUTS`].
+    /// Creates the columns from the inputs in the order of [`INPUTS`].
     ///
-    /// * `lubricant`: the source of friction except for its temperature, and the method; `None` for
-    ///   a friction coefficient.
+    /// * `lubricant`: lubricant without its temperature, and the method for raceway friction;
+    ///   `None` for a constant friction coefficient.
     pub fn new(
         inputs: [InputColumn<'a>; INPUTS.len()],
         lubricant: Option<(Lubricant, RacewayFriction)>,
@@ -53,7 +55,7 @@ impl<'a> InputColumns<'a> {
         Self { inputs, columns, lubricant }
     }
 
-    /// Returns the inputs of some consecutive points.
+    /// Returns the inputs of the points with the given indices.
     pub(crate) fn select(&self, points: &[usize]) -> Self {
         let input = |input: &InputColumn<'_>| match input {
             InputColumn::Absent => InputColumn::Absent,
@@ -70,36 +72,37 @@ impl<'a> InputColumns<'a> {
     }
 }
 
-/// Minimum absolute value of a plain number other than zero, in any unit.
+/// Minimum absolute value of a nonzero plain number, in any unit.
 const MIN_PLAIN: f64 = 1e-60;
 
 /// Maximum absolute value of a plain number, in any unit.
 const MAX_PLAIN: f64 = 1e60;
 
-/// Returns true for a plain number: zero, or a number such that products of a few plain numbers neither overflow nor underflow.
-/// Points with other values are left to the model.
+/// Returns true if the number is plain, which means that it is zero, or that products of a few such
+/// numbers neither overflow nor underflow. Points with other values are passed to the scalar
+/// solver.
 pub fn is_plain(value: f64) -> bool {
     let size = value.abs();
     size <= 0.0 || (MIN_PLAIN..=MAX_PLAIN).contains(&size)
 }
 
-/// The inputs of as many points as a lane contains.
+/// Inputs of the points in one lane.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneInputs<'a, S> {
     pub(crate) simd: S,
     pub(crate) inputs: &'a InputColumns<'a>,
-    /// Index of the first point.
+    /// Row index of the first point in the lane.
     pub(crate) row: usize,
 }
 
 impl<S: Simd> LaneInputs<'_, S> {
-    /// Loads the values of the lane from a column.
+    /// Loads the values of the points in the lane from a column.
     #[inline(always)]
     fn load(&self, values: &[f64]) -> Lane<S> {
         Lane::load(self.simd, &values[self.row..])
     }
 
-    /// Returns the values of an input, if there is a column or a constant for it.
+    /// Returns the values of an input, or `None` if no point has a value for it.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
         match &self.inputs.inputs[key as usize] {
@@ -109,7 +112,8 @@ impl<S: Simd> LaneInputs<'_, S> {
         }
     }
 
-    /// Returns the values of an input that the model requires or that has a default; NaN if there is neither.
+    /// Returns the values of an input that the model requires or that has a default, or NaN if
+    /// there is no value.
     #[inline(always)]
     pub(crate) fn get(&self, key: InputKey) -> Lane<S> {
         self.try_get(key).unwrap_or(Lane::splat(self.simd, f64::NAN))
@@ -141,15 +145,16 @@ impl<S: Simd> LaneInputs<'_, S> {
         Sines { sin_a, cos_a, sin_b, cos_b }
     }
 
-    /// Returns the speeds of screw and nut, if the screw speed is given.
+    /// Returns the speeds of screw and nut, or `None` if the screw speed is missing.
     #[inline(always)]
     pub(crate) fn drive(&self) -> Option<Drive<Lane<S>>> {
         let screw = self.try_get(InputKey::screw_speed_rpm)?;
         Some(drive_of_rpm(screw, self.get(InputKey::nut_speed_rpm)))
     }
 
-    /// Returns the mask of the points whose values satisfy all rules, for single values and for
-    /// combinations, and that are within the range of the model.
+    /// Returns a mask that is true for points that the kernel may solve. Their values satisfy the
+    /// rules for single inputs and for combinations of inputs, and they are within the range of the
+    /// model.
     #[inline(always)]
     fn valid(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
@@ -175,7 +180,8 @@ impl<S: Simd> LaneInputs<'_, S> {
     }
 }
 
-/// [`LaneInputs::valid`] as a separate call, because all kernels share it.
+/// Function object for [`LaneInputs::valid`]. It is compiled as a separate function because all
+/// kernels share it.
 pub(crate) struct ValidCall<'a, 'b, S> {
     pub(crate) given: &'a LaneInputs<'b, S>,
     pub(crate) model: Model,

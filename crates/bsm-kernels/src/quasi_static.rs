@@ -1,4 +1,4 @@
-//! The quasi-static model for lanes, Eqs (Q1) to (Q4).
+//! Quasi-static model for lanes, Eqs (Q1) to (Q4).
 
 use bsm_case::InputKey;
 use bsm_case::units::DEG;

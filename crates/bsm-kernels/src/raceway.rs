@@ -1,4 +1,4 @@
-//! Raceway control for lanes.
+//! Raceway-control model for lanes.
 
 mod friction;
 mod oil;
@@ -19,16 +19,17 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-/// The result of the direct solve for a lane of points.
+/// Result of the direct solution for a lane of points.
 pub(super) type RollingRoot<S> = bsm_dyn::internals::RollingRoot<Lane<S>>;
 
-/// The motion of a lane of rolling balls.
+/// Motion of the rolling balls in a lane.
 pub(super) type RollingMotion<S> = bsm_dyn::internals::RollingMotion<Lane<S>>;
 
-/// The direct solve of raceway control. It is a separate call because two kernels share it.
+/// Function object that solves the raceway-control model directly. It is compiled as a separate
+/// function because two kernels share it.
 pub(super) struct RollingCall<'a, S: Simd> {
     pub(super) contacts: &'a Contacts<S>,
-    /// Controlling raceway; `None` selects the raceway by (W7).
+    /// Controlling raceway; if `None`, it is selected by (W7).
     pub(super) control: Option<Control>,
 }
 
@@ -42,7 +43,7 @@ impl<S: Simd> NullaryFnOnce for RollingCall<'_, S> {
 }
 
 pub(super) struct RacewayKernel {
-    /// Controlling raceway; `None` selects the raceway by (W7).
+    /// Controlling raceway; if `None`, it is selected by (W7).
     pub(super) control: Option<Control>,
 }
 
@@ -64,7 +65,8 @@ impl Kernel for RacewayKernel {
     }
 }
 
-/// Solves a lane of points. It is a separate call because the choice by error bounds also uses it.
+/// Function object that solves a lane of points. It is compiled as a separate function because the
+/// model selection by error bounds also uses it.
 pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) given: &'a LaneInputs<'b, S>,
     pub(super) units: &'a Units<S>,
@@ -73,15 +75,14 @@ pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) out: &'a mut Sink<'c, 'd>,
 }
 
-/// Results for rolling balls that the choice by error bounds needs.
+/// Results for rolling balls that the model selection by error bounds requires.
 pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
-    /// Onset number of skidding and cross slip.
+    /// Onset number of skidding, and cross slip.
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],
-    /// Masks of the points at which the solution is the first solution, and at which there is no
-    /// other solution.
+    /// Masks of the points for which a solution was found, and for which it is the only solution.
     pub(super) found: Mask<S>,
     pub(super) unique: Mask<S>,
 }
@@ -107,7 +108,8 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let RacewayLosses { transmission, friction, film, resolved } =
             losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
-        // Both contact centers roll. They share the slip due to the lead, with friction along e_x.
+        // Both contact centers roll without slip along the groove. The slip due to the lead is
+        // shared equally, and friction acts along e_x.
         let elastic = ElasticMotion {
             slip: [contacts.scaled.lead.0 * 0.5; 2],
             spin: motion.spin,
@@ -129,7 +131,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let skid = regime(out, friction, contacts, (&state, &motion));
         out.set_all(OutputKey::iterations, [state.steps, state.residual]);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
-        // With a lubricant, the model does not search for other solutions.
+        // With a lubricant, the model does not search for further solutions.
         if given.inputs.lubricant.is_none() {
             if control.is_none() {
                 out.set(OutputKey::control_consistent, one);
@@ -143,7 +145,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     }
 }
 
-/// Returns the ellipse at the nut (0) or the screw (1) with its motion.
+/// Returns the contact ellipse and its motion at the nut (index 0) or the screw (index 1).
 #[inline(always)]
 fn ellipse<S: Simd>(
     i: usize,
@@ -162,18 +164,18 @@ fn ellipse<S: Simd>(
     }
 }
 
-/// Friction losses of both ellipses.
+/// Friction losses in both contact ellipses.
 struct RacewayLosses<S: Simd> {
     transmission: Transmission<Lane<S>>,
-    /// Friction coefficient, or the equivalent coefficient of a lubricant.
+    /// Friction coefficient, or the equivalent friction coefficient of a lubricant.
     friction: Lane<S>,
     film: Option<FilmState<Lane<S>>>,
-    /// Mask of the points at which the loss is resolved. It must not depend on the requested
-    /// outputs.
+    /// Mask of the points at which the quadrature resolves the losses. The mask must not depend on
+    /// the requested outputs.
     resolved: Mask<S>,
 }
 
-/// Returns torque, efficiency and powers from the friction of both ellipses.
+/// Calculates torque, efficiency and power from the friction in both contact ellipses.
 #[inline(always)]
 fn losses<S: Simd>(
     given: &LaneInputs<'_, S>,
@@ -208,8 +210,8 @@ fn losses<S: Simd>(
     RacewayLosses { transmission, friction, film, resolved: resolved & finite }
 }
 
-/// Stores skid number and onset number if they are defined, and returns the onset number and the
-/// cross slip.
+/// Stores the skid number and the onset number where they are defined. Returns the onset number and
+/// the cross slip.
 #[inline(always)]
 fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,

@@ -1,4 +1,4 @@
-//! The rigid model for lanes, solved by sweeps.
+//! Rigid model for lanes, solved by direct sweeps.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
 
@@ -12,15 +12,15 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-/// Friction directions, each of which requires an arctangent.
+/// Outputs for friction directions, each of which requires an arctangent.
 const DIRECTIONS: [OutputKey; 3] = [
     OutputKey::nut_slip_angle_deg,
     OutputKey::screw_slip_angle_deg,
     OutputKey::unloaded_flank_slip_angle_deg,
 ];
 
-/// Returns the directions of friction at nut and screw \[rad\], if they are requested. The
-/// arguments are friction across the groove and along the helix.
+/// Returns the directions of friction at nut and screw \[rad\], or `None` if they are not
+/// requested. The arguments are the friction components across the groove and along the helix.
 #[inline(always)]
 pub(super) fn slip_angles<S: Simd>(
     out: &Sink<'_, '_>,
@@ -54,7 +54,7 @@ impl Kernel for RigidKernel {
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
         out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
-        // Without a search, the number of other solutions is unknown.
+        // If no search is carried out, the number of further solutions is unknown.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
         found & solved.transmission.is_balanced()

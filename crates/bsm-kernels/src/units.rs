@@ -1,4 +1,5 @@
-//! Units of the equations for lanes: ball radius, axial load per ball, and relative speed.
+//! Reference units of the equations for lanes: ball radius, axial load per ball, and relative
+//! speed.
 
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
@@ -9,13 +10,13 @@ use bsm_simd::Simd;
 
 use crate::operand::{Lane, LaneInputs};
 
-/// Inputs in SI units, and the dimensionless mass of the ball.
+/// Inputs in SI units, together with the dimensionless mass of the ball.
 pub(super) struct Units<S: Simd> {
     /// Ball radius `$r_b$` \[m\].
     pub(super) ball: Lane<S>,
     /// Pitch circle radius `$r_m$` \[m\].
     pub(super) pitch: Lane<S>,
-    /// Axial load of all balls \[N\].
+    /// Total axial load of all balls \[N\].
     pub(super) axial: Lane<S>,
     /// Axial load per ball `$F_a$` \[N\].
     pub(super) load: Lane<S>,
@@ -23,12 +24,12 @@ pub(super) struct Units<S: Simd> {
     pub(super) speed: Lane<S>,
     /// Nut speed `$\Omega_n$` \[rad/s\].
     pub(super) nut_speed: Lane<S>,
-    /// Dimensionless mass `$m r_b W^2/F_a$`.
+    /// Dimensionless ball mass, `$m r_b W^2/F_a$`.
     pub(super) mass: Lane<S>,
 }
 
 impl<S: Simd> Units<S> {
-    /// Reads the inputs of a lane of points.
+    /// Reads the inputs for a lane of points.
     #[inline(always)]
     pub(super) fn of(given: &LaneInputs<'_, S>) -> Self {
         let ball = given.get(InputKey::ball_diameter_mm) * (0.5 * MM);
@@ -49,7 +50,7 @@ impl<S: Simd> Units<S> {
         }
     }
 
-    /// Returns the factors that convert a scaled result to SI units.
+    /// Returns the factors that convert dimensionless results to SI units.
     #[inline(always)]
     pub(super) fn answer(&self) -> AnswerUnits<Lane<S>> {
         let Self { ball, axial, load, speed, .. } = *self;
@@ -57,8 +58,8 @@ impl<S: Simd> Units<S> {
     }
 }
 
-/// Returns `$E^* r_b^2/F_a$` of the materials. By default, the material of the balls is the
-/// material of the raceways.
+/// Returns the dimensionless contact modulus `$E^* r_b^2/F_a$`. The material of the balls defaults
+/// to the material of the raceways.
 #[inline(always)]
 pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);

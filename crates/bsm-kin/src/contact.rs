@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::{BallFrame, Scalar};
 
-/// The position of a contact.
+/// Position of a contact between ball and groove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {
     /// A: loaded flank of the nut groove.
@@ -17,21 +17,21 @@ pub enum Site {
     Screw,
 }
 
-/// Unit vectors of one contact, as components in the triad of a [`BallFrame`].
+/// Unit vectors at one contact, with components in the triad of a [`BallFrame`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact<D> {
     /// Position of the contact.
     pub site: Site,
-    /// Unit normal `$N$`, from the body into the ball.
+    /// Unit normal `$N$`, pointing from the raceway into the ball.
     pub normal: Vector3<D>,
-    /// Slip axis `$e_x$`, across the groove in the normal plane of the helix. The other slip axis
+    /// Slip axis `$e_x$`, across the groove in the normal plane of the helix. The second slip axis
     /// is `$e_y = t$`.
     pub transverse: Vector3<D>,
 }
 
 impl<D: Scalar> Contact<D> {
-    /// Returns the contact at `site` with the given contact angle \[rad\] (0 radial, π/2 axial)
-    /// (K9), (K10).
+    /// Returns the contact at `site` with the given contact angle \[rad\], which is 0 for a radial
+    /// and π/2 for an axial normal (K9), (K10).
     ///
     /// ```math
     /// \begin{aligned}
@@ -41,17 +41,18 @@ impl<D: Scalar> Contact<D> {
     /// \end{aligned}
     /// ```
     ///
-    /// in `(t, n, b)`. In a rotated triad, the angles are measured from its second axis.
+    /// with components in `(t, n, b)`. In a rotated triad, the angles are measured from its second
+    /// axis.
     pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
         let angle = if site == Site::NutUnloaded { -contact_angle } else { contact_angle };
         Self::tilted(site, angle - frame.rotation_angle)
     }
 
-    /// Returns the contact at `site` whose contact angle is the angle of the triad's second axis
-    /// plus `tilt` \[rad\] (K9), (K10).
+    /// Returns the contact at `site` whose contact angle exceeds the rotation angle of the triad by
+    /// `tilt` \[rad\] (K9), (K10).
     ///
-    /// The result is exact for small tilts, for which the difference of two contact angles would
-    /// have lost its digits.
+    /// The result is accurate for small tilts. Subtracting two nearly equal contact angles would
+    /// lose significant digits.
     pub fn tilted(site: Site, tilt: D) -> Self {
         let side = if site == Site::Screw { -1.0 } else { 1.0 };
         let (s, c) = tilt.sin_cos();
@@ -65,16 +66,16 @@ impl<D: Scalar> Contact<D> {
         }
     }
 
-    /// Returns the slip angle `$\psi$` \[rad\]. This is the direction of the friction force on the
-    /// ball, which is opposite to the slip velocity `slip`, measured from `$e_x$` toward `$t$`
-    /// (K15).
+    /// Returns the slip angle `$\psi$` \[rad\] (K15). This is the direction of the friction force
+    /// on the ball, measured from `$e_x$` toward `$t$`. The friction force is opposite to the slip
+    /// velocity `slip`.
     pub fn slip_angle(&self, slip: &Vector3<D>) -> D {
         // ψ = atan2(−V_y, −V_x)                                           (K15)
         (-slip.dot(&BallFrame::tangent())).atan2(-slip.dot(&self.transverse))
     }
 
-    /// Returns the contact point relative to the ball center, `$r = -r_b N$`, in the unit of
-    /// `ball_radius` (K11).
+    /// Returns the position of the contact point relative to the ball center, `$r = -r_b N$`, in
+    /// the unit of `ball_radius` (K11).
     pub fn point(&self, ball_radius: D) -> Vector3<D> {
         // r = −r_b N                                                      (K11)
         self.normal * -ball_radius

@@ -1,4 +1,4 @@
-//! The triad of unit vectors for the force and moment balance of the ball.
+//! Triad of unit vectors for the force and moment balance of the ball.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K7) and (K8).
 
@@ -6,25 +6,26 @@ use nalgebra::Vector3;
 
 use crate::Scalar;
 
-/// Right-handed triad `(t, n', b')` at the ball center: the Frenet-Serret triad, rotated about the
-/// tangent `t` by the angle `$\zeta$`.
+/// Right-handed triad `(t, n', b')` at the ball center. It is the Frenet-Serret triad, rotated
+/// about the tangent `t` by the angle `$\zeta$`.
 ///
-/// With `$\zeta = 0$` it is the triad `(t, n, b)` itself. If `$\zeta$` is equal to a contact angle,
-/// the normals of the loaded contacts lie on the second axis, and their cross products vanish
-/// exactly, not only to rounding. Small terms of the balance are then never lost next to large
-/// terms. All vectors of one calculation are components in one such triad.
+/// For `$\zeta = 0$`, it is the triad `(t, n, b)` itself. If `$\zeta$` equals a contact angle, the
+/// normals of the loaded contacts are parallel to the second axis, so their cross products are
+/// exactly zero, without rounding errors. Small terms of the balance are then not lost next to
+/// large terms. All vectors of a calculation have components in the same triad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallFrame<D> {
-    /// Angle `$\zeta$` from `n` to the second axis, positive from `n` to `b` \[rad\].
+    /// Angle `$\zeta$` between `n` and the second axis, positive from `n` toward `b` \[rad\].
     pub rotation_angle: D,
-    /// Direction `$k$` of the screw axis, in components of the triad.
+    /// Direction `$k$` of the screw axis, with components in this triad.
     pub k: Vector3<D>,
-    /// Principal normal `$n$` of the helix, pointing toward the axis, in components of the triad.
+    /// Principal normal `$n$` of the helix, which points toward the axis, with components in this
+    /// triad.
     pub n: Vector3<D>,
 }
 
 impl<D: Scalar> BallFrame<D> {
-    /// Returns the triad of a helix with the given lead angle \[rad\], rotated by `rotation_angle`
+    /// Returns the triad for a helix with the given lead angle \[rad\], rotated by `rotation_angle`
     /// \[rad\] (K7), (K8).
     ///
     /// ```math
@@ -43,7 +44,7 @@ impl<D: Scalar> BallFrame<D> {
         }
     }
 
-    /// Returns the tangent `$t$`, which is the first axis of the triad for any rotation.
+    /// Returns the tangent `$t$`, which is the first axis of the triad for any rotation angle.
     pub fn tangent() -> Vector3<D> {
         Vector3::new(D::from(1.0), D::from(0.0), D::from(0.0))
     }
@@ -54,8 +55,8 @@ impl<D: Scalar> BallFrame<D> {
         Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
     }
 
-    /// Returns the components in this triad of a vector `v` given in the Frenet-Serret triad
-    /// `(t, n, b)`.
+    /// Converts a vector with components in the Frenet-Serret triad `(t, n, b)` into components in
+    /// this triad.
     pub fn from_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
         let (s, c) = self.rotation_angle.sin_cos();
         Vector3::new(v.x, c * v.y + s * v.z, c * v.z - s * v.y)
@@ -69,9 +70,10 @@ mod tests {
     use super::*;
     use crate::Helix;
 
-    /// The axis in the Frenet-Serret triad agrees with the helix for any rotation of the triad.
+    /// For any rotation of the triad, the screw axis has the same components in the Frenet-Serret
+    /// triad as on the helix.
     #[test]
-    fn axis_agrees_with_the_helix() {
+    fn screw_axis_components_match_the_helix() {
         let helix = Helix { radius: 0.02, lead_angle: 0.31 };
         let f = helix.frame(0.7);
         let k = Vector3::z();

@@ -1,4 +1,4 @@
-//! Frenet-Serret frame of the helix of the ball centers.
+//! Frenet-Serret frame of the helix through the ball centers.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K6).
 #![expect(non_snake_case, reason = "monogram notation, docs/theory/00-notation.md")]
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use crate::Scalar;
 
-/// Right-handed helix of the ball centers about the screw axis `Wz`.
+/// Right-handed helix through the ball centers, about the screw axis `Wz`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Helix<D> {
     /// Pitch-circle radius `$r_m$` \[m\], positive.
@@ -18,30 +18,30 @@ pub struct Helix<D> {
     pub lead_angle: D,
 }
 
-/// Frenet-Serret triad at a point C of the helix, expressed in the ground frame W.
+/// Frenet-Serret triad at a point C of the helix, with components in the ground frame W.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrenetFrame<D> {
     /// Position of C relative to the origin of W \[m\].
     pub p_WC: Vector3<D>,
     /// Unit tangent, in the direction of increasing azimuth.
     pub t_W: Vector3<D>,
-    /// Unit principal normal, toward the axis.
+    /// Unit principal normal, which points toward the axis.
     pub n_W: Vector3<D>,
     /// Unit binormal, `$b = t \times n$`.
     pub b_W: Vector3<D>,
 }
 
 impl<D: Scalar> Helix<D> {
-    /// Returns the Frenet-Serret triad at the azimuth `theta` \[rad\] of C about `Wz`, which may be
-    /// any real number (K1).
+    /// Returns the Frenet-Serret triad at the point C whose azimuth about `Wz` is `theta` \[rad\],
+    /// which may be any real number (K1).
     ///
     /// ```math
     /// t = (-\cos\alpha\sin\theta,\; \cos\alpha\cos\theta,\; \sin\alpha), \qquad
     /// n = (-\cos\theta, -\sin\theta, 0), \qquad b = t \times n
     /// ```
     ///
-    /// Source: do Carmo, *Differential Geometry of Curves and Surfaces*, §1-5. The circular helix
-    /// is expressed here by its lead angle.
+    /// Source: do Carmo, *Differential Geometry of Curves and Surfaces*, §1-5, with the circular
+    /// helix expressed by its lead angle.
     pub fn frame(&self, theta: D) -> FrenetFrame<D> {
         let (sin_a, cos_a) = self.lead_angle.sin_cos();
         let (s, c) = theta.sin_cos();
@@ -60,19 +60,19 @@ impl<D: Scalar> Helix<D> {
         FrenetFrame { p_WC, t_W, n_W, b_W }
     }
 
-    /// Returns the arc length per radian of azimuth `$d = r_m/\cos\alpha$` \[m\] (K4).
+    /// Returns the arc length per radian of azimuth, `$d = r_m/\cos\alpha$` \[m\] (K4).
     pub fn arc_length_per_radian(&self) -> D {
         // d = r_m / cosα                                                  (K4)
         self.radius / self.lead_angle.cos()
     }
 
-    /// Returns the curvature `$\rho_h = \cos^2\alpha/r_m$` \[1/m\] (K5).
+    /// Returns the curvature of the helix, `$\rho_h = \cos^2\alpha/r_m$` \[1/m\] (K5).
     pub fn curvature(&self) -> D {
         // ρ_h = cos²α / r_m                                               (K5)
         self.lead_angle.cos().square() / self.radius
     }
 
-    /// Returns the lead `$2\pi r_m\tan\alpha$`, the axial advance per turn \[m\].
+    /// Returns the lead, which is the axial advance per turn, `$2\pi r_m\tan\alpha$` \[m\].
     pub fn lead(&self) -> D {
         self.radius * self.lead_angle.tan() * TAU
     }
@@ -87,7 +87,7 @@ mod tests {
 
     const SCREW: Helix<f64> = Helix { radius: 16.5e-3, lead_angle: 0.173 };
 
-    /// The Frenet-Serret formulas hold, with exact derivatives from dual numbers.
+    /// The triad satisfies the Frenet-Serret formulas. Dual numbers provide exact derivatives.
     #[test]
     fn frame_satisfies_frenet_serret() {
         let (sin_a, cos_a) = SCREW.lead_angle.sin_cos();
@@ -102,7 +102,7 @@ mod tests {
             let per_arc = |v: Vector3<Dual64>| v.map(|d| d.eps) / SCREW.arc_length_per_radian();
             let re = |v: Vector3<Dual64>| v.map(|d| d.re);
 
-            // The tolerances allow for rounding errors of unit vectors and of curvatures of about
+            // The tolerances allow for rounding errors of unit vectors and of a curvature of about
             // 60 1/m.
             assert_relative_eq!(per_arc(f.p_WC), re(f.t_W), epsilon = 1e-15);
             assert_relative_eq!(per_arc(f.t_W), re(f.n_W) * kappa, epsilon = 1e-12);
@@ -115,18 +115,18 @@ mod tests {
         }
     }
 
-    /// Without lead, the helix is a circle in the plane Wz = 0.
+    /// With zero lead, the helix is a circle in the plane Wz = 0.
     #[test]
-    fn zero_lead_is_a_circle() {
+    fn helix_with_zero_lead_is_a_circle() {
         let circle = Helix { lead_angle: 0.0, ..SCREW };
         assert_relative_eq!(circle.curvature(), 1.0 / circle.radius);
         assert_relative_eq!(circle.lead(), 0.0);
         assert_relative_eq!(circle.frame(1.3).b_W, Vector3::z(), epsilon = 1e-15);
     }
 
-    /// One turn advances by the lead.
+    /// The axial advance per turn equals the lead.
     #[test]
-    fn a_turn_advances_by_the_lead() {
+    fn one_turn_advances_by_the_lead() {
         let rise = SCREW.frame(0.4 + TAU).p_WC - SCREW.frame(0.4).p_WC;
         assert_relative_eq!(rise, Vector3::new(0.0, 0.0, SCREW.lead()), epsilon = 1e-16);
     }

@@ -1,9 +1,9 @@
-//! Numbers or lanes with `N` partial derivatives: with respect to the seven unknowns for the
-//! Jacobian of a ball, and with respect to one to three variables for lanes.
+//! Numbers or lanes with `N` partial derivatives. They provide derivatives with respect to seven
+//! unknowns for the Jacobian of a ball, and with respect to one to three variables for lanes.
 //!
-//! The crate num-dual does the same in general, and the tests compare this module with it. For the
-//! seven equations of a ball num-dual is slower: `cargo bench -p bsm-benches -- rigid/linearize`
-//! measures both.
+//! The crate num-dual is more general, and the tests compare this module with it. For the seven
+//! equations of a ball, num-dual is slower (benchmark: `cargo bench -p bsm-benches --
+//! rigid/linearize`).
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -14,20 +14,20 @@ use crate::{Real, Scalar, parts};
 /// A value and its partial derivatives with respect to `N` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet<const N: usize, F = f64> {
-    /// The value.
+    /// Value without derivatives.
     pub re: F,
-    /// The partial derivatives.
+    /// Partial derivatives with respect to each variable.
     pub eps: [F; N],
 }
 
 impl<const N: usize, F: Real> Jet<N, F> {
-    /// Returns a constant: a value whose derivatives are zero.
+    /// Creates a constant, whose derivatives are all zero.
     #[inline(always)]
     pub fn fixed(re: F) -> Self {
         Self { re, eps: [re.constant(0.0); N] }
     }
 
-    /// Returns a value that depends on variable number `i` with the given derivative.
+    /// Creates a value that depends only on variable `i`, with the given derivative.
     #[inline(always)]
     pub fn along(re: F, i: usize, rate: F) -> Self {
         let mut variable = Self::fixed(re);
@@ -35,21 +35,22 @@ impl<const N: usize, F: Real> Jet<N, F> {
         variable
     }
 
-    /// Returns variable number `i` with the given value.
+    /// Creates the independent variable with index `i` and the given value.
     #[inline(always)]
     pub fn variable(re: F, i: usize) -> Self {
         Self::along(re, i, re.constant(1.0))
     }
 
-    /// Returns a function of `self` with the given value and the given derivative at `self` (chain
-    /// rule).
+    /// Applies the chain rule: returns a function of `self` from its value `re` and its derivative
+    /// `slope` at `self`.
     #[inline(always)]
     #[must_use]
     pub fn chain(self, re: F, slope: F) -> Self {
         Self { re, eps: parts!(self.eps, N, i, self.eps[i] * slope) }
     }
 
-    /// Returns a linear combination of the derivatives of two jets.
+    /// Returns the jet with value `re` whose derivatives are `a` times those of `self` plus `b`
+    /// times those of `other`.
     #[inline(always)]
     fn combine(self, a: F, other: Self, b: F, re: F) -> Self {
         Self { re, eps: parts!(self.eps, N, i, a * self.eps[i] + b * other.eps[i]) }
@@ -268,7 +269,7 @@ mod tests {
 
     use super::*;
 
-    /// Evaluates an expression that uses every operation of [`Scalar`].
+    /// Evaluates an expression that uses all operations of [`Scalar`].
     fn everything<D: Scalar>(x: D, y: D) -> D {
         let (sin, cos) = (x * y).sin_cos();
         let mut z = (sin / (cos + 2.0) - y.recip()) * (x.square() + y.square()).sqrt();
@@ -288,8 +289,8 @@ mod tests {
                 |v: nalgebra::Vector2<DualSVec64<2>>| everything(v[0], v[1]),
                 &nalgebra::Vector2::new(x, y),
             );
-            // The tolerance allows for rounding errors of values of about ten near the poles of the
-            // tangent.
+            // The tolerance allows for rounding errors of values up to about ten near the poles of
+            // the tangent.
             let scale = 1.0 + value.abs() + slopes.norm();
             prop_assert!((ours.re - value).abs() <= 1e-13 * scale);
             prop_assert!((ours.re - everything(x, y)).abs() <= 1e-13 * scale);

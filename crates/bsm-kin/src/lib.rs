@@ -1,9 +1,9 @@
-//! Kinematics of the ball in a ball screw: helix, frames, contact points, slip and spin.
+//! Kinematics of the balls in a ball screw: helix, reference frames, contact points, slip and spin.
 //!
 //! All quantities are in SI units and radians. Every formula is generic over [`Scalar`], so that
-//! the same code calculates values and exact derivatives. The crate knows nothing about forces,
-//! iterations and files. The formulas hold in any consistent system of units: the models of
-//! `bsm-dyn` use lengths divided by the ball radius and speeds divided by the relative speed.
+//! the same code calculates values and exact derivatives. The crate does not deal with forces,
+//! iterations or files. The formulas hold in any consistent system of units. The models of
+//! `bsm-dyn` divide lengths by the ball radius and speeds by the relative speed.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
 

@@ -1,4 +1,4 @@
-//! The operations that a formula needs in order to hold for one point and for many points.
+//! Operations for formulas that apply to one point or to many points at once.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -7,12 +7,12 @@ use num_dual::{DualNum, DualNumCopy};
 
 use crate::root::cube_root;
 
-/// The number type of formulas that are evaluated for one point, with or without derivatives, or
-/// for several points side by side. Every [`Scalar`](crate::Scalar) and the lanes of `bsm-simd`
-/// implement it. Comparisons use the values alone, without their derivatives.
+/// Number type for formulas that are evaluated for a single point, with or without derivatives, or
+/// for several points side by side. It is implemented by every [`Scalar`](crate::Scalar) and by the
+/// lanes of `bsm-simd`. Comparisons consider only the values and ignore derivatives.
 ///
-/// Functions that are generic over this trait must be `#[inline(always)]`, because the code of a
-/// lane is compiled for the instruction set of its caller only if it is inlined.
+/// Functions that are generic over this trait must be `#[inline(always)]`, because the code for a
+/// lane uses the instruction set of its caller only if it is inlined.
 pub trait Real:
     Copy
     + Neg<Output = Self>
@@ -25,7 +25,7 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// A truth value for each point.
+    /// Type of a truth value per point.
     type Mask: Copy
         + Debug
         + PartialEq
@@ -33,16 +33,16 @@ pub trait Real:
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;
 
-    /// Returns the same number at every point.
+    /// Returns the same constant for every point.
     #[must_use]
     fn constant(self, x: f64) -> Self;
-    /// Returns `yes` where the mask is true and `no` elsewhere.
+    /// Returns `yes` for points where the mask is true, and `no` for all other points.
     #[must_use]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Returns the square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Returns the cube root. A lane must contain normal positive numbers.
+    /// Returns the cube root. The numbers in a lane must be positive and normal.
     #[must_use]
     fn cbrt(self) -> Self;
     /// Returns the reciprocal.
@@ -51,34 +51,37 @@ pub trait Real:
     /// Returns the exponential function.
     #[must_use]
     fn exp(self) -> Self;
-    /// Returns the natural logarithm. A lane must contain normal positive numbers.
+    /// Returns the natural logarithm. The numbers in a lane must be positive and normal.
     #[must_use]
     fn ln(self) -> Self;
     /// Returns the inverse hyperbolic sine.
     #[must_use]
     fn asinh(self) -> Self;
-    /// Returns the value raised to a constant power. A lane must contain normal positive numbers.
+    /// Returns the number raised to a constant power. The numbers in a lane must be positive and
+    /// normal.
     #[must_use]
     fn powf(self, exponent: f64) -> Self;
 
-    /// Returns the angle of the point (`other`, `self`) from the first axis.
+    /// Returns the polar angle of the point with coordinates (`other`, `self`) \[rad\].
     #[must_use]
     fn atan2(self, other: Self) -> Self;
-    /// Returns a mask that is true where the number is less than the other number; false for NaN.
+    /// Returns a mask that is true for points where `self` is less than `other`, and false where
+    /// one of them is NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// Returns a mask that is true where the number is at most the other number; false for NaN.
+    /// Returns a mask that is true for points where `self` is less than or equal to `other`, and
+    /// false where one of them is NaN.
     fn le(self, other: Self) -> Self::Mask;
-    /// Returns true if the mask is true for any point.
+    /// Returns true if the mask is true for at least one point.
     fn any(mask: Self::Mask) -> bool;
 
-    /// Returns a mask that is true where the number is greater than the other number; false for
-    /// NaN.
+    /// Returns a mask that is true for points where `self` is greater than `other`, and false where
+    /// one of them is NaN.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
 
-    /// Returns a mask with the same truth value for each point.
+    /// Returns a mask with the same truth value for every point.
     #[inline(always)]
     fn mask(self, value: bool) -> Self::Mask {
         let zero = self.constant(0.0);
@@ -106,14 +109,14 @@ pub trait Real:
         self * self
     }
 
-    /// Returns `self × b + c`, for lanes with a single rounding.
+    /// Returns `self × b + c`. Lanes round the result only once.
     #[inline(always)]
     #[must_use]
     fn mul_add(self, b: Self, c: Self) -> Self {
         self * b + c
     }
 
-    /// Returns `c − self × b`, for lanes with a single rounding.
+    /// Returns `c − self × b`. Lanes round the result only once.
     #[inline(always)]
     #[must_use]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
@@ -121,8 +124,8 @@ pub trait Real:
     }
 }
 
-/// A [`Real`] that accepts constants of the type `P`: a number or a lane, or either of them with
-/// derivatives.
+/// A [`Real`] that can be combined with constants of type `P`. Both types are numbers or lanes,
+/// with or without derivatives.
 pub trait RealOver<P>:
     Real + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
 {
@@ -202,9 +205,9 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Real for T {
     }
 }
 
-/// Applies the same expression to each of a few parts, without a closure and without a loop. A
-/// closure would be a call if the instruction set differs. A kernel would have thousands of short
-/// loops, which take the compiler minutes to unroll.
+/// Evaluates an expression for each of a few indices without using a closure or a loop. A closure
+/// would not be inlined if the instruction sets differ. Kernels would contain thousands of short
+/// loops, which the compiler takes minutes to unroll.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! parts {

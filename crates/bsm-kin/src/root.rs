@@ -1,4 +1,4 @@
-//! Cube root of a number.
+//! Cube root of a single number.
 
 /// Returns the cube root with an error of at most one unit in the last place.
 ///
@@ -7,7 +7,8 @@
 /// Source: the `cbrt` of FreeBSD, after Kahan and Bergman.
 #[inline]
 pub(crate) fn cube_root(x: f64) -> f64 {
-    /// A polynomial that approximates the reciprocal cube root near one to within 2^{-23.5}.
+    /// Coefficients of a polynomial that approximates the reciprocal cube root near 1 to within
+    /// 2^{-23.5}.
     const P: [f64; 5] = [
         1.875_951_824_271_77,
         -1.884_979_795_433_771_7,
@@ -18,12 +19,13 @@ pub(crate) fn cube_root(x: f64) -> f64 {
     if !x.is_normal() {
         return x.cbrt();
     }
-    // A third of the bits of exponent and mantissa is a guess that is accurate to five bits.
+    // Dividing the bits of exponent and mantissa by three gives an initial guess with an accuracy
+    // of five bits.
     let high = ((x.to_bits() >> 32) & 0x7fff_ffff) / 3 + 715_094_163;
     let guess = f64::from_bits(high << 32).copysign(x);
     let r = guess * guess * (guess / x);
     let better = guess * ((P[0] + r * (P[1] + r * P[2])) + (r * r * r) * (P[3] + r * P[4]));
-    // The guess is rounded to 23 bits, so that its square is exact.
+    // The guess is rounded to 23 bits so that its square is exact.
     let t = f64::from_bits((better.to_bits() + 0x8000_0000) & 0xffff_ffff_c000_0000);
     let r = x / (t * t);
     t + t * ((r - t) / (t + t + r))

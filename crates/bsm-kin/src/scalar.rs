@@ -1,5 +1,5 @@
-//! The scalar over which every formula is generic. This is the only file that uses the traits of
-//! the dual-number crate.
+//! Scalar type over which every formula is generic. Only this file uses the traits of the
+//! dual-number crate.
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_dual::{DualNum, DualNumCopy};
@@ -7,7 +7,8 @@ use num_traits::{One, Zero};
 
 use crate::{Real, RealOver};
 
-/// The scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
+/// Scalar type of all equations: `f64`, [`Jet`](crate::Jet), or any dual number of the crate
+/// num-dual.
 pub trait Scalar:
     Real<Mask = bool>
     + nalgebra::Scalar
@@ -45,8 +46,8 @@ pub trait Scalar:
     }
 }
 
-/// A scalar that accepts constants of the type `P`: a jet in the unknowns over numbers, or the same
-/// jet over constants that are jets themselves.
+/// A scalar that can be combined with constants of type `P`. For example, a jet can be combined
+/// with numbers, or with constants that are themselves jets.
 pub trait Over<P>: Scalar + RealOver<P> + From<P> {}
 
 impl<P, D: Scalar + RealOver<P> + From<P>> Over<P> for D {}

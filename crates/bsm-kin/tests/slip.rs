@@ -1,4 +1,5 @@
-//! Tests of slip velocities: published components, identities of rigid bodies, and invariances.
+//! Tests of slip velocities: published components, rigid-body identities, and invariance under
+//! rotations.
 
 use approx::assert_relative_eq;
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
@@ -11,7 +12,7 @@ fn body_speed(site: Site, drive: &Drive<f64>) -> f64 {
     if site == Site::Screw { drive.screw_speed } else { drive.nut_speed }
 }
 
-/// Returns the components of the slip at a contact (across, along).
+/// Returns the components of the slip velocity at a contact, across and along the groove.
 fn slip(
     site: Site,
     beta: f64,
@@ -28,14 +29,14 @@ fn slip(
     (v.dot(&contact.transverse), v.dot(&BallFrame::tangent()))
 }
 
-/// The components of Lin et al., Eqs 7-8, are written out here for a nut at rest.
+/// The expected components are Eqs 7-8 of Lin et al. for a nut at rest.
 #[test]
 fn slip_matches_the_published_components() {
     let (alpha, beta, r_m, r_b) = (0.1745_f64, 0.81_f64, 24.3e-3, 4.37e-3);
     let helix = Helix { radius: r_m, lead_angle: alpha };
     let drive = Drive { screw_speed: 209.4, nut_speed: 0.0 };
     let (rate, wt, wn, wb) = (-118.0, 37.0, -411.0, 93.0);
-    // Lin writes the precession as theta_dot + Omega.
+    // Lin et al. write the precession as theta_dot + Omega.
     let motion = Motion { precession: rate + drive.screw_speed, omega: Vector3::new(wt, wn, wb) };
     let d = r_m / alpha.cos();
     let omega = drive.screw_speed;
@@ -51,7 +52,7 @@ fn slip_matches_the_published_components() {
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 
-/// A ball that moves with a body does not slip on this body, on any helix.
+/// A ball that moves rigidly with a body does not slip on this body, whatever the helix.
 #[test]
 fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     let helix = Helix { radius: 20e-3, lead_angle: 0.2 };
@@ -67,8 +68,8 @@ fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
 }
 
 proptest! {
-    /// The components do not change if the axes are rotated, and the slip does not change if both
-    /// bodies rotate together.
+    /// The slip does not depend on the rotation of the triad, and it does not change if all bodies
+    /// rotate faster by the same speed.
     #[test]
     fn slip_does_not_depend_on_the_axes_or_on_a_common_rotation(
         alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, rotation_angle in -2.0..2.0_f64,
@@ -83,9 +84,9 @@ proptest! {
         let drive = Drive { screw_speed: 211.0, nut_speed: -37.0 };
         let omega = Vector3::new(wt, wn, wb);
         let motion = Motion { precession: p, omega };
-        // The vector is converted to the rotated axes.
+        // The angular velocity is converted into components of the rotated triad.
         let in_turned = Motion { precession: p, omega: Vector3::new(wt, c * wn + s * wb, c * wb - s * wn) };
-        // Ball, nut and screw rotate faster by the same rate.
+        // Ball, nut and screw all rotate faster by the same speed.
         let shifted = Motion { precession: p + together, omega: omega + straight.k * together };
 
         for site in SITES {
@@ -106,8 +107,8 @@ proptest! {
                 .slip_velocity(d, &contact.point(4.37e-3));
             prop_assert!((v_shifted - v).norm() <= 1e-12 * scale);
 
-            // The slip is tangential at a contact on a circle. On the helix, N is perpendicular to
-            // t.
+            // The slip velocity is tangential at the contact, because N is perpendicular to t on
+            // the helix as well as on a circle.
             prop_assert!(v.dot(&contact.normal).abs() <= 1e-13 * scale);
         }
     }

@@ -1,11 +1,11 @@
-//! Intersection of a circle and a line by the damped Newton iteration.
+//! Calculates the intersection of a circle and a line with the damped Newton iteration.
 //!
-//!     cargo run -p bsm-newton --example circle_and_line
+//! Run the example with `cargo run -p bsm-newton --example circle_and_line`.
 #![expect(clippy::print_stdout, reason = "the result of an example")]
 
 use bsm_newton::{Equations, EvalError, Linearized, Options, Scales, Workspace, solve};
 
-/// The equations of a circle `$x^2 + y^2 = r^2$` and of a line `$y = p x$`.
+/// Equations of the circle `$x^2 + y^2 = r^2$` and the line `$y = p x$`.
 struct CircleAndLine {
     radius: f64,
     slope: f64,

@@ -1,12 +1,13 @@
-//! Roots of functions of one variable between two points at which the function has different signs.
+//! Root finding for functions of one variable, between two points at which the function values have
+//! opposite signs.
 
-/// Value of a function and, if known, its derivative.
+/// Value of a function at a point and, if known, its derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FunctionValue {
     /// Function value.
     pub value: f64,
-    /// Derivative, if known. The next point is then the end of a Newton step, unless the step
-    /// leaves the bracket.
+    /// Derivative, if known. If it is known, the search takes a Newton step unless this step would
+    /// leave the bracket.
     pub slope: Option<f64>,
 }
 
@@ -22,39 +23,40 @@ impl From<(f64, f64)> for FunctionValue {
     }
 }
 
-/// A bracket of two points between which a function changes its sign, and the tolerances of the
-/// root.
+/// Bracket of two points between which a function changes sign, and the tolerances for the root.
 ///
-/// For any function, [`root`](Self::root) has these properties:
+/// The method [`root`](Self::root) has these properties for any function:
 ///
 /// * **Bounded**: it evaluates the function at most [`MAX_EVALUATIONS`](Self::MAX_EVALUATIONS)
-///   times (N13). A smooth function needs six to ten evaluations, or two or three with derivatives
-///   and a good start.
-/// * **Guarded**: every point lies strictly between the ends, and the ends always have different
-///   signs. If interpolation does not shrink the bracket, a bisection follows, either of the length
-///   or of the number of doubles in the bracket. The second kind handles roots near zero and
-///   brackets that span hundreds of orders of magnitude.
-/// * **Exact at the ends**: if the value at an end is zero, this end is returned as the root
-///   without an evaluation.
-/// * **Finds sign changes**: it finds one of several roots. It also finds jumps and poles, for
-///   which [`Root::value`] is not small. A predicate can be searched as a function with the values
-///   1 and -1; [`Root::ends`] then encloses the transition.
-/// * **Stops at NaN**: a NaN ends the search with [`RootResult::NotFinite`], so a function that
-///   fails returns NaN. Infinite values are allowed because they have a sign.
+///   times (N13). A smooth function requires six to ten evaluations, or two or three if derivatives
+///   and a good starting point are available.
+/// * **Guarded**: every new point lies strictly between the ends, and the values at the ends always
+///   have opposite signs. If interpolation does not shrink the bracket fast enough, the bracket is
+///   bisected, either by length or by the number of doubles that it contains. The second variant
+///   handles roots near zero and brackets that span hundreds of orders of magnitude.
+/// * **Exact at the ends**: if the value at an end is zero, this end is returned without any
+///   evaluation.
+/// * **Finds any sign change**: if there are several roots, it finds one of them. It also finds
+///   jumps and poles, for which [`Root::value`] is not small. To search for the transition of a
+///   predicate, use a function with the values 1 and -1; [`Root::ends`] then encloses the
+///   transition.
+/// * **Stops at NaN**: a NaN ends the search with [`RootResult::NotFinite`], so functions can
+///   return NaN to signal a failure. Infinite values are allowed because they have a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
-    /// Ends of the bracket in any order.
+    /// Ends of the bracket, in any order.
     pub ends: [f64; 2],
-    /// Function values at the ends. If only the sign is known, the value is an infinity of this
+    /// Function values at the ends. If only the sign of a value is known, use infinity with this
     /// sign.
     pub values: [f64; 2],
-    /// First point to evaluate. Defaults to the zero of the straight line through the ends.
+    /// First point to evaluate. Defaults to the zero of the straight line through both ends.
     pub start: Option<f64>,
-    /// Relative tolerance: the search ends when the bracket or a Newton step is at most `x_tol`
-    /// times the root. With zero, the search ends when there is no double between the ends.
+    /// Relative tolerance of the root. The search ends when the width of the bracket or a Newton
+    /// step is at most `x_tol` times the root. If it is zero, the search ends when there is no
+    /// double between the ends.
     pub x_tol: f64,
-    /// Absolute tolerance of the function value: the search ends when the absolute value is at most
-    /// `f_tol`.
+    /// Absolute tolerance of the function value. The search ends when the absolute function value
+    /// is at most `f_tol`.
     pub f_tol: f64,
 }
 
@@ -63,12 +65,12 @@ pub struct Bracket {
 pub enum RootResult {
     /// The search found a sign change.
     Root(Root),
-    /// The function has the same sign at both ends.
+    /// The function values at both ends have the same sign.
     NoSignChange {
         /// Function values at the ends.
         values: [f64; 2],
     },
-    /// A function value is NaN or an end is not finite.
+    /// A function value is NaN, or an end is not finite.
     NotFinite {
         /// Point at which the search stopped.
         x: f64,
@@ -80,12 +82,12 @@ pub enum RootResult {
 /// A sign change of a function.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Root {
-    /// Position of the root.
+    /// Location of the root.
     pub x: f64,
-    /// Function value at the root; after a Newton step shorter than the tolerance, the value at the
-    /// point before the step.
+    /// Function value at the root. If the search ended with a Newton step shorter than the
+    /// tolerance, this is the value before the step.
     pub value: f64,
-    /// Ends of the final bracket, in the order of the given ends.
+    /// Ends of the final bracket, in the same order as the initial ends.
     pub ends: [f64; 2],
     /// Function values at the ends.
     pub values: [f64; 2],
@@ -104,26 +106,26 @@ impl RootResult {
 }
 
 impl Bracket {
-    /// Maximum number of function evaluations: five for each of the 64 bisections after which no
-    /// double is left in a bracket (N13).
+    /// Maximum number of function evaluations. It allows five evaluations for each of the 64
+    /// bisections after which a bracket contains no more doubles (N13).
     pub const MAX_EVALUATIONS: usize = 5 * 64;
 
-    /// Creates a bracket without a start and with zero tolerances.
+    /// Creates a bracket without a starting point and with zero tolerances.
     pub fn new(ends: [f64; 2], values: [f64; 2]) -> Self {
         Self { ends, values, start: None, x_tol: 0.0, f_tol: 0.0 }
     }
 
-    /// Returns the bracket between the first two successive points at which a function does not
-    /// have the same sign, or `None` if the sign never changes.
+    /// Evaluates a function at successive points and returns the first pair of neighboring points
+    /// whose values do not have the same sign. Returns `None` if the sign never changes.
     ///
-    /// Zero and NaN count as values without a sign.
+    /// Zero and NaN count as values without a sign, so they end the search.
     ///
     /// * `begin`: first point and its function value.
-    /// * `places`: following points.
+    /// * `places`: points that follow, in order.
     ///
     /// # Errors
     ///
-    /// The first error returned by `function`.
+    /// Returns the first error of `function`.
     pub fn first_change<E>(
         begin: (f64, f64),
         places: impl IntoIterator<Item = f64>,
@@ -147,8 +149,8 @@ impl Bracket {
     /// quadratic interpolation if the last three values satisfy (N12).
     ///
     /// Source: Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a
-    /// nonlinear function without using derivatives*, Adv. Eng. Softw. 28 (1997); the guards by
-    /// length and number of doubles are ours.
+    /// nonlinear function without using derivatives*, Adv. Eng. Softw. 28 (1997). The guards based
+    /// on length and on the number of doubles are our own.
     pub fn root<S: Into<FunctionValue>>(&self, mut function: impl FnMut(f64) -> S) -> RootResult {
         let (mut ends, mut values) = (self.ends, self.values);
         for (x, value) in ends.into_iter().zip(values) {
@@ -168,8 +170,8 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // The variables are the index of the end that was moved last, the point that left the
-        // bracket, and the derivative at the new end.
+        // Index of the end that was moved last, the point that was replaced, and the derivative at
+        // the new end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (Progress::new(2), Progress::new(3));
@@ -200,7 +202,7 @@ impl Bracket {
             } else {
                 newton.unwrap_or_else(|| {
                     // The next point keeps a minimum distance from both ends, so that the other end
-                    // can move, too.
+                    // can also move.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);
@@ -214,7 +216,7 @@ impl Bracket {
                 return RootResult::NotFinite { x: next, value: sample.value };
             }
             let side = usize::from((sample.value > 0.0) != (values[0] > 0.0));
-            // The third point of the interpolation is the point that left the bracket.
+            // The replaced point becomes the third point of the interpolation.
             old = Some((ends[side], values[side]));
             (ends[side], values[side]) = (next, sample.value);
             (newest, slope) = (side, sample.slope);
@@ -228,7 +230,7 @@ impl Bracket {
 /// Returns the estimated position of the root as a fraction of the distance from the newest point
 /// `a` to the other end `b`.
 ///
-/// * `old`: point that left the bracket, if there is one.
+/// * `old`: point that was replaced last, if any.
 fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f64 {
     let quadratic = old.and_then(|(c, fc)| {
         // ξ = (a − b)/(c − b),  φ = (f_a − f_b)/(f_c − f_b);  if φ² < ξ and (1 − φ)² < 1 − ξ  (N12)
@@ -242,7 +244,7 @@ fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f6
     if part.is_finite() { part } else { 0.5 }
 }
 
-/// Detects that a size was not halved within a number of steps.
+/// Detects that a size has not been halved within a given number of steps.
 struct Progress {
     patience: u32,
     size: f64,
@@ -273,7 +275,7 @@ fn ordinal(x: f64) -> i64 {
     if bits < 0 { i64::MIN - bits } else { bits }
 }
 
-/// Returns the double in the middle between two doubles, by their index.
+/// Returns the double halfway between two doubles, measured by their index.
 fn between(a: f64, b: f64) -> f64 {
     let middle = i64::midpoint(ordinal(a), ordinal(b));
     f64::from_bits((if middle < 0 { i64::MIN - middle } else { middle }).cast_unsigned())

@@ -1,27 +1,27 @@
-//! Natural parameter continuation: follows a root along a parameter, for problems without a good
-//! starting point.
+//! Natural parameter continuation, which follows a root while a parameter changes. It helps if no
+//! good starting point is available.
 
 /// Step lengths of a natural parameter continuation, in the unit of the parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct Continuation {
     /// Length of the first step, positive.
     pub first: f64,
-    /// Minimum length of a step; the continuation fails if a shorter step is needed.
+    /// Minimum step length. The continuation fails if it would need a shorter step.
     pub shortest: f64,
 }
 
 /// Follows a root of `N` unknowns from the parameter `begin` to the parameter `end`.
 ///
-/// On entry, `y` is a guess of the root at `begin`; on success, `y` is the root at `end`.
+/// On entry, `y` is an initial guess for the root at `begin`. On success, it is the root at `end`.
 ///
-/// `solve` replaces a guess by the root at a parameter and returns whether it converged. Each guess
-/// is extrapolated linearly from the last two roots. The step length grows by half after a success
-/// and is halved after a failure.
+/// `solve` must replace a guess by the root for a given parameter and return whether it converged.
+/// Each guess is extrapolated linearly from the last two roots. The step length increases by half
+/// after a success and is halved after a failure.
 ///
 /// # Errors
 ///
-/// The last parameter at which a root was found, if the path ends early; `y` then is the root at
-/// that parameter. `None` if `solve` did not converge at `begin`.
+/// Returns the last parameter for which a root was found if the path ends early; `y` is then the
+/// root for this parameter. Returns `None` as the error if `solve` did not converge at `begin`.
 pub fn follow<const N: usize>(
     y: &mut [f64; N],
     (begin, end): (f64, f64),
@@ -50,7 +50,7 @@ pub fn follow<const N: usize>(
             (at, *y, arrived) = (next, guess, last);
             length *= 1.5;
         } else {
-            // A step that would pass the end was shortened to the remaining distance.
+            // A step that would pass the end had been shortened to the remaining distance.
             length = 0.5 * length.min((end - at).abs());
             if length < control.shortest {
                 return Err(Some(at));
@@ -64,7 +64,7 @@ pub fn follow<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Takes three Newton steps on y² = x and returns whether they converged.
+    /// Takes three Newton steps for y² = x and returns whether they converged.
     fn root(x: f64, y: &mut [f64; 1]) -> bool {
         for _ in 0..3 {
             y[0] = 0.5 * (y[0] + x / y[0]);
@@ -78,11 +78,11 @@ mod tests {
         assert!(!root(1e6, &mut [1.0]));
         let control = Continuation { first: 1.0, shortest: 1e-3 };
         assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
-        // The tolerance of `root` is 1e-9 of x; divided by 2 y and rounded up, it is 1e-6.
+        // The tolerance of `root` is 1e-9 of x. Divided by 2 y, this is less than 1e-6.
         assert!((y[0] - 1e3).abs() <= 1e-6);
     }
 
-    /// The first step of 8 is longer than the path, which has a length of 2.
+    /// The initial step length of 8 exceeds the length of the path, which is 2.
     #[test]
     fn failed_parameter_is_not_tried_again() {
         let (mut tried, control) = (Vec::new(), Continuation { first: 8.0, shortest: 0.1 });
@@ -94,7 +94,7 @@ mod tests {
         assert!(tried.windows(2).all(|pair| pair[0] != pair[1]), "{tried:?}");
     }
 
-    /// The failure is expected: y² = x has no root for negative x.
+    /// The failure is expected because y² = x has no root for negative x.
     #[test]
     fn failure_reports_the_last_parameter_with_a_root() {
         let mut y = [1.0];

@@ -1,27 +1,27 @@
-//! Interface between a model and the solver.
+//! Interface between models and the solver.
 
 use std::array::from_fn;
 
 use crate::EvalError;
 
-/// A system of `N` equations `$F(x) = 0$` in `N` unknowns with a dense Jacobian, for small `N`.
+/// A small system of `N` equations `$F(x) = 0$` in `N` unknowns with a dense Jacobian.
 ///
-/// Implementations must be pure: equal inputs give bit-identical results.
+/// Implementations must be pure functions: identical inputs give bit-identical results.
 pub trait Equations<const N: usize> {
-    /// Quantities that are computed together with the residual and that the caller needs at the
-    /// solution, such as forces. The type is `()` if there are no such quantities.
+    /// Additional quantities calculated together with the residual that the caller needs at the
+    /// solution, such as forces. Use `()` if there are none.
     type Details;
 
-    /// Quantities that are computed together with the Jacobian, such as derivatives of the details.
-    /// The type is `()` if there are no such quantities.
+    /// Additional quantities calculated together with the Jacobian, such as derivatives of the
+    /// details. Use `()` if there are none.
     type Slopes;
 
     /// Returns `$F(x)$` and the details.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if `x` is outside the model's domain. The solver then shortens the step and
-    /// tries again.
+    /// Returns [`EvalError`] if `x` is outside the domain of the model. The solver then tries a
+    /// shorter step.
     fn residual(&self, x: &[f64; N]) -> Result<([f64; N], Self::Details), EvalError>;
 
     /// Writes the rows of the Jacobian `$J_{ij} = \partial F_i/\partial x_j$` and returns `$F(x)$`,
@@ -29,22 +29,24 @@ pub trait Equations<const N: usize> {
     ///
     /// # Errors
     ///
-    /// The errors are the same as for [`residual`](Self::residual).
+    /// Returns the same errors as [`residual`](Self::residual).
     fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Linearized<N, Self>;
 
-    /// Writes the rows of the Jacobian at a point whose residual is known and returns the slopes.
+    /// Writes the rows of the Jacobian at a point whose residual is already known, and returns the
+    /// slopes.
     ///
-    /// The default implementation evaluates the residual again.
+    /// The default implementation calls [`linearize`](Self::linearize), which evaluates the
+    /// residual again.
     ///
     /// # Errors
     ///
-    /// The errors are the same as for [`residual`](Self::residual).
+    /// Returns the same errors as [`residual`](Self::residual).
     fn jacobian(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Result<Self::Slopes, EvalError> {
         let (_, _, slopes) = self.linearize(x, rows)?;
         Ok(slopes)
     }
 
-    /// Returns the trial point for the fraction `lambda` of the Newton step `dx` (N15).
+    /// Returns the trial point for a fraction `lambda` of the Newton step `dx` (N15).
     ///
     /// The default implementation moves along a straight line. An implementation may follow another
     /// curve with the same tangent at `lambda = 0` if the curve passes closer to the solution.
@@ -52,7 +54,7 @@ pub trait Equations<const N: usize> {
         from_fn(|i| x[i] + lambda * dx[i])
     }
 
-    /// Returns the fraction of the Newton step `dx` that is tried first, in (0, 1].
+    /// Returns the fraction of the Newton step `dx` to try first, in (0, 1].
     ///
     /// Defaults to 1.
     fn max_step_length(&self, _x: &[f64; N], _dx: &[f64; N]) -> f64 {

@@ -2,8 +2,8 @@
 
 use crate::{Equations, Termination, Workspace};
 
-/// Overwrites derivatives of the equations with derivatives of the root `x`, by the implicit
-/// function theorem (N7).
+/// Calculates the derivatives of the root `x` with respect to parameters by the implicit function
+/// theorem (N7).
 ///
 /// ```math
 /// F(x(p), p) = 0 \quad\Rightarrow\quad J\,\frac{dx}{dp} = -\frac{\partial F}{\partial p}
@@ -11,11 +11,12 @@ use crate::{Equations, Termination, Workspace};
 ///
 /// * `f_scale`: reciprocals of the typical sizes of the equations, as in
 ///   [`Scales::f`](crate::Scales::f).
-/// * `columns`: `$\partial F/\partial p$` at the root for each `$p$` on entry, `$dx/dp$` on return.
+/// * `columns`: `$\partial F/\partial p$` at the root on entry, `$dx/dp$` on return, one column per
+///   parameter `$p$`.
 ///
-/// The status is [`Termination::Converged`] if the derivatives exist, and otherwise
-/// [`Termination::OutsideDomain`] or [`Termination::SingularJacobian`]. After a failure, some
-/// columns may be unchanged.
+/// Returns [`Termination::Converged`] if the derivatives exist. Otherwise, returns
+/// [`Termination::OutsideDomain`] or [`Termination::SingularJacobian`], and some columns may be
+/// unchanged.
 pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     x: &[f64; N],

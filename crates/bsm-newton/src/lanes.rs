@@ -2,11 +2,11 @@
 
 use bsm_kin::Real;
 
-/// A system of `N` equations that calculates its own Newton steps, for one point or for several
-/// points side by side.
+/// A system of `N` equations that calculates its own Newton steps, for a single point or for
+/// several points side by side.
 ///
-/// For a small system with an analytic Jacobian, a closed formula for the Newton step needs fewer
-/// operations than the factorization of a matrix.
+/// For a small system with an analytic Jacobian, a closed formula for the Newton step requires
+/// fewer operations than a matrix factorization.
 pub trait LaneEquations<F: Real, const N: usize> {
     /// Returns the Newton step at the point `x`.
     fn newton_step(&self, x: &[F; N]) -> LaneStep<F, N>;
@@ -15,42 +15,42 @@ pub trait LaneEquations<F: Real, const N: usize> {
 /// Newton steps of several points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneStep<F: Real, const N: usize> {
-    /// Newton step `$-J^{-1} F$`.
+    /// Newton step of each point, `$-J^{-1} F$`.
     pub step: [F; N],
-    /// Length of the Newton step in the scale of the unknowns.
+    /// Length of the Newton step, scaled by the sizes of the unknowns.
     pub length: F,
-    /// True where the equations are defined.
+    /// Mask that is true for points at which the equations are defined.
     pub is_defined: F::Mask,
 }
 
 /// Iterates of several points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneIterate<F: Real, const N: usize> {
-    /// Unknowns.
+    /// Values of the unknowns.
     pub x: [F; N],
-    /// Number of steps taken.
+    /// Number of steps that each point has taken.
     pub steps: F,
-    /// True where the iteration has ended because the last step was short or not finite. The caller
-    /// must check the residual.
+    /// Mask that is true for points whose iteration has ended because the last step was short or
+    /// not finite. The caller must check the residual.
     pub has_ended: F::Mask,
 }
 
 impl<F: Real, const N: usize> LaneIterate<F, N> {
     /// Creates the starting point of an iteration.
     ///
-    /// * `requested`: mask of the points to iterate; other points stay unchanged.
+    /// * `requested`: mask of the points to iterate. All other points remain unchanged.
     #[inline(always)]
     pub fn starting_at(x: [F; N], requested: F::Mask) -> Self {
         Self { x, steps: x[0].constant(0.0), has_ended: !requested }
     }
 }
 
-/// Policies of the lane-wise iteration; lengths are in the scale of the unknowns.
+/// Settings of the lane-wise Newton iteration. Lengths are scaled by the sizes of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaneNewton {
     /// Step length below which the iteration ends.
     pub step_tol: f64,
-    /// Maximum step length; a longer Newton step is shortened to this length.
+    /// Maximum step length, to which longer Newton steps are shortened.
     pub max_length: f64,
     /// Maximum number of steps.
     pub max_steps: usize,
@@ -58,9 +58,9 @@ pub struct LaneNewton {
 
 impl LaneNewton {
     /// Iterates each point until its step is short or not finite, or until the maximum number of
-    /// steps is reached.
+    /// steps has been taken.
     ///
-    /// If the equations are not defined at a point, half of the last step is undone.
+    /// If the equations are not defined at a new point, half of the last step is undone.
     #[inline(always)]
     pub fn iterate<F: Real, const N: usize>(
         &self,
@@ -90,7 +90,7 @@ impl LaneNewton {
     }
 }
 
-/// Returns the Newton step of three equations by Cramer's rule.
+/// Returns the Newton step for three equations by Cramer's rule.
 ///
 /// * `residual`: residuals of the equations.
 /// * `rows`: rows of the Jacobian.
@@ -131,13 +131,13 @@ mod tests {
 
     const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: 100.0, max_steps: 20 };
 
-    /// The first Newton step from 40 ends at -14, outside the domain.
+    /// The first Newton step from 40 leads to -14, which is outside the domain.
     #[test]
     fn step_beyond_the_domain_is_undone() {
         let mut at = LaneIterate::starting_at([40.0], true);
         NEWTON.iterate(&Root, &mut at);
         assert!(at.has_ended, "{at:?}");
-        // The error after a step of 1e-9 is of the order of the square of the step.
+        // After a step of 1e-9, the remaining error is of the order of the squared step.
         assert!((at.x[0] - 4.0_f64).abs() <= 4.0 * f64::EPSILON, "{at:?}");
     }
 
@@ -163,7 +163,7 @@ mod tests {
         let residual = rows.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
         let step = cramer(residual, rows);
         for (step, x) in step.into_iter().zip(x) {
-            // The tolerance allows for a few rounding errors of terms of magnitude ten.
+            // The tolerance allows for a few rounding errors of terms up to ten.
             assert!((step + x).abs() <= 1e-14, "{step} {x}");
         }
     }

@@ -1,22 +1,22 @@
-//! Algorithms for nonlinear equations that do not depend on the meaning of the equations.
+//! Algorithms for nonlinear equations that are independent of the physical problem.
 //!
 //! * [`solve`]: damped Newton iteration for small systems of [`Equations`]. Its policies are
-//!   objects: [`Convergence`] decides when the iteration stops, [`Backtracking`] chooses the step
-//!   length, and [`JacobianUpdate`] decides when the Jacobian is evaluated.
+//!   separate objects: [`Convergence`] decides when the iteration stops, [`Backtracking`] selects
+//!   the step length, and [`JacobianUpdate`] decides when the Jacobian is evaluated.
 //! * [`Dense`], [`BorderedMatrix`]: dense matrices, and block tridiagonal matrices with a border.
-//! * [`Bracket`]: root of a function of one variable between two points of different sign.
+//! * [`Bracket`]: root of a function of one variable between two points with opposite signs.
 //! * [`LaneNewton`]: Newton's method for several points side by side.
 //! * [`implicit_slopes`]: derivatives of a root with respect to parameters.
 //! * [`follow`], [`trace`]: natural parameter continuation, and pseudo-arclength continuation
 //!   through folds.
 //!
 //! Problem ([`Equations`]), algorithm ([`solve`]), memory ([`Workspace`]), policies ([`Options`])
-//! and result ([`Outcome`]) are separate types. The crate prints nothing, allocates nothing inside
-//! an iteration, and returns every outcome as data. It is the only crate that depends on faer.
+//! and result ([`Outcome`]) are separate types. The crate prints nothing, does not allocate memory
+//! during an iteration, and returns every outcome as data. No other crate depends directly on faer.
 //!
 //! Theory: `docs/theory/05-newton.md`, (N1) to (N15).
 //!
-//! The example intersects the circle `$x^2 + y^2 = 2$` with the line `$x = y$`:
+//! This example calculates an intersection of the circle `$x^2 + y^2 = 2$` and the line `$x = y$`:
 //!
 //! ```
 //! use bsm_newton::{Equations, EvalError, Linearized, Options, Scales, Workspace, solve};

@@ -1,8 +1,8 @@
-//! Structured matrices. Each matrix is filled, factorized in place and used for solves in its own
-//! memory.
+//! Structured matrices. Each matrix is filled, factorized in place, and then used to solve linear
+//! systems.
 //!
-//! Small pivots are not an error: an unknown may legitimately have an effect a hundred million
-//! times smaller than the others. The residual decides whether a solve succeeded.
+//! Small pivots are not an error, because the effect of one unknown may be a hundred million times
+//! smaller than the effects of the others. The residual shows whether a solution is accurate.
 
 mod bordered;
 mod dense;

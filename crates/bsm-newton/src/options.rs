@@ -1,19 +1,19 @@
-//! Policies of a solve (stopping rules, damping, updates of the Jacobian), and scales of unknowns
-//! and equations.
+//! Policies of the Newton solver (stopping rules, damping, Jacobian updates), and scales of
+//! unknowns and equations.
 
 use crate::Termination;
 
 /// Constant `$\gamma$` of the sufficient-decrease condition (N5) (dimensionless).
 pub const ARMIJO: f64 = 1e-4;
 
-/// Policies of a solve; all numbers are dimensionless.
+/// Policies of the Newton solver. All numbers are dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
     /// Rules for stopping the iteration.
     pub convergence: Convergence,
-    /// Rule for the step length.
+    /// Rule for selecting the step length.
     pub damping: Backtracking,
-    /// Rule for evaluating the Jacobian.
+    /// Rule that decides when the Jacobian is evaluated.
     pub jacobian: JacobianUpdate,
 }
 
@@ -23,9 +23,9 @@ pub struct Convergence {
     /// Maximum scaled residual `$\lVert D_F F(x) \rVert_2$` of a solution (N1). Defaults to
     /// `1e-10`.
     pub residual_tol: f64,
-    /// Scaled residual up to which a solution is not refined further (N2). A solution with a larger
-    /// residual is refined by full steps as long as each step at least halves the residual.
-    /// Defaults to `1e-10`, so that solutions are not refined.
+    /// Scaled residual below which a solution is not refined further (N2). A solution with a larger
+    /// residual is refined with full steps as long as each step at least halves the residual.
+    /// Defaults to `1e-10`, the default of `residual_tol`, so solutions are not refined.
     pub residual_goal: f64,
     /// Maximum number of Newton steps. Defaults to `50`.
     pub max_steps: usize,
@@ -40,18 +40,18 @@ impl Default for Convergence {
 /// State of an iteration between two steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The point is not a solution yet.
+    /// The point is not yet a solution.
     Iterating,
-    /// The point is a solution, and further steps may refine it.
+    /// The point is a solution, but further steps may refine it.
     Refining,
     /// The iteration ends at this point.
     Ended(Termination),
 }
 
 impl Progress {
-    /// Returns the termination of an iteration that cannot take another step for the given reason.
+    /// Returns the status of an iteration that cannot take another step for the given reason.
     ///
-    /// An iteration that is refining a solution has converged, whatever the reason is.
+    /// If the iteration was only refining a solution, it has converged regardless of the reason.
     pub(crate) fn ended_by(self, reason: Termination) -> Termination {
         if self == Self::Refining { Termination::Converged } else { reason }
     }
@@ -84,8 +84,8 @@ impl Convergence {
     }
 }
 
-/// Backtracking line search on the squared residual, which halves the step until the residual
-/// decreases sufficiently.
+/// Backtracking line search, which halves the step until the squared residual decreases
+/// sufficiently.
 ///
 /// Source: Dennis and Schnabel, *Numerical Methods for Unconstrained Optimization and Nonlinear
 /// Equations*, §6.3.
@@ -105,7 +105,7 @@ impl Backtracking {
     /// Policy that accepts full steps only.
     pub(crate) const NONE: Self = Self { max_halvings: 0 };
 
-    /// Returns whether the fraction `lambda` of a Newton step decreases the scaled residual
+    /// Returns true if a fraction `lambda` of a Newton step decreases the scaled residual
     /// sufficiently (N5).
     ///
     /// * `before`, `after`: scaled norms of the residual before and after the step.
@@ -117,33 +117,34 @@ impl Backtracking {
     }
 }
 
-/// Rule for evaluating the Jacobian.
+/// Rule that decides when the Jacobian is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum JacobianUpdate {
     /// Evaluates the Jacobian at every accepted point, as in Newton's method.
     #[default]
     EveryStep,
     /// Evaluates the Jacobian together with the residual at every trial point. This is efficient
-    /// for models that compute both at once and rarely reject a trial.
+    /// for models that calculate both at once and rarely reject a trial point.
     EveryTrial {
-        /// Scaled residual up to which the chord method is used: trials are evaluated without the
-        /// Jacobian, and steps use the last factors as long as each step reduces the residual to a
-        /// tenth. Zero disables the chord method.
+        /// Scaled residual below which the chord method is used. Trial points are then evaluated
+        /// without the Jacobian, and steps use the latest factors as long as each step reduces the
+        /// residual to one tenth. Zero disables the chord method.
         chord_below: f64,
     },
 }
 
 impl JacobianUpdate {
-    /// Maximum ratio of the residual after a step to the residual before the step for which the
-    /// next step uses the same factors.
+    /// Maximum ratio of the residuals after and before a step for which the next step may reuse the
+    /// factors.
     const MAX_CHORD_RATIO: f64 = 0.1;
 
-    /// Returns whether the Jacobian is evaluated together with the residual of the starting point.
+    /// Returns true if the Jacobian is evaluated together with the residual at the starting point.
     pub(crate) fn at_start(self) -> bool {
         self != Self::EveryStep
     }
 
-    /// Returns whether trials from a point with the given scaled residual include the Jacobian.
+    /// Returns true if trial points are evaluated together with the Jacobian. The argument is the
+    /// scaled residual before the step.
     pub(crate) fn at_trials(self, residual: f64) -> bool {
         match self {
             Self::EveryStep => false,
@@ -151,7 +152,7 @@ impl JacobianUpdate {
         }
     }
 
-    /// Returns whether the next step may use the factors of an earlier point.
+    /// Returns true if the next step may use the factors from an earlier point.
     pub(crate) fn keeps_factors(self, residual: f64, previous: Option<f64>) -> bool {
         self != Self::EveryStep
             && previous.is_some_and(|previous| residual <= Self::MAX_CHORD_RATIO * previous)
@@ -161,12 +162,12 @@ impl JacobianUpdate {
 /// Diagonals of the scaling matrices `$D_x$` and `$D_F$`.
 ///
 /// `x[j]` is the reciprocal of the typical size of unknown `j`, and `f[i]` is the reciprocal of the
-/// typical size of equation `i`. Unknowns and equations with different units then have equal
-/// weight.
+/// typical size of equation `i`. The scales give equal weight to unknowns and equations with
+/// different units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scales<'a, V> {
-    /// Diagonal of `$D_x$`, positive.
+    /// Diagonal of the scaling matrix `$D_x$`, positive.
     pub x: &'a V,
-    /// Diagonal of `$D_F$`, positive.
+    /// Diagonal of the scaling matrix `$D_F$`, positive.
     pub f: &'a V,
 }

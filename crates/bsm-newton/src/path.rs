@@ -7,22 +7,22 @@ use crate::{
     Workspace, solve,
 };
 
-/// Returns the direction at `z` of the curve that the first `N − 1` equations define (N8).
+/// Returns the direction at `z` of the curve that is defined by the first `N − 1` equations (N8).
 ///
-/// The last equation is a plane across the curve.
+/// The last equation must be a plane that intersects the curve.
 ///
 /// ```math
 /// J\,t = \operatorname{sgn}(\det J)\,e_N
 /// ```
 ///
-/// The orientation is the same along the whole curve, also through folds, and does not depend on
-/// the planes. The length is arbitrary.
+/// The orientation is consistent along the whole curve, including folds, and does not depend on the
+/// planes. The length is arbitrary.
 ///
 /// * `f_scale`: reciprocals of the typical sizes of the equations, as in
 ///   [`Scales::f`](crate::Scales::f).
 ///
 /// Returns `None` if the equations cannot be evaluated at `z`, or if the Jacobian is singular
-/// because the curve branches or the plane is tangent to the curve.
+/// because the curve branches or is tangent to the plane.
 pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     z: &[f64; N],
@@ -33,30 +33,30 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     work.direction()
 }
 
-/// A system of `N` equations in `M = N + 1` unknowns, which defines a curve.
+/// A curve, defined by a system of `N` equations in `M = N + 1` unknowns.
 pub trait Homotopy<const N: usize, const M: usize> {
     /// Returns the residual at `z`.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if `z` is outside the domain of the equations.
+    /// Returns [`EvalError`] if `z` is outside the domain of the equations.
     fn residual(&self, z: &[f64; M]) -> Result<[f64; N], EvalError>;
 
     /// Returns the residual at `z` and the rows of its Jacobian.
     ///
     /// # Errors
     ///
-    /// The errors are the same as for [`residual`](Self::residual).
+    /// Returns the same errors as [`residual`](Self::residual).
     fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
 
     /// Returns the weights of the equations near `z`, which are the reciprocals of their typical
-    /// sizes. Defaults to 1.
+    /// sizes. All weights default to 1.
     fn weights(&self, _z: &[f64; M]) -> [f64; N] {
         [1.0; N]
     }
 
-    /// Returns the typical sizes of the unknowns near `z`. A step of length one changes one unknown
-    /// by its size.
+    /// Returns the typical sizes of the unknowns near `z`. A step of length one along an unknown
+    /// changes it by its typical size.
     fn sizes(&self, z: &[f64; M]) -> [f64; M] {
         z.map(|z| 1.0 + z.abs())
     }
@@ -65,34 +65,37 @@ pub trait Homotopy<const N: usize, const M: usize> {
 /// Starting point of a continuation and the direction in which the curve is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seed<const M: usize> {
-    /// Point near the curve. It is first corrected onto the curve in the plane across `towards`.
+    /// Point near the curve. The continuation first corrects it onto the curve, within the plane
+    /// perpendicular to `towards`.
     pub z: [f64; M],
-    /// Vector whose scalar product with the initial direction of the path is positive.
+    /// Vector that selects the initial direction of the path, with which it must have a positive
+    /// scalar product.
     pub towards: [f64; M],
 }
 
-/// Step lengths, tolerances and limits of a continuation; lengths are in the sizes of the unknowns.
+/// Step lengths, tolerances and limits of a continuation. Lengths are scaled by the typical sizes
+/// of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
     /// Length of the first step, positive. Defaults to 0.1.
     pub first: f64,
-    /// Maximum length of a step. Defaults to 0.5.
+    /// Maximum step length. Defaults to 0.5.
     pub longest: f64,
-    /// Minimum length of a step; the path is lost if a shorter step is needed. Defaults to 1e-7.
+    /// Minimum step length. The path is lost if a shorter step would be needed. Defaults to 1e-7.
     pub shortest: f64,
-    /// Length up to which a step is accepted even if it may hide a pair of crossings. Defaults to
-    /// 1e-3.
+    /// Step length below which a step is accepted even if it may hide a pair of crossings. Defaults
+    /// to 1e-3.
     pub pair_resolution: f64,
-    /// Maximum number of points. Defaults to 1000.
+    /// Maximum number of points on the path. Defaults to 1000.
     pub max_points: usize,
-    /// Scaled residual at the points of the path, as [`Convergence::residual_goal`]. If it exceeds
-    /// the default of [`Convergence::residual_tol`], it is also the residual tolerance. Defaults to
-    /// 1e-10.
+    /// Scaled residual to which the points of the path are refined, as in
+    /// [`Convergence::residual_goal`]. If it exceeds the default of [`Convergence::residual_tol`],
+    /// it is also the residual tolerance. Defaults to 1e-10.
     pub goal: f64,
-    /// Relative tolerance of the position of a crossing within its step. Defaults to 1e-14.
+    /// Relative tolerance for the location of a crossing within a step. Defaults to 1e-14.
     pub root_tolerance: f64,
-    /// Rule for evaluating the Jacobian in a correction, as [`Options::jacobian`]. Defaults to
-    /// [`JacobianUpdate::EveryStep`].
+    /// Rule that decides when the Jacobian is evaluated during a correction, as in
+    /// [`Options::jacobian`]. Defaults to [`JacobianUpdate::EveryStep`].
     pub jacobian: JacobianUpdate,
 }
 
@@ -111,81 +114,82 @@ impl Default for StepControl {
     }
 }
 
-/// A crossing: a point of the curve at which the value of an event changes its sign.
+/// A crossing, which is a point of the curve at which an event function changes sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EventRoot<const M: usize> {
-    /// Index of the event.
+    /// Index of the event function.
     pub event: usize,
-    /// Point of the curve.
+    /// Location of the crossing on the curve.
     pub z: [f64; M],
-    /// Value of the event at this point, which is not small if the event jumps.
+    /// Value of the event function at this point. It is not small if the function jumps.
     pub value: f64,
 }
 
-/// Reason why a path ended.
+/// Reason why the continuation ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathEnd {
-    /// The curve is closed, and the path followed it once around. The crossings are all crossings
-    /// of the curve.
+    /// The path followed a closed curve once around. The result contains all crossings of the
+    /// curve.
     Closed,
-    /// The caller ended the path.
+    /// The caller ended the continuation.
     Ended,
-    /// The maximum number of points was reached.
+    /// The path reached the maximum number of points.
     MaxPoints,
-    /// No step of at least the minimum length reached a point of the curve.
+    /// No step of at least the minimum length led to another point of the curve.
     Lost,
-    /// The correction found no point of the curve near the seed.
+    /// No point of the curve was found near the seed.
     NoCurve,
 }
 
 /// Result of a continuation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace<const M: usize> {
-    /// Crossings in the order of the path.
+    /// Crossings, in the order in which the path passes them.
     pub crossings: Vec<EventRoot<M>>,
-    /// Last point of the path.
+    /// Last point on the path.
     pub last: [f64; M],
-    /// Reason why the path ended.
+    /// Reason why the continuation ended.
     pub end: PathEnd,
-    /// Number of points of the path.
+    /// Number of points on the path.
     pub points: usize,
-    /// Number of accepted steps that may hide a pair of crossings (N14). If the number is zero, the
-    /// values and slopes of the events at the ends of the steps do not indicate a missed pair.
+    /// Number of accepted steps that may hide a pair of crossings (N14). If it is zero, the values
+    /// and slopes of the event functions give no indication of a missed pair.
     pub unresolved: usize,
-    /// Number of Newton steps of all corrections.
+    /// Total number of Newton steps in all corrections.
     pub steps: usize,
 }
 
 /// Minimum cosine of the angle between the tangents at both ends of a step, and of the angle
-/// between the step and its tangent. The limit prevents steps that jump to another curve.
+/// between the step and its initial tangent. This limit prevents steps from jumping to another
+/// curve.
 const MIN_COSINE: f64 = 0.9;
 
-/// Safety factor r of (N14) on the slopes of an event, r ≥ 1 (dimensionless), because an event may
-/// differ from a cubic.
+/// Safety factor r ≥ 1 of (N14) for the slopes of event functions, which may deviate from a cubic
+/// polynomial (dimensionless).
 const SAFETY: f64 = 2.0;
 
-/// Maximum number of Newton steps of a correction.
+/// Maximum number of Newton steps in a correction.
 const MAX_CORRECTOR_STEPS: usize = 10;
 
-/// Maximum number of Newton steps of a correction after which the step length increases.
+/// Maximum number of Newton steps in a correction for which the step length is increased.
 const MAX_EASY_STEPS: usize = 4;
 
-/// Follows a curve from a seed through folds and finds the points at which events change their
-/// sign.
+/// Follows a curve from a seed, through folds, and locates the points at which event functions
+/// change sign.
 ///
-/// Each point is predicted along the tangent and corrected by [`solve`] in the plane across the
-/// tangent. A step is shortened if the correction fails, if the direction changes too much, or if
-/// an event may have two more zeros than its signs show (N14). The step length increases if the
-/// correction needs few Newton steps.
+/// Each point is predicted along the tangent and then corrected with [`solve`] in the plane
+/// perpendicular to the tangent. A step is shortened if the correction fails, if the direction
+/// changes too much, or if an event function may have two more zeros than its signs indicate (N14).
+/// The step length increases if the correction requires only a few Newton steps.
 ///
-/// * `events`: function that returns the values of the events at a point and their slopes along a
-///   direction: `|z, direction| [(value, slope); K]`. A point with a NaN is rejected.
-/// * `on`: function that is called at each point with the path up to this point and returns true if
-///   the path continues.
+/// * `events`: function that returns the values of the event functions at a point and their slopes
+///   along a direction: `|z, direction| [(value, slope); K]`. Points with NaN are rejected.
+/// * `on`: function that is called for each point with the path so far. The continuation stops if
+///   it returns false.
 ///
-/// Allocations are limited to the crossings and the reports of the corrections.
+/// Memory is allocated only for crossings and for the reports of corrections.
 ///
-/// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6; the
+/// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6. The
 /// guard (N14) is our own.
 pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     homotopy: &F,
@@ -194,13 +198,13 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     on: impl FnMut(&Trace<M>) -> bool,
     control: &StepControl,
 ) -> Trace<M> {
-    const { assert!(M == N + 1, "a curve has one unknown more than equations") };
+    const { assert!(M == N + 1, "a curve needs one more unknown than equations") };
     let (crossings, end) = (Vec::new(), PathEnd::MaxPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
     Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
 
-/// The equations of a curve and of a plane across the curve.
+/// Equations of a curve, together with a plane that intersects it.
 struct OnPlane<'a, const N: usize, const M: usize, F> {
     homotopy: &'a F,
     foot: [f64; M],
@@ -208,7 +212,7 @@ struct OnPlane<'a, const N: usize, const M: usize, F> {
 }
 
 impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
-    /// Returns the residual of the curve and the distance from the plane.
+    /// Returns the residual of the curve, followed by the distance from the plane.
     fn values(&self, z: &[f64; M], residual: &[f64; N]) -> [f64; M] {
         let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
         from_fn(|i| if i < N { residual[i] } else { dot(&way, &self.normal) })
@@ -231,7 +235,7 @@ impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane
     }
 }
 
-/// A point of the curve with its unit tangent and the values and slopes of the events.
+/// A point of the curve, with its unit tangent and the values and slopes of the event functions.
 #[derive(Clone, Copy)]
 struct Node<const M: usize, const K: usize> {
     z: [f64; M],
@@ -263,7 +267,8 @@ where
         self.trace
     }
 
-    /// Returns the first point and the orientation of the path relative to (N8), which is 1 or -1.
+    /// Returns the first point of the path and the orientation of the path relative to (N8), which
+    /// is 1 or -1.
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
         let sizes = self.homotopy.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
@@ -273,8 +278,8 @@ where
         Some((self.node(&z, orientation)?, orientation))
     }
 
-    /// Returns the point of the curve in the plane through `foot` across a direction, and the
-    /// number of Newton steps; `None` if the correction fails.
+    /// Returns the point of the curve in the plane through `foot` perpendicular to `direction`, and
+    /// the number of Newton steps. Returns `None` if the correction fails.
     fn corrected(
         &mut self,
         foot: &[f64; M],
@@ -296,7 +301,7 @@ where
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work).report;
         self.trace.steps += report.steps.len();
         if report.steps.is_empty() {
-            // The correction evaluated no Jacobian, but the tangent needs one.
+            // The tangent requires a Jacobian, but the correction did not evaluate one.
             self.work.linearize(&plane, &z, scales.f).ok()?;
         }
         report.converged().then_some((z, report.steps.len()))
@@ -307,11 +312,11 @@ where
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
-    /// Returns the point of the last correction with its tangent and events, or `None` if the
-    /// tangent does not exist or an event is NaN.
+    /// Adds the tangent and the event functions to the point found by the last correction. Returns
+    /// `None` if the tangent does not exist or an event function is NaN.
     ///
-    /// The tangent follows from the last Jacobian of the correction, which was evaluated at the
-    /// point or at an iterate close to it.
+    /// The tangent is calculated from the last Jacobian of the correction, which was evaluated at
+    /// this point or at a nearby iterate.
     fn node(&mut self, z: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
         let sizes = self.homotopy.sizes(z);
         let direction = self.work.direction()?;
@@ -342,8 +347,8 @@ where
         PathEnd::MaxPoints
     }
 
-    /// Returns the next point and whether its correction needed few Newton steps, and stores the
-    /// crossings of the step.
+    /// Takes the next step and stores its crossings. Returns the next point, and whether its
+    /// correction required only a few Newton steps.
     fn next(
         &mut self,
         at: &Node<M, K>,
@@ -379,14 +384,14 @@ where
         let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes)?;
         let next = self.node(&z, orientation)?;
         let arriving = unit(&next.direction, &at.sizes);
-        // A step that deviates far from its tangent may end on another curve, even one with a
-        // similar tangent.
+        // A step that deviates far from its tangent may end on another curve, even if this curve
+        // has a similar tangent.
         let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > MIN_COSINE
             && length > MIN_COSINE * distance(&at.z, &z, &at.sizes);
         straight.then_some((next, steps <= MAX_EASY_STEPS))
     }
 
-    /// Stores the crossings between two points, and returns false if a crossing cannot be located.
+    /// Stores the crossings between two points. Returns false if a crossing cannot be located.
     fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
         let mut crossings = Vec::new();
         let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
@@ -427,8 +432,8 @@ where
     }
 }
 
-/// Returns true if an event with the given values and slopes at both ends of a step may have two
-/// more zeros than the signs of the values show (N14).
+/// Returns true if an event function may have two more zeros within a step than the signs of its
+/// values indicate (N14). The arguments are the values and slopes at both ends of the step.
 fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     // g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ change their sign at most once  (N14)
     let inner =
@@ -437,7 +442,7 @@ fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     corners.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() > 1
 }
 
-/// Returns true if a step passes the first point of the path in the initial direction.
+/// Returns true if a step passes the first point of the path in the same direction as at the start.
 fn passes<const M: usize, const K: usize>(
     begin: &Node<M, K>,
     at: &Node<M, K>,
@@ -452,14 +457,14 @@ fn passes<const M: usize, const K: usize>(
     near && ahead(&at.z) < 0.0 && ahead(&next.z) >= 0.0
 }
 
-/// Returns a direction scaled to length one in the sizes of the unknowns.
+/// Scales a direction to unit length, measured in the typical sizes of the unknowns.
 fn unit<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     let length = distance(direction, &[0.0; M], sizes);
     direction.map(|d| d / length)
 }
 
-/// Returns the vector whose scalar product with a displacement is the component of the displacement
-/// along a unit direction.
+/// Returns the vector whose scalar product with a displacement gives the component of this
+/// displacement along a unit direction.
 fn normal<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     from_fn(|i| direction[i] / (sizes[i] * sizes[i]))
 }

@@ -1,4 +1,4 @@
-//! Status, cost and steps of a solve.
+//! Status, cost and steps of a Newton iteration.
 
 use std::error::Error;
 use std::fmt;
@@ -9,22 +9,22 @@ use crate::Options;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// The scaled residual is at most `residual_tol` (N1).
+    /// The scaled residual does not exceed `residual_tol` (N1).
     Converged,
     /// The maximum number of steps was taken.
     MaxSteps,
-    /// No step length gave a sufficient decrease (N5).
+    /// No tested step length decreased the residual sufficiently (N5).
     LineSearchFailed,
-    /// The step is below 1e-15 of the typical sizes of the unknowns, but the residual exceeds its
-    /// tolerance (N3).
+    /// The step is less than 1e-15 of the typical sizes of the unknowns, but the residual exceeds
+    /// its tolerance (N3).
     Stalled,
     /// The Jacobian is singular to working precision, or not finite.
     SingularJacobian,
     /// The residual is NaN or infinite.
     NotFinite,
-    /// A scale is zero, negative or not finite; no step was taken.
+    /// A scale is zero, negative or not finite, so no step was taken.
     BadScale,
-    /// The model cannot be evaluated at the starting point or cannot be linearized at an iterate.
+    /// The model cannot be evaluated at the starting point, or cannot be linearized at an iterate.
     OutsideDomain,
 }
 
@@ -34,12 +34,12 @@ impl Termination {
         match self {
             Self::Converged => "converged",
             Self::MaxSteps => "the step limit was reached",
-            Self::LineSearchFailed => "no step length lowers the residual",
+            Self::LineSearchFailed => "no step length decreases the residual",
             Self::Stalled => "the steps became too small",
             Self::SingularJacobian => "the Jacobian is singular",
             Self::NotFinite => "the residual is not finite",
             Self::BadScale => "a scale is not positive and finite",
-            Self::OutsideDomain => "the model refused the starting point",
+            Self::OutsideDomain => "the model cannot be evaluated at the starting point",
         }
     }
 }
@@ -50,43 +50,44 @@ impl fmt::Display for Termination {
     }
 }
 
-/// A status other than [`Converged`](Self::Converged) can be returned as an error.
+/// The status can be returned as an error, unless it is [`Converged`](Self::Converged).
 impl Error for Termination {}
 
 /// One accepted Newton step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// `$\lVert D_F F(x_k) \rVert_2$` before the step.
+    /// Scaled residual before the step, `$\lVert D_F F(x_k) \rVert_2$`.
     pub residual: f64,
-    /// `$\lVert D_x\,\delta x_k \rVert_\infty$` of the full Newton step.
+    /// Scaled length of the full Newton step, `$\lVert D_x\,\delta x_k \rVert_\infty$`.
     pub step: f64,
     /// Accepted fraction of the Newton step, `$\lambda_k \in (0, 1]$`.
     pub lambda: f64,
 }
 
-/// Status, cost and steps of a solve.
+/// Status, cost and steps of a Newton iteration.
 #[derive(Debug, Clone, PartialEq)]
-#[must_use = "a report may say that the solve did not converge"]
+#[must_use = "a report may state that the iteration did not converge"]
 pub struct Report {
     /// Reason why the iteration ended.
     pub status: Termination,
-    /// Final `$\lVert D_F F(x) \rVert_2$`.
+    /// Final scaled residual, `$\lVert D_F F(x) \rVert_2$`.
     pub residual: f64,
     /// Index of the equation with the largest scaled residual.
     pub worst_equation: usize,
-    /// Name of that equation, from [`Equations::equation`](crate::Equations::equation); empty if
-    /// the solve converged.
+    /// Name of the equation with the largest scaled residual, from
+    /// [`Equations::equation`](crate::Equations::equation). It is empty if the iteration converged.
     pub worst_equation_name: String,
-    /// Number of evaluations of the residual without the Jacobian.
+    /// Number of residual evaluations without the Jacobian.
     pub n_residual: usize,
-    /// Number of evaluations of the Jacobian, with or without the residual.
+    /// Number of Jacobian evaluations, with or without the residual.
     pub n_jacobian: usize,
-    /// Accepted steps in order.
+    /// Accepted steps, in order.
     pub steps: Vec<Step>,
 }
 
 impl Report {
-    /// Creates an empty report with memory for all steps, so that the iteration does not allocate.
+    /// Creates an empty report with reserved memory for all steps, so that the iteration does not
+    /// allocate memory.
     pub(crate) fn new(options: &Options) -> Self {
         Self {
             status: Termination::BadScale,
@@ -99,7 +100,7 @@ impl Report {
         }
     }
 
-    /// Returns true if the scaled residual is within its tolerance.
+    /// Returns true if the scaled residual is within the tolerance.
     pub fn converged(&self) -> bool {
         self.status == Termination::Converged
     }

@@ -10,23 +10,23 @@ use crate::{
 /// Scaled size of a Newton step below which the iteration has stalled (N3) (dimensionless).
 const STEP_TOL: f64 = 1e-15;
 
-/// Memory of a solve with `N` unknowns, which can be reused for the next solve.
+/// Reusable memory for solving systems of `N` equations.
 #[derive(Debug, Clone)]
 pub struct Workspace<const N: usize> {
-    /// Weights of the equations of the last solve.
+    /// Weights of the equations in the latest solve.
     d_f: [f64; N],
     pub(crate) linear: Dense<N>,
     content: Content,
 }
 
-/// Content of the matrix of a workspace.
+/// Content of the matrix in a workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
     /// The matrix is not valid.
     Stale,
-    /// The matrix is the Jacobian at the last point or trial.
+    /// The matrix contains the Jacobian at the last iterate or trial point.
     Jacobian,
-    /// The matrix contains the factors of this Jacobian or of an earlier Jacobian.
+    /// The matrix contains the factors of the latest Jacobian or of an earlier one.
     Factors,
 }
 
@@ -37,7 +37,7 @@ impl<const N: usize> Default for Workspace<N> {
 }
 
 impl<const N: usize> Workspace<N> {
-    /// Factorizes the Jacobian, scaled by the weights of the equations.
+    /// Factorizes the Jacobian after scaling it with the weights of the equations.
     pub(crate) fn factorize(&mut self) -> Result<(), Singular> {
         self.linear.scale_rows(&self.d_f);
         self.content = Content::Stale;
@@ -46,12 +46,12 @@ impl<const N: usize> Workspace<N> {
         Ok(())
     }
 
-    /// Returns the Newton step `$-J^{-1} r$` for a residual `$r$`, with the Jacobian of the last
-    /// call of [`linearize`](Self::linearize) or of the last solve.
+    /// Returns the Newton step `$-J^{-1} r$` for a residual `$r$`. It uses the Jacobian of the last
+    /// call of [`linearize`](Self::linearize) or [`solve`].
     ///
     /// # Errors
     ///
-    /// [`Singular`] if there is no valid Jacobian or it cannot be factorized.
+    /// Returns [`Singular`] if there is no valid Jacobian or it cannot be factorized.
     pub fn correction(&mut self, residual: &[f64; N]) -> Result<[f64; N], Singular> {
         match self.content {
             Content::Stale => return Err(Singular),
@@ -64,11 +64,11 @@ impl<const N: usize> Workspace<N> {
         Ok(step)
     }
 
-    /// Returns the direction of the curve that all equations except the last equation define (N8),
-    /// or `None` if the Jacobian is singular.
+    /// Returns the direction of the curve that is defined by all equations except the last one
+    /// (N8). Returns `None` if the Jacobian is singular.
     ///
-    /// The last equation is a plane across the curve. The Jacobian is from the last call of
-    /// [`linearize`](Self::linearize) or of the last solve.
+    /// The last equation must be a plane that intersects the curve. The Jacobian is from the last
+    /// call of [`linearize`](Self::linearize) or [`solve`].
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
         match self.content {
             Content::Stale => return None,
@@ -84,13 +84,13 @@ impl<const N: usize> Workspace<N> {
         direction.iter().all(|t| t.is_finite()).then_some(direction)
     }
 
-    /// Stores the Jacobian at `x` and returns the residual at `x`.
+    /// Stores the Jacobian at `x` and returns the residual.
     ///
     /// * `f_scale`: reciprocals of the typical sizes of the equations, as in [`Scales::f`].
     ///
     /// # Errors
     ///
-    /// The errors are the same as for [`Equations::linearize`].
+    /// Returns the same errors as [`Equations::linearize`].
     pub fn linearize<E: Equations<N> + ?Sized>(
         &mut self,
         equations: &E,
@@ -108,38 +108,38 @@ impl<const N: usize> Workspace<N> {
 /// Residual and [details](Equations::Details) at a point.
 type Evaluated<const N: usize, E> = ([f64; N], <E as Equations<N>>::Details);
 
-/// Result of a solve: the report, and the equations at the returned point.
-#[must_use = "a report may say that the solve did not converge"]
+/// Result of a Newton iteration: the report, and the residual and details at the returned point.
+#[must_use = "a report may state that the iteration did not converge"]
 pub struct Outcome<const N: usize, E: Equations<N> + ?Sized> {
-    /// Status, cost and steps.
+    /// Status, cost and steps of the iteration.
     pub report: Report,
-    /// Residual and [details](Equations::Details) at the returned point, or `None` if the scales
-    /// are invalid or the equations could not be evaluated at the starting point.
+    /// Residual and [details](Equations::Details) at the returned point. `None` if the scales are
+    /// invalid, or if the equations could not be evaluated at the starting point.
     pub last: Option<([f64; N], E::Details)>,
-    /// [Slopes](Equations::Slopes) at the point of the last Jacobian, or `None` if no Jacobian was
+    /// [Slopes](Equations::Slopes) at the point of the last Jacobian; `None` if no Jacobian was
     /// evaluated.
     pub slopes: Option<E::Slopes>,
 }
 
 impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
-    /// Returns true if the scaled residual is within its tolerance.
+    /// Returns true if the scaled residual is within the tolerance.
     pub fn converged(&self) -> bool {
         self.report.converged()
     }
 }
 
-/// Solves a small system `$F(x) = 0$` by Newton steps `$\delta x$` with damping factors
-/// `$\lambda$`.
+/// Solves a small system `$F(x) = 0$` by damped Newton steps with step `$\delta x$` and damping
+/// factor `$\lambda$`.
 ///
 /// ```math
 /// J(x_k)\,\delta x_k = -F(x_k), \qquad x_{k+1} = x_k + \lambda_k\,\delta x_k
 /// ```
 ///
-/// * `x`: initial guess on entry, best iterate on return.
+/// * `x`: initial guess on entry, and best iterate on return.
 /// * `scales`: reciprocals of the typical sizes of unknowns and equations.
 ///
-/// A solve that does not converge returns a [`Report`] with the reason. The only allocation is the
-/// list of steps in the report, before the first step.
+/// If the iteration does not converge, the [`Report`] states the reason. The only memory allocation
+/// is for the list of steps in the report, before the first step.
 ///
 /// Source: Dennis and Schnabel, *Numerical Methods for Unconstrained Optimization and Nonlinear
 /// Equations*, §6.3 and §6.5 (backtracking on the squared residual).
@@ -163,7 +163,7 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
     Outcome { report, last, slopes }
 }
 
-/// State of a solve.
+/// State of a Newton iteration.
 struct Newton<'a, const N: usize, E: Equations<N> + ?Sized> {
     equations: &'a E,
     work: &'a mut Workspace<N>,
@@ -193,7 +193,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
 
     /// Takes Newton steps until a policy ends the iteration.
     ///
-    /// Returns the reason, and the equations at the last iterate.
+    /// Returns the status, and the equations at the last iterate.
     fn iterate(
         &mut self,
         x: &mut [f64; N],
@@ -224,8 +224,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
                 break progress.ended_by(Termination::Stalled);
             }
 
-            // A solution is refined by full steps only. A chord step may increase the residual, so
-            // a line search along it is useless.
+            // A solution is refined only with full steps. A line search along a chord step is
+            // useless, because a chord step may increase the residual.
             let full_steps = is_chord || progress == Progress::Refining;
             let damping = if full_steps { Backtracking::NONE } else { options.damping };
             let with_jacobian = options.jacobian.at_trials(residual);
@@ -235,8 +235,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
                     self.report.steps.push(Step { residual, step, lambda });
                 }
                 None if is_chord && progress == Progress::Iterating => {
-                    // The Jacobian at this point may give a descent direction even if the Jacobian
-                    // at an earlier point does not.
+                    // The Jacobian at this point may give a descent direction even if an earlier
+                    // Jacobian does not.
                     match self.evaluate(x, true) {
                         Ok(again) => here = again,
                         Err(_) => break Termination::OutsideDomain,
@@ -248,15 +248,15 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         (status, Some(here))
     }
 
-    /// Stores the scaled norm of a residual in the report and returns the norm.
+    /// Stores the scaled norm of the residual in the report and returns it.
     fn record(&mut self, residual: &[f64; N]) -> f64 {
         let (norm, worst_equation) = scaled_norm(residual, &self.work.d_f);
         (self.report.residual, self.report.worst_equation) = (norm, worst_equation);
         norm
     }
 
-    /// Factorizes the Jacobian at `x`, after evaluating it unless it was evaluated together with
-    /// the residual.
+    /// Factorizes the Jacobian at `x`. If the Jacobian was not evaluated together with the
+    /// residual, it is evaluated first.
     fn renew_factors(&mut self, x: &[f64; N]) -> Result<(), Termination> {
         if self.work.content != Content::Jacobian {
             self.report.n_jacobian += 1;
@@ -273,11 +273,11 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         dx.iter().all(|dx| dx.is_finite()).then_some(dx)
     }
 
-    /// Returns the largest step length `$\lambda = 2^{-m} \lambda_0$` with a sufficient decrease,
-    /// its trial point, and the equations at the trial point; `None` if no step length has a
-    /// sufficient decrease.
+    /// Returns the largest step length `$\lambda = 2^{-m} \lambda_0$` that decreases the residual
+    /// sufficiently, with the trial point and the equations at this point. Returns `None` if there
+    /// is no such step length.
     ///
-    /// The step is also halved if the model cannot be evaluated at the trial point.
+    /// The step is also halved if the model cannot be evaluated at a trial point.
     fn backtrack(
         &mut self,
         (x, dx): (&[f64; N], &[f64; N]),
@@ -301,7 +301,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         None
     }
 
-    /// Evaluates the equations, together with the Jacobian if requested, and counts the evaluation.
+    /// Evaluates the equations, including the Jacobian if requested, and counts the evaluation.
     fn evaluate(
         &mut self,
         x: &[f64; N],
@@ -321,14 +321,14 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
     }
 }
 
-/// Returns `$\lVert D_x\,\delta x \rVert_\infty$`.
+/// Returns the scaled length of a step, `$\lVert D_x\,\delta x \rVert_\infty$`.
 fn scaled_size<const N: usize>(dx: &[f64; N], d_x: &[f64; N]) -> f64 {
     // ‖D_x δx_k‖∞ < step_tol                                              (N3)
     dx.iter().zip(d_x).fold(0.0, |max: f64, (dx, d)| max.max((dx * d).abs()))
 }
 
-/// Returns `$\lVert D v \rVert_2$` and the index of the largest term. If a term is NaN, the norm is
-/// infinite, and the index is the index of the first NaN.
+/// Returns `$\lVert D v \rVert_2$` and the index of the largest term. If any term is NaN, the norm
+/// is infinite, and the index refers to the first NaN.
 fn scaled_norm<const N: usize>(v: &[f64; N], d: &[f64; N]) -> (f64, usize) {
     let (mut sum, mut max, mut index) = (0.0, 0.0, 0);
     for (i, (v, d)) in v.iter().zip(d).enumerate() {

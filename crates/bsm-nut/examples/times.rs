@@ -1,5 +1,5 @@
-//! Prints the median time of a nut with elastic bodies for each number of balls, as JSON.
-//! `benches/peers/nut.sh` compares it with SciPy.
+//! Prints the median solution time of a nut with elastic bodies for several numbers of balls, as
+//! JSON. `benches/peers/nut.sh` compares these times with SciPy.
 
 use std::f64::consts::PI;
 use std::io::{Error, Write as _, stdout};
@@ -10,15 +10,15 @@ use bsm_kin::Helix;
 use bsm_nut::{BallNut, Bar, Circuit, Errors, Flanks, Ring, Support};
 use serde_json::json;
 
-/// Returns a nut of 40 x 10 mm with balls of 6.35 mm, 20.4 balls per turn, bars that are anchored at
-/// opposite ends, and a ring.
+/// Returns a 40 mm x 10 mm nut with 6.35 mm balls, 20.4 balls per turn, elastic bars anchored at
+/// opposite ends, and an elastic ring.
 fn nut(balls: u16) -> BallNut {
     let (pitch, lead, radius) = (41.336e-3, 10e-3, 3.175e-3);
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
     let arc = f64::from(balls) / 20.4 * 2.0 * PI;
     let length = lead * arc / (2.0 * PI);
-    // The strain at a given load per ball does not depend on the length of the nut, so that all nuts
-    // have displacements of the same magnitude.
+    // For a given load per ball, the strain of the bodies does not depend on the length of the nut,
+    // so the displacements of all nuts have the same magnitude.
     let bodies = f64::from(balls) / 100.0;
     let circuit = Circuit {
         start: 0.0,

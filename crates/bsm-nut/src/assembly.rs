@@ -1,4 +1,5 @@
-//! The equilibrium of a nut as a function of its unknowns: energy, forces and their derivatives.
+//! Equilibrium equations of a nut: energy, forces and their derivatives as functions of the
+//! unknowns.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U2) to (U5) and (U15) to (U17).
 
@@ -12,63 +13,67 @@ use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
 use crate::geometry::{BallNut, BallPosition, count};
 
-/// A ball with the data that are constant during the iteration.
+/// A ball with its data that remain constant during the iteration.
 struct BallSite {
     position: BallPosition,
-    /// Displacement of the groove by errors \[m\], and excess of the ball radius \[m\].
+    /// Displacement of the groove due to manufacturing errors \[m\], and excess of the ball radius
+    /// \[m\].
     error: ([f64; 2], f64),
-    /// Vector from the reference point to the ball, across the axis and along it \[m\].
+    /// Vector from the reference point to the ball \[m\]. The first two components are transverse,
+    /// and the third is axial.
     lever_arm: [f64; 3],
     /// Displacement of the groove per unit of each degree of freedom of the nut (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
-    /// Section of the chain at the ball; `None` if both bodies are rigid.
+    /// Index of the section of the elastic bodies at the ball; `None` if both bodies are rigid.
     node: Option<usize>,
-    /// Index of the unknown widening of the ring around the ball; `None` if the nut is rigid.
+    /// Index of the unknown for the radial expansion of the ring around the ball; `None` if the nut
+    /// is rigid.
     ring: Option<usize>,
 }
 
-/// A linear spring between two unknowns, or between one unknown and a fixed point.
+/// A linear spring between two unknowns, or between an unknown and a fixed point.
 struct Spring {
     ends: (usize, Option<usize>),
     stiffness: f64,
 }
 
-/// The springs whose stiffness is added to the matrix.
+/// Selection of the springs whose stiffness is added to the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StiffnessScope {
-    /// All springs that move in a Newton step. Degrees of freedom that the guides fix are omitted.
+    /// All springs that take part in a Newton step. Degrees of freedom that are fixed by the guides
+    /// are left out.
     Step = 0,
-    /// The springs of the nut itself, without its guides.
+    /// The springs of the nut itself, without the guides.
     Nut = 1,
 }
 
-/// The problem (U15). Its unknowns are the displacements of nut and screw at each section, block by
-/// block, then the degrees of freedom of the nut and the widening of each ring.
+/// The equilibrium problem (U15). The unknowns are ordered as follows: displacements of nut and
+/// screw at each section, degrees of freedom of the nut, and radial expansion of each ring.
 pub(crate) struct Assembly<'a> {
     pub(crate) nut: &'a BallNut,
     support: Support,
     ball: FourContacts,
     seats: Vec<BallSite>,
     nodes: usize,
-    /// `$\cos\alpha$`: displacement along the binormal per unit of displacement along the axis.
+    /// Displacement along the binormal per unit of axial displacement, `$\cos\alpha$`.
     along: f64,
-    /// Springs of bars and rings.
+    /// Springs that represent bars and rings.
     bodies: Vec<Spring>,
     guides: Vec<Spring>,
     rings: usize,
-    /// Fixed unknowns, for each [`StiffnessScope`].
+    /// Flags of the fixed unknowns, for each [`StiffnessScope`].
     fixed: [Vec<bool>; 2],
     pub(crate) matrix: BorderedMatrix<2>,
 }
 
-/// Energy, forces and balls for given unknowns.
+/// Energy, forces and ball states for given unknowns.
 #[derive(Default)]
 pub(crate) struct EnergyState {
     pub(crate) energy: f64,
-    /// Sum of the magnitudes of all energies.
+    /// Sum of the absolute values of all energies.
     pub(crate) energies: f64,
     pub(crate) residual: Vec<f64>,
-    /// Sum of the magnitudes of all forces \[N\].
+    /// Sum of the absolute values of all forces \[N\].
     pub(crate) forces: f64,
     pub(crate) balls: Vec<BallInGrooves>,
     pub(crate) grooves: Vec<[f64; 2]>,
@@ -88,7 +93,7 @@ impl<'a> Assembly<'a> {
             nodes.sort_by(f64::total_cmp);
         }
         let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
-        // Balls of different threads may have the same axial position.
+        // Balls on different threads may have the same axial position.
         nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
         let first = 2 * nodes.len();
         let (mut bodies, mut guides) = (Vec::new(), Vec::new());
@@ -162,13 +167,14 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Returns the index of the first degree of freedom among the unknowns.
+    /// Returns the index of the unknown that is the first degree of freedom of the nut.
     pub(crate) fn freedoms(&self) -> usize {
         2 * self.nodes
     }
 
-    /// Returns the starting values. They assume that all balls share the load equally, unless the
-    /// axial displacement of the nut or the displacements of a neighboring point are given.
+    /// Returns initial values for the unknowns. If a neighboring solution is available, its
+    /// displacements are used. Otherwise, the axial displacement of a loaded nut is calculated for
+    /// equal load sharing.
     pub(crate) fn start(&self, neighbor: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
         let first = self.freedoms();
         let mut y = vec![0.0; self.fixed[0].len()];
@@ -187,11 +193,11 @@ impl<'a> Assembly<'a> {
         y
     }
 
-    /// Returns the state at `y`.
+    /// Returns energy, forces and ball states for the unknowns `y`.
     ///
     /// # Errors
     ///
-    /// The index of a ball whose forces are not balanced.
+    /// Returns the index of a ball for which no equilibrium position is found.
     pub(crate) fn state(&self, y: &[f64]) -> Result<EnergyState, usize> {
         let first = self.freedoms();
         let mut state = EnergyState { residual: vec![0.0; y.len()], ..EnergyState::default() };
@@ -242,7 +248,7 @@ impl<'a> Assembly<'a> {
             state.energy -= load * y[first + i];
             state.energies += (load * y[first + i]).abs();
             state.residual[first + i] -= load;
-            // A moment is converted to a force at the balls.
+            // Moments are converted to forces at the balls.
             let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
             state.forces += load.abs() / lever_arm;
         }
@@ -254,7 +260,7 @@ impl<'a> Assembly<'a> {
         Ok(state)
     }
 
-    /// Fills the matrix with the derivatives of the forces of a state (U16).
+    /// Fills the matrix with the derivatives of the forces at the given state (U16).
     pub(crate) fn linearize(&mut self, state: &EnergyState, of: StiffnessScope) {
         let (first, along) = (self.freedoms(), self.along);
         let matrix = &mut self.matrix;
@@ -302,7 +308,7 @@ impl<'a> Assembly<'a> {
                 matrix.add(first + i, first + k, *entry);
             }
         }
-        // The force of the guides on the nut is not part of the stiffness of the nut.
+        // The forces of the guides are not part of the stiffness of the nut.
         let guides = self.guides.iter().filter(|_| of == StiffnessScope::Step);
         for &Spring { ends: (i, other), stiffness } in self.bodies.iter().chain(guides) {
             matrix.add(i, i, stiffness);
@@ -317,8 +323,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds a fraction of the stiffness that each unknown would have if every ball carried its
-    /// share of the load.
+    /// Adds to each diagonal entry a fraction of the stiffness that this unknown would have if all
+    /// balls carried equal loads.
     pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
         let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
@@ -337,7 +343,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Returns the residual force divided by the sum of the magnitudes of all forces.
+    /// Returns the largest residual force divided by the sum of the absolute values of all forces.
     pub(crate) fn imbalance(&self, state: &EnergyState) -> f64 {
         let tilts = self.freedoms() + 3..self.freedoms() + FREEDOMS;
         let force = |(i, r): (usize, &f64)| {
@@ -348,8 +354,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// Returns the displacement of the nut relative to the screw \[m\]. For elastic bodies, it is
-    /// the displacement at the ball that has moved least. Motion along the groove is included,
-    /// because nothing resists it.
+    /// the displacement at the ball with the smallest displacement. Motion along the groove is
+    /// included because nothing resists it.
     pub(crate) fn moved(&self, y: &[f64]) -> f64 {
         let [u_z, u_x, u_y, phi_x, phi_y]: [f64; FREEDOMS] = from_fn(|i| y[self.freedoms() + i]);
         if self.nodes == 0 {
@@ -365,8 +371,8 @@ impl<'a> Assembly<'a> {
         self.seats.iter().map(at).fold(f64::MAX, f64::min)
     }
 
-    /// Returns force and moment of the nut on its balls, by degree of freedom, and the axial force
-    /// of each body.
+    /// Returns the force and moment that the nut exerts on its balls, by degree of freedom, and the
+    /// axial force of each nut body.
     pub(crate) fn carried(&self, state: &EnergyState) -> ([f64; FREEDOMS], Vec<f64>) {
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
@@ -389,17 +395,17 @@ impl<'a> Assembly<'a> {
         self.seats.iter().map(|seat| seat.position).collect()
     }
 
-    /// Returns the stiffness in the matrix, condensed to the degrees of freedom (U17).
+    /// Returns the stiffness matrix, condensed to the degrees of freedom of the nut (U17).
     pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
-        // If nothing supports the nut in some direction, the border is singular. The chain is
-        // eliminated before the border, so that the Schur complement is valid.
+        // If nothing supports the nut in some direction, the border of the matrix is singular. The
+        // chain is eliminated before the border, so the Schur complement is still valid.
         let _ = self.matrix.factorize();
         let (rings, border) = (self.rings, FREEDOMS + self.rings);
         let all = DMatrix::from_row_slice(border, border, self.matrix.condensed());
         let mut condensed = all.fixed_view::<FREEDOMS, FREEDOMS>(0, 0).into_owned();
         let of_rings = all.view((FREEDOMS, FREEDOMS), (rings, rings)).into_owned().lu();
         let coupled = all.view((FREEDOMS, 0), (rings, FREEDOMS)).into_owned();
-        // The solve of a matrix without rows would read out of bounds.
+        // Solving with an empty matrix would read out of bounds.
         if rings > 0
             && let Some(moved) = of_rings.solve(&coupled)
         {
@@ -414,10 +420,10 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Returns the groove displacement of a ball along binormal and principal normal, per unit of each
-/// degree of freedom of the nut (U4).
+/// Returns the displacement of the groove at a ball, along binormal and principal normal, per unit
+/// of each degree of freedom of the nut (U4).
 ///
-/// * `frame`: triad of the helix at the ball.
+/// * `frame`: Frenet-Serret triad of the helix at the ball.
 /// * `lever_arm`: vector from the reference point to the ball.
 fn kinematics(
     FrenetFrame { n_W, b_W, .. }: &FrenetFrame<f64>,

@@ -1,4 +1,5 @@
-//! One ball between both flanks of nut and screw, for a given displacement of its grooves.
+//! Equilibrium of a single ball between both flanks of nut and screw, for a given displacement of
+//! its grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U8) to (U12).
 
@@ -10,30 +11,30 @@ use bsm_dyn::{
 };
 use nalgebra::{Matrix2, Vector2};
 
-/// Flanks of a circuit that balls can load.
+/// Flanks of a circuit that the balls can load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flanks {
-    /// The flanks that push the nut along +z relative to the screw.
+    /// The flanks on which balls push the nut along +z relative to the screw.
     Plus,
-    /// The flanks that push the nut along −z relative to the screw.
+    /// The flanks on which balls push the nut along −z relative to the screw.
     Minus,
     /// Both flanks of the gothic arches.
     Both,
 }
 
 impl Flanks {
-    /// Returns whether the diagonals + and − exist.
+    /// Returns for the + and − diagonals whether they exist.
     pub(crate) fn diagonals(self) -> [bool; 2] {
         [self != Self::Minus, self != Self::Plus]
     }
 }
 
-/// Data of a ball and its grooves that are the same for all balls of a nut.
+/// Data of ball and grooves that are shared by all balls of a nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourContacts {
-    /// The gothic arches around a ball, without play (U8).
+    /// Gothic arches around a ball, without axial play (U8).
     pub grooves: Grooves,
-    /// Hertz stiffness of both contacts of a diagonal in series.
+    /// Hertzian stiffness of the two contacts of a diagonal in series.
     pub series: StaticBall,
     /// Fraction of the total approach that occurs at the nut.
     pub nut_share: f64,
@@ -41,24 +42,25 @@ pub struct FourContacts {
     pub outward: f64,
 }
 
-/// A ball in its displaced grooves. The contacts are: nut +, nut −, screw +, screw −. The + flanks
-/// push the nut along +z relative to the screw, and the − flanks push it along −z.
+/// State of a ball in its displaced grooves. The order of the contacts is nut +, nut −, screw +,
+/// screw −. Balls on the + flanks push the nut along +z relative to the screw, and balls on the −
+/// flanks push it along −z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInGrooves {
-    /// Normal loads of the contacts \[N\]; zero for an unloaded contact.
+    /// Normal loads of the contacts \[N\], which are zero for unloaded contacts.
     pub loads: [f64; 4],
-    /// Contact angles of the contacts \[rad\]; without meaning for an unloaded contact.
+    /// Contact angles \[rad\], which are meaningful only for loaded contacts.
     pub angles: [f64; 4],
-    /// Energy `$V$` \[J\].
+    /// Energy of the ball `$V$` \[J\].
     pub energy: f64,
-    /// Force that causes the displacement of the nut's groove, `$\partial V/\partial w$` \[N\].
+    /// Force that the displacement of the nut groove requires, `$\partial V/\partial w$` \[N\].
     pub force: [f64; 2],
-    /// Derivative of the force, `$\partial^2 V/\partial w^2$` \[N/m\].
+    /// Derivative of this force, `$\partial^2 V/\partial w^2$` \[N/m\].
     pub slope: [[f64; 2]; 2],
 }
 
 impl BallInGrooves {
-    /// Returns whether the + and − flanks are loaded.
+    /// Returns for the + and − flanks whether they are loaded.
     pub fn flanks_pressed(&self) -> [bool; 2] {
         [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
     }
@@ -72,16 +74,17 @@ impl BallInGrooves {
 /// Signs of the + and − flanks.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Maximum number of steps to the position of a ball. Four steps are usual; a lightly loaded ball
-/// that slides along a flank needs more.
+/// Maximum number of iterations for the position of a ball. Usually, four are sufficient. A lightly
+/// loaded ball that slides along a flank needs more.
 const MAX_BALL_STEPS: usize = 1000;
 
 impl FourContacts {
-    /// Returns the ball for a displacement `w` of the nut's groove relative to the screw's groove
-    /// \[m\], along the binormal and along the principal normal. The ball radius exceeds the
+    /// Returns the state of a ball for a displacement `w` of the nut groove relative to the screw
+    /// groove \[m\], along the binormal and the principal normal. The ball radius exceeds the
     /// nominal radius by `oversize` \[m\].
     ///
-    /// The energy is convex in `w`. Returns `None` if the position of the ball is not found.
+    /// The energy is a convex function of `w`. Returns `None` if no equilibrium position of the
+    /// ball is found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
         let (diagonals, w) = (flanks.diagonals(), Vector2::from(w));
         let grooves = &self.grooves.fitted(-w[1], oversize);
@@ -107,16 +110,17 @@ impl FourContacts {
     }
 
     /// Returns the position of a ball that is loaded along one diagonal. It lies on the contact
-    /// normal through the arc center of the screw.
+    /// normal that passes through the arc center of the screw groove.
     fn center(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
-        // V = ⅖ Q δ contains the total approach δ, of which the screw has its fraction.
+        // The energy V = ⅖ Q δ contains the total approach δ, from which the approach at the screw
+        // is calculated.
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
         let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);
         Vector2::new(SIGNS[diagonal] * x_b, x_n)
     }
 
-    /// Returns the position of a loose ball in the groove of the nut, into which the centrifugal
-    /// force presses it: in contact with both flanks, or at the bottom of a single flank.
+    /// Returns the position of a loose ball that the centrifugal force presses into the nut groove.
+    /// The ball touches both flanks or, if only one flank exists, the bottom of this flank.
     fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let (l, stiffness) = (self.grooves.offsets[0], self.grooves.stiffness[0]);
@@ -132,8 +136,8 @@ impl FourContacts {
         }
     }
 
-    /// Returns the ball with the smallest energy among all positions, from the better of two
-    /// starting points (U10).
+    /// Returns the state of the ball at the position with the smallest energy, starting from the
+    /// better of two starting points (U10).
     fn least_energy(
         &self,
         (grooves, w_b): (&Grooves, f64),
@@ -150,13 +154,13 @@ impl FourContacts {
         let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MAX_BALL_STEPS {
-            // A step in a direction without resistance is limited to the depth of the groove.
+            // In a direction without resistance, the step is limited to the depth of the groove.
             let held = Matrix2::identity() * (self.outward.max(here.size) / grooves.offsets[0]);
             let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;
             let step = inverse * here.pull;
             let fall = step.dot(&here.pull);
-            // The position is known to the rounding error of distances of the order of the groove
-            // arcs.
+            // The accuracy of the position is limited by the rounding error of distances of the
+            // order of the groove radius.
             let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
             if still || fall <= 0.0 {
                 return here.balanced(self.series.distance);
@@ -165,8 +169,8 @@ impl FourContacts {
             let next = loop {
                 let y = x + step * share;
                 let next = at(y);
-                // The step must meet the Armijo condition. Near the end, the energy has no more
-                // significant digits, but the force has.
+                // The step must satisfy the Armijo condition. Near the solution, differences of the
+                // energy are only rounding errors, so the force decides.
                 let rounding =
                     64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
                 let level = (next.energy - here.energy).abs() <= rounding;
@@ -181,7 +185,7 @@ impl FourContacts {
             };
             match next {
                 Some((y, next)) => (x, here) = (y, next),
-                // The remaining residual is a rounding error.
+                // The remaining residual is due to rounding errors.
                 None => return here.balanced(self.series.distance),
             }
         }
@@ -189,25 +193,26 @@ impl FourContacts {
     }
 }
 
-/// Returns the inverse of a symmetric semidefinite matrix, or `None` if it is singular to rounding.
+/// Returns the inverse of a symmetric semidefinite matrix, or `None` if it is singular within
+/// rounding errors.
 fn inverse(a: Matrix2<f64>) -> Option<Matrix2<f64>> {
     let determinant = a.determinant();
     let is_regular = determinant > 1e-13 * a[(0, 0)] * a[(1, 1)] && determinant.is_finite();
     a.try_inverse().filter(|_| is_regular)
 }
 
-/// One contact for a position of the ball.
+/// Forces at one contact for a given position of the ball.
 #[derive(Debug, Clone, Copy)]
 struct ContactForce {
     load: f64,
     energy: f64,
-    /// Unit vector from the ball to the groove-arc center.
+    /// Unit vector from the ball center toward the groove-arc center.
     m: Vector2<f64>,
     slope: Matrix2<f64>,
 }
 
 impl ContactForce {
-    /// Returns a contact for a position of ball and nut.
+    /// Calculates the forces at a contact for a given position of ball and nut groove.
     fn of(grooves: &Grooves, contact: usize, place: &[f64; 3]) -> Self {
         let FlankApproach { approach, length, normal } = grooves.flank(contact, place);
         let m = Vector2::from(normal);
@@ -226,14 +231,14 @@ impl ContactForce {
     }
 }
 
-/// All contacts for a position of the ball.
+/// Energy and forces of all contacts for a given position of the ball.
 #[derive(Debug, Clone, Copy)]
 struct BallEnergy {
     contacts: [Option<ContactForce>; 4],
     energy: f64,
-    /// Force on the ball.
+    /// Resulting force on the ball.
     pull: Vector2<f64>,
-    /// Sum of the magnitudes of the forces.
+    /// Sum of the absolute values of the forces.
     size: f64,
     slope: Matrix2<f64>,
 }
@@ -257,17 +262,17 @@ impl BallEnergy {
         all
     }
 
-    /// Returns the magnitude of the unbalanced force on the ball \[N\].
+    /// Returns the magnitude of the resulting force on the ball \[N\].
     fn residual(&self) -> f64 {
         self.pull[0].hypot(self.pull[1])
     }
 
-    /// Returns the ball if its forces balance to rounding.
+    /// Returns the state of the ball if its forces are balanced within rounding errors.
     ///
-    /// * `distance`: distance between the groove-arc centers \[m\].
+    /// * `distance`: distance between the groove-arc centers of nut and screw \[m\].
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
-        // The position is known to the rounding error of the distance, which the stiffness converts
-        // to a force.
+        // The accuracy of the position is limited by the rounding error of the distance. The
+        // stiffness converts this error to a force.
         let stiffness = self.slope.trace();
         let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
         (self.residual() <= 1e-7 * self.size + rounding).then(|| self.ball())
@@ -309,8 +314,8 @@ impl BallEnergy {
     }
 }
 
-/// Returns a ball that is loaded on one diagonal, in closed form. The − flanks are the mirror
-/// image.
+/// Returns the state of a ball that is loaded along one diagonal, in closed form. The − flanks are
+/// the mirror image of the + flanks.
 fn two_point_ball(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
     let sign = SIGNS[diagonal];
     let mut found = BallInGrooves::default();

@@ -1,19 +1,19 @@
-//! Nut and screw as elastic bodies: bars along the axis, and rings that expand radially.
+//! Elastic bodies of nut and screw: bars along the axis, and rings that expand radially.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U13) and (U14).
 
 use std::f64::consts::TAU;
 
-/// A body that is elastic along the axis.
+/// An axially elastic body (nut or screw).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bar {
-    /// Young's modulus times cross-sectional area `$EA$` \[N\], positive.
+    /// Axial rigidity `$EA$`, Young's modulus times cross-sectional area \[N\], positive.
     pub stiffness: f64,
-    /// Axial position at which the force leaves the body \[m\].
+    /// Axial position at which the axial force leaves the body \[m\].
     pub anchor: f64,
 }
 
-/// The tube around the balls.
+/// The tube of nut material around the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
     /// Outer diameter \[m\], larger than the inner diameter.
@@ -25,10 +25,10 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// Returns the stiffness of the tube around a circuit against radial expansion \[N/m\] (U14).
+    /// Returns the radial stiffness of the tube around one circuit \[N/m\] (U14).
     ///
     /// * `lead`: lead of the screw \[m\].
-    /// * `arc`: loaded arc of the circuit \[rad\].
+    /// * `arc`: angle of the loaded part of the circuit \[rad\].
     pub fn stiffness(&self, lead: f64, arc: f64) -> f64 {
         let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
         let height = lead / TAU;
@@ -37,15 +37,18 @@ impl Ring {
     }
 }
 
-/// A node, the next node or the anchor, and the stiffness between them \[N/m\].
+/// Index of a node, index of the second node (or `None` for the anchor), and stiffness of the
+/// spring between them \[N/m\].
 type BarSpring = (usize, Option<usize>, f64);
 
 impl Bar {
-    /// Returns the springs between axial positions in ascending order, each from a node to another
-    /// node or to the anchor, with its stiffness, and the node at the anchor, if there is one.
+    /// Returns the springs that represent the bar between nodes at axial positions in ascending
+    /// order. Each spring connects two nodes, or a node with the anchor. The second value is the
+    /// index of the node at the anchor, if there is one.
     pub(crate) fn springs(&self, nodes: &[f64]) -> (Vec<BarSpring>, Option<usize>) {
         let mut springs = Vec::new();
-        // Positions that are closer than the rounding error of the helix angle are treated as one.
+        // Positions that differ by less than the rounding error of the helix angle are treated as
+        // equal.
         let near = 1e-12 * nodes.iter().fold(self.anchor.abs(), |most, z| most.max(z.abs()));
         let at = nodes.iter().position(|z| (z - self.anchor).abs() <= near);
         let held = |node: usize| (node, None, self.stiffness / (nodes[node] - self.anchor).abs());

@@ -1,5 +1,5 @@
-//! Friction of all balls of a nut. Each ball has its own load and its own displacement of the
-//! grooves.
+//! Friction of all balls of a nut. The balls differ in their loads and in the displacements of
+//! their grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
 
@@ -23,67 +23,69 @@ use crate::{BallInGrooves, BallNut, Equilibrium, Flanks};
 /// Friction torque and power of a nut.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NutFriction {
-    /// Friction torque of each ball on the screw \[N·m\], at least zero. If the model has no
-    /// solution for a ball, the list ends before this ball.
+    /// Friction torque that each ball causes on the screw \[N·m\], at least zero. If the model has
+    /// no solution for a ball, the list ends before this ball.
     pub balls: Vec<f64>,
-    /// Motion of each ball; `None` for a ball without load.
+    /// Motion of each ball; `None` for unloaded balls.
     pub motions: Vec<Option<FreeMotion>>,
-    /// Number of balls that both flanks press at rest. Their friction is integrated over all their
-    /// ellipses, independently of the model of the other balls.
+    /// Number of balls that are loaded by both flanks at rest. Their friction is integrated over
+    /// all contact ellipses, regardless of the model used for other balls.
     pub on_both_flanks: usize,
-    /// Third contacts of the other balls, which friction presses onto a far flank.
+    /// Third contacts of balls that are loaded on one diagonal and that friction presses onto a far
+    /// flank.
     pub third_contacts: ThirdContacts,
-    /// Mean friction coefficient of the lubricated balls (AC11); `None` if no ball is lubricated.
+    /// Mean friction coefficient of the lubricated balls (AC11); `None` without a lubricant.
     pub mean_friction: Option<f64>,
-    /// Friction torque of all balls \[N·m\]; `None` unless every ball has a solution.
+    /// Total friction torque of the balls \[N·m\]; `None` unless every ball has a solution.
     pub torque: Option<f64>,
-    /// Sum of the friction of all balls without pushes of their neighbors, with its parts; `None`
-    /// unless every ball has a solution.
+    /// Total friction of all balls without pushes between neighbors, split into its contributions;
+    /// `None` unless every ball has a solution.
     pub parts: Option<FrictionSum>,
-    /// Torque on the screw that carries the axial force `$h F_a$` and drives against the friction of balls,
-    /// returns and seals \[N·m\].
+    /// Torque that drives the screw \[N·m\]. It supports the axial force (`$h F_a$`) and overcomes
+    /// the friction of balls, ball returns and seals.
     pub drive_torque: Option<f64>,
     /// Output power divided by input power; `None` without an axial load.
     pub efficiency: Option<f64>,
-    /// Friction power of balls, returns and seals \[W\].
+    /// Friction power of balls, ball returns and seals \[W\].
     pub heat: Option<f64>,
 }
 
-/// Third contacts of balls that are loaded along one diagonal.
+/// Third contacts of balls that are loaded on one diagonal.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ThirdContacts {
     /// Number of balls with a third contact.
     pub count: usize,
-    /// Largest load of a third contact \[N\].
+    /// Largest normal load on any third contact \[N\].
     pub largest_load: f64,
-    /// Friction torque of all third contacts \[N·m\].
+    /// Friction torque due to all third contacts \[N·m\].
     pub torque: f64,
 }
 
-/// Motion of a ball without pushes of its neighbors.
+/// Motion of a ball that its neighbors do not push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeMotion {
-    /// Precession relative to the nut divided by the relative speed, `$(P - \Omega_n)/W$`.
+    /// Precession relative to the nut, divided by the relative speed, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Rotation relative to the neighbors in the train across the groove (O1) \[rad/s\].
+    /// Rotation across the groove relative to the neighboring balls in the train (O1) \[rad/s\].
     pub rotation: f64,
-    /// State of the ball, if it has two contacts.
+    /// State of the ball, if it has exactly two contacts.
     pub ball: Option<BallState>,
 }
 
-/// The model of a ball and the choices of this model. Friction jumps where a choice changes.
+/// Model of a ball, together with the choices that the model made. Friction jumps where such a
+/// choice changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallModel {
-    /// The model.
+    /// Selected model.
     pub model: Model,
-    /// Controlling raceway of a rolling ball.
+    /// Controlling raceway, if the ball rolls.
     pub control: Option<Control>,
-    /// Accuracy of the friction integrals that the choice by error bounds selected.
+    /// Accuracy of the friction integrals that the model selection by error bounds chose.
     pub accuracy: Option<f64>,
 }
 
 impl BallModel {
-    /// Returns the model and the choices of a solution, or `None` if there is no solution.
+    /// Returns model and choices of a solution, or `None` if there is no solution.
     fn of(solution: &Solution) -> Option<Self> {
         let solved = solution.solved()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {
@@ -95,50 +97,50 @@ impl BallModel {
     }
 }
 
-/// A ball with friction.
+/// Friction and motion of a ball that its neighbors do not push.
 #[derive(Debug, Clone, Copy)]
 struct FreeBall {
-    /// Friction that the model predicts.
+    /// Friction as predicted by the model.
     friction: FrictionSum,
-    /// Friction torque of the contacts divided by the torque of gross sliding on the screw (U33); 0
-    /// for models that balance friction.
+    /// Friction torque of the contacts divided by the torque of gross sliding on the screw (U33).
+    /// It is zero for models that balance the friction forces.
     sliding_share: f64,
     /// Motion of the ball; `None` if the model does not determine it.
     motion: Option<FreeMotion>,
-    /// Load \[N\] and friction torque \[N·m\] of the third contact.
+    /// Normal load \[N\] and friction torque \[N·m\] of the third contact, if there is one.
     third_contact: Option<(f64, f64)>,
-    /// Mean friction coefficient of the contacts, if they are lubricated.
+    /// Mean friction coefficient of the contacts if they are lubricated.
     mean_friction: Option<f64>,
 }
 
-/// Far flanks of a ball in its gothic arches.
+/// Distance of the far flanks from a ball in its gothic arches.
 #[derive(Debug, Clone, Copy)]
 enum FarFlanks {
-    /// The flanks have this axial play \[m\].
+    /// The gothic arches have the given axial play \[m\].
     WithPlay(f64),
-    /// No play is given. The far flanks are as close to the ball as at rest, so that friction
-    /// presses the ball only onto far flanks that it already touches at rest (AC10).
+    /// No play is given. The far flanks are as close to the ball as at rest, so friction presses
+    /// the ball only onto far flanks that it touches already at rest (AC10).
     AsAtRest,
 }
 
-/// Friction of one ball, or of all balls of a nut.
+/// Friction of one ball, or the sum over several balls.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionSum {
-    /// Friction torque on the screw \[N·m\], without the ball returns.
+    /// Friction torque on the screw without the ball returns \[N·m\].
     pub torque: f64,
-    /// Torque of the contacts with nut and screw \[N·m\]. If a model does not separate the
-    /// contacts, each has half of the torque.
+    /// Torque due to the contacts at nut and screw \[N·m\]. If the model does not distinguish the
+    /// contacts, each value is half of the torque.
     pub contacts: [f64; 2],
-    /// Torque of the ball returns \[N·m\].
+    /// Torque due to the ball returns \[N·m\].
     pub returns: f64,
-    /// Contribution of a given force between the balls to the torque \[N·m\].
+    /// Part of the torque that results from a given force between neighboring balls \[N·m\].
     pub ball_contact: f64,
-    /// Contribution of the lubricant drag to the torque \[N·m\].
+    /// Part of the torque that results from lubricant drag \[N·m\].
     pub drag: f64,
 }
 
 impl FrictionSum {
-    /// Adds a fraction `part` of another sum.
+    /// Adds another sum, multiplied by `part`.
     fn add(&mut self, other: &Self, part: f64) {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
@@ -147,9 +149,10 @@ impl FrictionSum {
         self.drag += part * other.drag;
     }
 
-    /// Returns the friction limited by gross sliding on the screw (U33).
+    /// Returns the friction after limiting it by gross sliding on the screw (U33).
     ///
-    /// * `sliding_share`: friction torque of the contacts divided by the torque of gross sliding.
+    /// * `sliding_share`: friction torque of the contacts divided by the torque of gross sliding on
+    ///   the screw.
     fn limited_by_sliding(&self, sliding_share: f64) -> Self {
         if sliding_share <= 0.5 {
             return *self;
@@ -162,44 +165,46 @@ impl FrictionSum {
     }
 }
 
-/// Friction coefficients of the balls.
+/// Friction coefficients at the flanks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FlankFriction {
-    /// Coefficient at the flanks that carry the axial force of a ball; `None` if the model has
+    /// Coefficient at the flanks that carry the axial force of a ball; `None` if the model uses
     /// another friction law.
     pub loaded: Option<f64>,
-    /// Coefficient at the far flanks; `None` if it equals the coefficient at the loaded flanks.
+    /// Coefficient at the far flanks; `None` if it is the same as at the loaded flanks.
     pub far: Option<f64>,
 }
 
 impl FlankFriction {
-    /// Returns one friction coefficient for all flanks.
+    /// Returns equal friction coefficients for all flanks.
     pub fn equal(coefficient: f64) -> Self {
         Self { loaded: Some(coefficient), far: None }
     }
 
-    /// Returns the coefficients at the loaded and the far flanks, if the coefficient at the loaded
-    /// flanks is known.
+    /// Returns the coefficients at the loaded and far flanks, or `None` if the model uses another
+    /// friction law.
     fn coefficients(self) -> Option<[f64; 2]> {
         self.loaded.map(|loaded| [loaded, self.far.unwrap_or(loaded)])
     }
 }
 
-/// Relative accuracy of the quadrature over the ellipses of a ball in gothic arches, far below the
-/// uncertainty of a constant friction coefficient.
+/// Relative accuracy of the integrals over the contact ellipses of a ball in gothic arches. The
+/// uncertainty of a constant friction coefficient is much larger.
 const ARCH_ACCURACY: f64 = 1e-6;
 
-/// Fraction of the largest load of the nut, below which the load of a ball is so small that the
-/// ball does not determine the rate of its train.
+/// Fraction of the largest ball load below which a ball is too lightly loaded to influence the rate
+/// of its train.
 const IDLE_LOAD: f64 = 1e-3;
 
-/// Relative errors of the interpolated rates and rotations of free balls. The ball train depends on
-/// differences of rates, so the rates must be as accurate as the quadrature.
+/// Relative errors of interpolated rates and rotations of balls without pushes. The ball train
+/// depends on differences between rates, so the rates must be as accurate as the friction
+/// integrals.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
 
 impl BallNut {
-    /// Returns a screw whose only ball is the given ball of this nut, with its groove displacement
-    /// and its oversize (U21). Returns `None` if the ball is unloaded or loaded on both flanks.
+    /// Returns a screw with a single ball, which has the groove displacement and the oversize of
+    /// the given ball of this nut (U21). Returns `None` if the ball is unloaded, or loaded on both
+    /// flanks.
     ///
     /// * `number`: index of the ball.
     /// * `friction`: friction coefficient.
@@ -218,7 +223,7 @@ impl BallNut {
             _ => return None,
         };
         let share = self.equal_share(1.0).fitted(-found.grooves[number][1], self.oversize(number));
-        // On the opposite flank, the direction of the drive is reversed.
+        // On the opposite flanks, the direction of motion is reversed.
         let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
         Some(ElasticPoint {
@@ -235,13 +240,13 @@ impl BallNut {
         })
     }
 
-    /// Returns a ball of this nut in its gothic arches, mirrored onto the + flanks if its axial
-    /// force is negative.
+    /// Returns a ball of this nut in its gothic arches. If its axial force is negative, it is
+    /// mirrored onto the + flanks.
     ///
-    /// * `friction`: coefficients at the loaded and the far flanks.
-    /// * `play`: axial play of the arches \[m\].
+    /// * `friction`: friction coefficients at the loaded and far flanks.
+    /// * `play`: axial play of the gothic arches \[m\].
     ///
-    /// The other arguments are the same as for [`ball_alone`](Self::ball_alone).
+    /// All other arguments are the same as for [`ball_alone`](Self::ball_alone).
     fn ball_in_arches(
         &self,
         found: &Equilibrium,
@@ -258,9 +263,9 @@ impl BallNut {
         if found.balls[number].force[0] < 0.0 { ball.back_driven() } else { ball }
     }
 
-    /// Returns a ball of the nominal screw in its gothic arches.
+    /// Returns a nominal ball of this nut in its gothic arches.
     ///
-    /// * `friction`: coefficients at the loaded and the far flanks.
+    /// * `friction`: friction coefficients at the loaded and far flanks.
     fn nominal_ball(&self, fit: ArchFit, friction: [f64; 2], drive: &Drive<f64>) -> GothicBall {
         let share = self.equal_share(1.0);
         let [friction, far_friction] = friction.map(Coulomb);
@@ -279,7 +284,7 @@ impl BallNut {
         }
     }
 
-    /// Returns the far flanks of a ball; `None` if the ball has two contacts.
+    /// Returns the distance of the far flanks, or `None` if the ball has two contacts only.
     fn play(&self, number: usize, found: &Equilibrium) -> Option<FarFlanks> {
         let is_clamped = found.balls[number].flanks_pressed() == [true, true];
         let circuit = found.positions[number].circuit;
@@ -292,22 +297,22 @@ impl BallNut {
         }
     }
 
-    /// Returns the state of a pair of nut bodies while the screw turns without external load (AC8).
-    /// The preload was set at rest, and all balls of a body carry equal shares of it. The loads of
-    /// the result are those of one ball of each body.
+    /// Returns the state of a preloaded pair of nut bodies while the screw turns without external
+    /// load (AC8). The preload was set at rest, and all balls of a body carry equal loads. The
+    /// loads in the result are per ball of each body.
     ///
-    /// Returns `None` unless there are two bodies with equal numbers of balls and the friction
-    /// coefficient is known.
+    /// Returns `None` unless there are two bodies with equal numbers of balls and a constant
+    /// friction coefficient.
     ///
     /// * `preload`: force between the bodies at rest \[N\].
-    /// * `play`: axial play of each body \[m\]; `None` for a play so wide that no ball touches a
-    ///   far flank.
+    /// * `play`: axial play of each body \[m\]; `None` if the play is so large that no ball touches
+    ///   a far flank.
     ///
-    /// The other arguments are the same as for [`friction`](Self::friction).
+    /// All other arguments are the same as for [`friction`](Self::friction).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the balls have no steady motion.
+    /// Returns [`NoAnswer`] if no steady motion of the balls exists or was found.
     pub fn running_pair(
         &self,
         preload: f64,
@@ -324,8 +329,7 @@ impl BallNut {
         Some(pair.and_then(|pair| pair.solve(0.0, work)))
     }
 
-    /// Returns the number of balls of each body, if there are two bodies with equal numbers of
-    /// balls.
+    /// Returns the number of balls per body if there are two bodies with equal numbers of balls.
     pub fn balls_of_a_pair(&self) -> Option<usize> {
         let balls = |body: usize| {
             let of_body = self.circuits.iter().filter(|circuit| circuit.body == body);
@@ -335,18 +339,19 @@ impl BallNut {
         (first > 0 && first == second && first + second == self.balls()).then_some(first)
     }
 
-    /// Calculates the friction of all balls with a model of one ball (U21). Each ball has the axial
-    /// force that it carries without friction.
+    /// Calculates the friction of all balls with a single-ball model (U21). Each ball carries the
+    /// axial force that it carries without friction.
     ///
-    /// If a ball touches a far flank, at rest or because of friction, the balance of all its
+    /// If a ball touches a far flank at rest or because of friction, the equilibrium of all its
     /// contacts (AC5) replaces the model. The calculation ends at the first ball without a
-    /// solution. A ball with the same loads as the previous ball has the same friction.
+    /// solution. If a ball has the same loads as the previous ball, its friction is the same and is
+    /// not calculated again.
     ///
-    /// * `friction`: friction coefficients. If they are not given, the model has another friction
-    ///   law, and the friction of a ball on a far flank is unknown.
-    /// * `drive`: speeds of screw and nut, which must differ.
+    /// * `friction`: friction coefficients. If they are not given, the model uses another friction
+    ///   law, and the friction of balls that touch a far flank is unknown.
+    /// * `drive`: speeds of screw and nut, which must not be equal.
     /// * `seal_torque`: friction torque of the seals \[N·m\].
-    /// * `solve`: the model, which may include losses in the ball returns.
+    /// * `solve`: model of a single ball, which may include losses in the ball returns.
     pub fn friction(
         &self,
         found: &Equilibrium,
@@ -402,8 +407,8 @@ impl BallNut {
         friction
     }
 
-    /// Replaces the friction torque of the balls, for example by the torque with the pushes of a
-    /// [`train`](Self::train), and updates the results that depend on it.
+    /// Replaces the friction torque of the balls and updates all results that depend on it. For
+    /// example, the new torque may include the pushes of a [`train`](Self::train).
     pub fn with_torque(
         &self,
         friction: &mut NutFriction,
@@ -420,7 +425,8 @@ impl BallNut {
         friction.torque = balls;
         // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
         friction.drive_torque = all.map(|torque| ideal + torque * speed.signum());
-        // A load that resists the motion is moved; otherwise the load drives.
+        // If the load opposes the motion, the screw moves the load; otherwise, the load drives the
+        // screw.
         let is_loaded = axial.abs() > f64::EPSILON * found.forces();
         let driven = friction.drive_torque.filter(|_| is_loaded);
         friction.efficiency =
@@ -429,17 +435,17 @@ impl BallNut {
     }
 }
 
-/// Calculates the friction of the balls of a nut in equilibrium, one ball after the other.
+/// Calculation of the friction of a nut in equilibrium, ball by ball.
 struct BallByBall<'a, M> {
     nut: &'a BallNut,
     found: &'a Equilibrium,
     friction: FlankFriction,
     drive: &'a Drive<f64>,
-    /// Solution of the last ball in gothic arches, from which the next solve starts, and true if
-    /// its load was on the + flanks.
+    /// Solution of the last ball in gothic arches, used as the starting point for the next ball.
+    /// The first value is true if the ball was on the + flanks.
     before: Option<(bool, GothicState)>,
     arches: GothicWorkspace,
-    /// The model of one ball.
+    /// Function that solves the model of a single ball.
     solve: M,
 }
 
@@ -454,13 +460,14 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Self { nut, found, friction, drive, before: None, arches, solve }
     }
 
-    /// Returns the screw whose only ball is this ball (see [`BallNut::ball_alone`]).
+    /// Returns a screw with this ball as its only ball (see [`BallNut::ball_alone`]).
     fn alone(&self, number: usize) -> Option<ElasticPoint> {
         let friction = self.friction.loaded.unwrap_or(f64::NAN);
         self.nut.ball_alone(self.found, number, friction, self.drive)
     }
 
-    /// Returns the friction of a loaded ball, with two contacts (U21) or with far flanks (AC5).
+    /// Returns the friction of a loaded ball with two contacts (U21), or with contacts at the far
+    /// flanks (AC5).
     fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
         let ball = &self.found.balls[number];
         let is_clamped = ball.flanks_pressed() == [true, true];
@@ -486,8 +493,9 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(free)
     }
 
-    /// Adds the loss of the third contact of a lubricated ball: the additional loss that it would
-    /// cause without a lubricant at the mean friction coefficient (AC12).
+    /// Adds the loss due to the third contact of a lubricated ball. It equals the additional loss
+    /// that the third contact would cause without a lubricant at the mean friction coefficient
+    /// (AC12).
     fn with_third_contact(
         &mut self,
         free: &FreeBall,
@@ -510,19 +518,19 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(FreeBall { friction, third_contact, ..*free })
     }
 
-    /// Returns the ball in its gothic arches under its axial force.
+    /// Returns the ball in its gothic arches under its own axial force.
     fn in_own_arches(&self, number: usize, friction: [f64; 2], play: f64) -> GothicBall {
         let mut ball = self.nut.ball_in_arches(self.found, number, (friction, play), self.drive);
         ball.at.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
         ball
     }
 
-    /// Returns the magnitude of the axial force on a ball \[N\].
+    /// Returns the absolute axial force on a ball \[N\].
     fn axial_force(&self, number: usize) -> f64 {
         self.found.balls[number].force[0].abs() * self.nut.helix.lead_angle.cos()
     }
 
-    /// Solves the ball with up to four contacts.
+    /// Solves a ball with up to four contacts.
     fn in_arches(
         &mut self,
         number: usize,
@@ -568,8 +576,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         }
     }
 
-    /// Returns the friction of a ball with two contacts as predicted by its model (U21), without
-    /// the limit of gross sliding (U33).
+    /// Returns the friction of a ball with two contacts as predicted by the model (U21), before it
+    /// is limited by gross sliding (U33).
     fn friction_alone(&mut self, alone: ElasticPoint) -> Option<FreeBall> {
         let nut = self.nut;
         let Drive { nut_speed, .. } = alone.point.drive;
@@ -608,8 +616,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 }
 
 impl BallNut {
-    /// Returns the rate and the rotation of a ball from its motion relative to the nut in the
-    /// Frenet-Serret triad.
+    /// Converts the motion relative to the nut, with components in the Frenet-Serret triad, into
+    /// rate and rotation.
     fn free_motion(
         &self,
         to_nut: &Motion<f64>,
@@ -625,16 +633,15 @@ impl BallNut {
         BallFrame::turned(self.helix.lead_angle, 0.0)
     }
 
-    /// Returns the sum of the friction of all balls (U21), or `None` unless every ball has a
-    /// solution. It is faster than [`friction`](Self::friction), for searches that need the sum
-    /// often: if balls differ only in their load, their friction is interpolated between a few
-    /// loads.
+    /// Returns the total friction of all balls (U21), or `None` unless every ball has a solution.
+    /// It is faster than [`friction`](Self::friction) for searches that call it often. If balls
+    /// differ only in their loads, their friction is interpolated between a few loads.
     ///
-    /// * `between_loads`: permitted relative error of the interpolation.
-    /// * `held`: model of each ball, by its index, which is passed to `solve`. Balls without an
-    ///   entry choose their own model.
+    /// * `between_loads`: permitted relative error of the interpolation between loads.
+    /// * `held`: model of each ball that `solve` must use, by ball index. Balls without an entry
+    ///   choose their own model.
     ///
-    /// The other arguments are the same as for [`friction`](Self::friction).
+    /// All other arguments are the same as for [`friction`](Self::friction).
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
@@ -650,7 +657,7 @@ impl BallNut {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let near = 1e-9 * self.arc_distance();
         let groups = self.groups(found, near, |one, other| held_of(one) == held_of(other));
-        // The precession of a ball is at most the speed of the faster of nut and screw.
+        // The precession of a ball does not exceed the speed of the faster one of nut and screw.
         let fastest = drive.screw_speed.abs().max(drive.nut_speed.abs());
         let inertia = self.ball.mass * self.helix.radius * fastest * fastest;
         let mut sum = FrictionSum::default();
@@ -664,11 +671,11 @@ impl BallNut {
             // centrifugal force.
             let (low_root, high_root) = ((low - inertia).sqrt(), (high - inertia).sqrt());
             let (roots, narrow) = (low_root + high_root, high_root - low_root);
-            // Each Chebyshev point reduces the error by a factor that follows from the Bernstein
-            // ellipse through the singularity.
+            // The singularity determines a Bernstein ellipse, and this ellipse determines the
+            // factor by which each additional Chebyshev point reduces the error.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            // Friction has a kink where a far flank begins to carry load.
+            // The friction has a kink at the load at which a far flank begins to carry load.
             let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {
@@ -687,7 +694,7 @@ impl BallNut {
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
                 nodes.push((load, weight, each.friction_alone(ball)?));
             }
-            // Interpolates by the barycentric formula.
+            // The barycentric formula interpolates between the nodes.
             for load in loads {
                 let met = nodes.iter().position(|(node, ..)| (node - load).abs() <= 0.0);
                 let all: f64 = nodes.iter().map(|(node, weight, _)| weight / (load - node)).sum();
@@ -706,13 +713,13 @@ impl BallNut {
         Some(sum)
     }
 
-    /// Returns the model of each ball, by its index. The entry is `None` for balls without load and
-    /// for balls on both flanks. The whole result is `None` unless every other ball has a solution.
+    /// Returns the model of each ball, by ball index. Entries are `None` for unloaded balls and for
+    /// balls on both flanks. Returns `None` unless all other balls have solutions.
     ///
-    /// If balls differ only in their load, only the balls with the smallest and the largest load
-    /// are solved, or all balls if the models of these two differ.
+    /// If balls differ only in their loads, only the balls with the smallest and the largest load
+    /// are solved. If the models of these two balls differ, all balls are solved.
     ///
-    /// The arguments are the same as for [`friction`](Self::friction).
+    /// All arguments are the same as for [`friction`](Self::friction).
     pub fn ball_models(
         &self,
         found: &Equilibrium,
@@ -743,11 +750,12 @@ impl BallNut {
         Some(models)
     }
 
-    /// Groups the indices of the loaded balls. The balls of a group differ only in their load and
-    /// in the displacement of their grooves. Each ball on both flanks has its own group.
+    /// Groups the indices of loaded balls. The balls in a group differ only in their loads and in
+    /// the displacements of their grooves. Each ball that is loaded on both flanks forms its own
+    /// group.
     ///
-    /// * `tolerance`: largest difference of the groove displacements in a group \[m\].
-    /// * `may_join`: returns true if two balls may be in the same group.
+    /// * `tolerance`: largest difference between groove displacements within a group \[m\].
+    /// * `may_join`: function that returns true if two balls are allowed in the same group.
     fn groups(
         &self,
         found: &Equilibrium,
@@ -775,11 +783,11 @@ impl BallNut {
         groups
     }
 
-    /// Returns the motions of all balls without pushes of their neighbors, or `None` unless every
-    /// loaded ball has a solution. If balls differ only in load and groove displacement, their
-    /// motions are interpolated between a few balls.
+    /// Returns the motions of all balls without pushes between neighbors, or `None` unless every
+    /// loaded ball has a solution. If balls differ only in their loads and groove displacements,
+    /// their motions are interpolated between a few balls.
     ///
-    /// The arguments are the same as for [`friction`](Self::friction).
+    /// All arguments are the same as for [`friction`](Self::friction).
     pub fn free_motions(
         &self,
         found: &Equilibrium,
@@ -793,8 +801,8 @@ impl BallNut {
         for mut group in self.groups(found, f64::INFINITY, |_, _| true) {
             group.retain(|number| found.balls[*number].max_load() >= idle);
             let point = |number: &usize| {
-                // The rates of lightly loaded balls vary strongly with the load, hence the
-                // logarithm.
+                // The logarithm is used because the rates of lightly loaded balls vary strongly
+                // with the load.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
             };
             let points: Vec<_> = group.iter().map(point).collect();
@@ -809,10 +817,10 @@ impl BallNut {
         Some(motions)
     }
 
-    /// Returns true if two balls differ by rounding errors only.
+    /// Returns true if two balls differ only by rounding errors.
     pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
-        /// Largest relative difference of loads and contact angles. The balance of the nut has a
-        /// residual of 1e-12 of the loads.
+        /// Largest relative difference between loads or contact angles of balls that count as
+        /// equal. The nut equilibrium has a residual of 1e-12 relative to the loads.
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
         let [a, b] = [one, other].map(|number| &found.balls[number]);
@@ -830,7 +838,7 @@ impl Equilibrium {
         IDLE_LOAD * self.max_load()
     }
 
-    /// Returns an upper bound for the sum of the ball loads \[N\].
+    /// Returns an upper bound of the sum of all ball loads \[N\].
     fn forces(&self) -> f64 {
         self.max_load() * count(self.balls.len())
     }

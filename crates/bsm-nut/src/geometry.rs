@@ -1,4 +1,4 @@
-//! Positions of the balls, and errors of their grooves.
+//! Geometry of a nut: positions of the balls, and manufacturing errors of their grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7) and (U31).
 
@@ -14,29 +14,29 @@ use bsm_kin::{Drive, Helix};
 use crate::ball::{Flanks, FourContacts};
 use crate::bodies::{Bar, Ring};
 
-/// Loaded balls between two ends of the ball return.
+/// A circuit of loaded balls between both ends of a ball return.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circuit {
     /// Helix angle at which the loaded arc begins \[rad\].
     pub start: f64,
-    /// Length of the arc \[rad\], positive.
+    /// Angle of the loaded arc \[rad\], positive.
     pub arc: f64,
-    /// Loaded balls, evenly spaced, at least one.
+    /// Number of loaded balls, which are evenly spaced; at least one.
     pub balls: usize,
     /// Index of the thread, counted from 0.
     pub thread: usize,
     /// Index of the nut body, counted from 0.
     pub body: usize,
-    /// Flanks that exist.
+    /// Flanks of the circuit that can carry load.
     pub flanks: Flanks,
-    /// Axial offset of the nut's groove \[m\], due to a spacer or a shift of the pitch.
+    /// Axial offset of the nut groove due to a spacer or a lead shift \[m\].
     pub offset: f64,
 }
 
-/// An axial error of the nut's groove relative to the screw's groove.
+/// An axial error of the nut groove relative to the screw groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LeadError {
-    /// A wave `$A\cos(k\theta + \varphi)$`.
+    /// A periodic error `$A\cos(k\theta + \varphi)$`.
     Wave {
         /// Amplitude `$A$` \[m\].
         amplitude: f64,
@@ -45,39 +45,39 @@ pub enum LeadError {
         /// Phase `$\varphi$` \[rad\].
         phase: f64,
     },
-    /// A slope `$s\,(z - z_0)$`.
+    /// A linear error `$s\,(z - z_0)$`.
     Slope {
         /// Slope `$s$`.
         slope: f64,
-        /// Axial position without error `$z_0$` \[m\].
+        /// Axial position at which the error is zero, `$z_0$` \[m\].
         origin: f64,
     },
 }
 
-/// Manufacturing errors.
+/// Manufacturing errors of balls and grooves.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Errors {
     /// Excess of the radius of each ball over the nominal radius \[m\], in the order of the
-    /// circuits. An empty list means no excess.
+    /// circuits. If the list is empty, all balls have the nominal radius.
     pub balls: Vec<f64>,
-    /// Excess of the radius of all balls \[m\].
+    /// Excess that is common to all balls \[m\].
     pub oversize: f64,
-    /// Axial errors of the grooves, which are added.
+    /// Axial errors of the grooves. The total error is their sum.
     pub lead: Vec<LeadError>,
-    /// Radial gap between the grooves and a ball \[m\]. A negative gap is an interference.
+    /// Radial gap between grooves and balls \[m\], which is negative for an interference.
     pub gap: f64,
-    /// Axial play of each body \[m\]. With a play, friction may press balls onto far flanks. `None`
-    /// means that the play is too wide for this.
+    /// Axial play of each nut body \[m\]. If it is given, friction may press balls onto far flanks.
+    /// `None` means that the play is too large for this.
     pub axial_play: Option<f64>,
 }
 
 impl Errors {
-    /// Adds the growth of the radius of all balls \[m\] to a nut with play: the play shrinks, and
-    /// only the growth that exceeds the play is an oversize.
+    /// Adds an increase in the radius of all balls \[m\] to a nut with play. The play becomes
+    /// smaller, and only an increase beyond the play makes the balls oversize.
     ///
-    /// * `inclination`: axial component of a unit normal load.
+    /// * `inclination`: axial component of a normal load of 1.
     fn grow_into_play(&mut self, growth: f64, inclination: f64) {
-        // A play that is not given is too wide to be closed.
+        // If no play is given, it is too large to be closed.
         let Some(play) = self.axial_play else { return };
         // s_a ← s_a − 4 Δr/(sinβ₀ cosα)                                   (U35)
         let left = play - 4.0 * growth / inclination;
@@ -86,14 +86,14 @@ impl Errors {
     }
 }
 
-/// A ball nut on its screw.
+/// A ball nut together with its screw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BallNut {
-    /// Helix of the ball centers.
+    /// Helix through the ball centers.
     pub helix: Helix<f64>,
-    /// Number of threads of the screw, at least one.
+    /// Number of starts, at least one.
     pub starts: usize,
-    /// The nominal ball.
+    /// Nominal ball.
     pub ball: Ball<f64>,
     /// Unloaded contact angle \[rad\], in (0, π/2).
     pub contact_angle: f64,
@@ -101,24 +101,25 @@ pub struct BallNut {
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// The loaded balls, in one or several circuits.
+    /// Circuits of loaded balls.
     pub circuits: Vec<Circuit>,
     /// Manufacturing errors.
     pub errors: Errors,
-    /// The nut as a bar along the axis; `None` if it is rigid.
+    /// Axially elastic nut; `None` if the nut is rigid.
     pub nut_bar: Option<Bar>,
-    /// The screw as a bar along the axis; `None` if it is rigid.
+    /// Axially elastic screw; `None` if the screw is rigid.
     pub screw_bar: Option<Bar>,
-    /// Radial expansion of the nut at its circuits; `None` if it is rigid.
+    /// Radially elastic nut; `None` if the nut is rigid.
     pub ring: Option<Ring>,
-    /// Axial position of the reference point for displacements and loads \[m\]. `None` means the
-    /// middle of the balls.
+    /// Axial position of the reference point for displacements and loads \[m\]. If `None`, it is
+    /// the middle of the balls.
     pub reference: Option<f64>,
-    /// Precession of the ball centers about the axis \[rad/s\], for their centrifugal force.
+    /// Precession of the ball centers about the axis \[rad/s\], which determines the centrifugal
+    /// force.
     pub precession: f64,
 }
 
-/// Position of a ball.
+/// Position of a ball on the helix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallPosition {
     /// Index of the circuit.
@@ -130,7 +131,7 @@ pub struct BallPosition {
 }
 
 impl BallNut {
-    /// Returns the balls in the order of the circuits (U1).
+    /// Returns the positions of all balls in the order of the circuits (U1).
     pub fn positions(&self) -> Vec<BallPosition> {
         let lead = self.helix.lead();
         let per_radian = lead / TAU;
@@ -146,10 +147,11 @@ impl BallNut {
         self.circuits.iter().enumerate().flat_map(of).collect()
     }
 
-    /// Returns the same nut with bodies and balls that are warmer than at assembly \[K\]. The balls
-    /// of a nut with play grow into the play, and press on both flanks only if they close it.
+    /// Returns the nut with bodies and balls warmer than at assembly \[K\]. In a nut with play, the
+    /// expansion of the balls reduces the play, and the balls press on both flanks only after the
+    /// play is closed.
     ///
-    /// * `rises`: temperature rises of nut, screw and balls.
+    /// * `rises`: temperature rises of nut, screw and balls above the assembly temperature.
     /// * `expansion`: coefficient of thermal expansion \[1/K\].
     #[must_use]
     pub fn warmed(&self, rises: [f64; 3], expansion: f64) -> Self {
@@ -169,16 +171,16 @@ impl BallNut {
         nut
     }
 
-    /// Returns true if balls of nominal size have play between the flanks of their arches: in a
-    /// single nut without oversize balls. The bodies of a pair press on one flank each.
+    /// Returns true if balls of nominal size have play between the flanks of their arches. This is
+    /// the case in a single nut without oversize balls. In a pair, each body loads only one flank.
     fn has_play(&self) -> bool {
         let both = self.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
         both && self.errors.oversize <= 0.0
     }
 
-    /// Returns the nut on a screw that is elongated and thinned by tension (I5).
+    /// Returns the nut on a screw that is elongated and thinned by an axial tension (I5).
     ///
-    /// * `strain`: axial strain.
+    /// * `strain`: axial strain of the screw.
     /// * `poisson_ratio`: Poisson's ratio of the screw.
     #[must_use]
     pub fn strained(&self, strain: f64, poisson_ratio: f64) -> Self {
@@ -203,8 +205,7 @@ impl BallNut {
         self.circuits.iter().map(|circuit| circuit.balls).sum()
     }
 
-    /// Returns a screw with one ball that carries an equal share of an axial load \[N\] of all
-    /// balls.
+    /// Returns a screw with a single ball, which carries an equal share of an axial load \[N\].
     pub(crate) fn equal_share(&self, axial: f64) -> ElasticPoint {
         ElasticPoint {
             point: OperatingPoint {
@@ -220,35 +221,35 @@ impl BallNut {
         }
     }
 
-    /// Returns the Hertz contacts at nut and screw.
+    /// Returns the Hertzian contacts of a ball at nut and screw.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`].
+    /// Returns [`Reason::CurvaturesNotHertzian`] if the curvatures do not form a Hertzian contact.
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
         self.equal_share(1.0).hertz()
     }
 
-    /// Returns the data that all balls share (U8).
+    /// Returns the data of ball and grooves that are shared by all balls (U8).
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`].
+    /// Returns [`Reason::CurvaturesNotHertzian`] if the curvatures do not form a Hertzian contact.
     pub fn ball_in_grooves(&self) -> Result<FourContacts, Reason> {
         let ball = self.equal_share(1.0);
         let (series, grooves) = (ball.pressed_ball()?, Grooves::without_play(&ball)?);
         Ok(FourContacts {
             grooves,
             series,
-            // δ_A/(δ_A + δ_B) = (K/K_A)^(2/3) for equal loads
+            // At equal loads, the fraction is δ_A/(δ_A + δ_B) = (K/K_A)^(2/3).
             nut_share: (series.stiffness / grooves.stiffness[0]).powf(2.0 / 3.0),
             // F_c = m r_m P²                                              (U9)
             outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
         })
     }
 
-    /// Returns the displacement of the groove of a ball by its errors, along binormal and principal
-    /// normal \[m\], and the excess of its radius \[m\] (U5) to (U7).
+    /// Returns the displacement of the groove at a ball due to manufacturing errors, along binormal
+    /// and principal normal \[m\], and the excess of the ball radius \[m\] (U5) to (U7).
     pub(crate) fn error_at(&self, number: usize, position: &BallPosition) -> ([f64; 2], f64) {
         let wrong = |error: &LeadError| match *error {
             LeadError::Wave { amplitude, order, phase } => {
@@ -263,7 +264,7 @@ impl BallNut {
         ([along, -self.errors.gap], self.oversize(number))
     }
 
-    /// Returns the axial component of a unit normal load at first contact,
+    /// Returns the axial component of a normal load of 1 at first contact,
     /// `$\sin\beta_0\cos\alpha$`.
     pub(crate) fn inclination(&self) -> f64 {
         self.contact_angle.sin() * self.helix.lead_angle.cos()
@@ -275,8 +276,8 @@ impl BallNut {
         self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
     }
 
-    /// Returns the distances from groove-arc center to ball center at first contact, for nut and
-    /// screw \[m\].
+    /// Returns the distances between groove-arc center and ball center at first contact, for nut
+    /// and screw \[m\].
     fn offsets(&self) -> [f64; 2] {
         let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
         [offset(Raceway::Nut, self.conformity.0), offset(Raceway::Screw, self.conformity.1)]

@@ -1,26 +1,26 @@
-//! Interpolation of quantities of many balls between a few balls.
+//! Interpolation of quantities of many balls between a few of these balls.
 
-/// Remainder of a monomial, relative to its largest value, below which the previous nodes determine
-/// it except for rounding errors.
+/// Relative remainder below which a monomial is considered to be determined by the previous nodes,
+/// except for rounding errors.
 const DEPENDENT: f64 = 1e-9;
-/// Number of consecutive nodes at which the error of the polynomial must be small before the other
-/// points are interpolated.
+/// Number of consecutive nodes at which the polynomial must be accurate before all other points are
+/// interpolated.
 const IN_A_ROW: usize = 3;
-/// Maximum degree.
+/// Maximum degree of the polynomial.
 const DEGREE: i32 = 12;
 
-/// Returns a smooth function of two variables at all points, calculated from its values at a few of
-/// them. Returns `None` if one of these values is missing.
+/// Returns the values of a smooth function of two variables at all points, calculated from its
+/// values at a few of them. Returns `None` if one of these values is not available.
 ///
-/// The method is Newton's interpolation with monomials of increasing degree. The next node is the
-/// point at which the remainder of the next monomial, after its interpolation by the previous
-/// nodes, is largest (discrete Leja points). The error of the polynomial at this point is known
-/// before the node is added. If the error stays large, the function is calculated at all points.
+/// The method is Newton interpolation with monomials of increasing degree. The next node is the
+/// point at which the next monomial has the largest remainder after interpolation by the previous
+/// nodes (discrete Leja points). The error of the polynomial at this point is known before the node
+/// is added. If the error stays large, the function is evaluated at all points.
 ///
-/// * `points`: the function should change more with the first variable than with the second, whose
-///   powers are used later.
-/// * `tolerances`: relative errors of each component.
-/// * `value`: returns the function at a point, given by its index in the list.
+/// * `points`: coordinates. The function should vary more strongly with the first coordinate,
+///   because powers of the second coordinate are used later.
+/// * `tolerances`: relative tolerance of each component.
+/// * `value`: function that returns the values at the point with a given index.
 pub(crate) fn interpolated<const N: usize>(
     points: &[[f64; 2]],
     tolerances: [f64; N],
@@ -33,7 +33,7 @@ pub(crate) fn interpolated<const N: usize>(
         let scaled = |x: f64| if half > 0.0 { (x - low) / half - 1.0 } else { 0.0 };
         along.map(scaled).collect::<Vec<_>>()
     });
-    // Equal points use the value of the first of them.
+    // If several points are equal, the function is evaluated only at the first of them.
     let bits: Vec<_> = points.iter().map(|point| point.map(f64::to_bits)).collect();
     let first = bits.iter().map(|point| bits.iter().position(|other| other == point));
     let first = first.collect::<Option<Vec<_>>>()?;
@@ -77,7 +77,8 @@ pub(crate) fn interpolated<const N: usize>(
     Some(first.into_iter().map(|n| found[n]).collect())
 }
 
-/// Returns powers of two variables. A power of the second variable counts as twice its degree.
+/// Returns exponents of monomials in two variables. The exponent of the second variable counts
+/// twice toward the degree.
 fn monomials() -> impl Iterator<Item = [i32; 2]> {
     (0..=DEGREE).flat_map(|degree| (0..=degree / 2).map(move |j| [degree - 2 * j, j]))
 }
@@ -86,13 +87,13 @@ fn monomials() -> impl Iterator<Item = [i32; 2]> {
 mod tests {
     use super::{IN_A_ROW, interpolated};
 
-    /// Returns 100 points along a curve that fills the square.
+    /// Returns 100 points along a curve that fills a rectangle.
     fn points() -> Vec<[f64; 2]> {
         let along = (0_u8..100).map(f64::from);
         along.map(|i| [10.0 + (0.32 * i).sin(), 1e-6 * (0.2 * i).cos()]).collect()
     }
 
-    /// Returns the largest error and the number of function evaluations.
+    /// Returns the largest interpolation error and the number of function evaluations.
     fn error(tolerance: f64, function: impl Fn([f64; 2]) -> f64) -> (f64, usize) {
         let (points, mut asked) = (points(), 0);
         let found = interpolated(&points, [tolerance], |n| {
@@ -107,28 +108,28 @@ mod tests {
 
     #[test]
     fn polynomials_are_interpolated_exactly() {
-        // The interpolation needs four nodes for 1, x, x² and y, and then three nodes without an
+        // The interpolation needs four nodes for 1, x, x² and y, followed by three nodes without an
         // error.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
         assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }
 
     #[test]
-    fn smooth_functions_need_few_values() {
-        // The tolerance covers the decreasing errors of later nodes, relative to the largest value
-        // of 30.
+    fn smooth_functions_are_interpolated_from_few_values() {
+        // The tolerance covers the decreasing contributions of later nodes, relative to the largest
+        // value of 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
         assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
     }
 
     #[test]
-    fn a_function_with_a_kink_is_calculated_at_every_point() {
+    fn function_with_a_kink_is_evaluated_at_every_point() {
         let (residual, asked) = error(1e-7, |[x, _]| 1.0 + (x - 10.1).abs());
         assert!(residual < 1e-15 * 11.0 && asked == 100, "{residual:e}, {asked}");
     }
 
     #[test]
-    fn equal_points_have_one_value() {
+    fn function_is_evaluated_once_at_equal_points() {
         let mut asked = 0;
         let found = interpolated(&[[65.0, 0.0]; 98], [1e-7], |_| {
             asked += 1;

@@ -1,15 +1,16 @@
-//! All balls of a ball nut: load sharing, stiffness, remaining preload and life, calculated
-//! statically and without friction; and the temperatures of the warm steady state.
+//! Calculations for all balls of a ball nut: load sharing, stiffness, remaining preload and life
+//! (statically and without friction), friction torques, ball trains, and temperatures of the warm
+//! steady state.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U34).
 //!
-//! Theory of the warm state: `docs/theory/19-warm-state.md`, module [`thermal`].
+//! Theory of the warm state: `docs/theory/19-warm-state.md`, implemented in the module [`thermal`].
 //!
-//! A [`BallNut`] is the geometry: the circuits of balls on the helix, the elastic bodies and the
-//! manufacturing errors. [`BallNut::solve`] finds the equilibrium for a [`Support`], which consists
-//! of the load and the constraints by the guides.
+//! A [`BallNut`] describes the geometry: circuits of balls on the helix, elastic bodies and
+//! manufacturing errors. [`BallNut::solve`] calculates the equilibrium for a [`Support`], which
+//! contains the load and the constraints by the guides.
 //!
-//! The example is a rigid, guided nut whose 70 balls carry equal shares of 8 kN:
+//! This example uses a rigid, guided nut with 70 balls, which carry equal shares of 8 kN:
 //!
 //! ```
 //! use std::f64::consts::PI;

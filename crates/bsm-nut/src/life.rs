@@ -1,33 +1,33 @@
-//! Life, static safety and load concentration from the loads of all balls.
+//! Life, static safety and load concentration, calculated from the loads of all balls.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U22) to (U25).
 
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut, Circuit, Equilibrium};
 
-/// Dynamic load ratings of the loaded turns of one nut body, separately for screw and nut \[N\]:
-/// `$C_s i^{0.86}$` and `$C_n i^{0.86}$`.
+/// Dynamic load ratings of the loaded turns of one nut body for the raceways of screw and nut,
+/// `$C_s i^{0.86}$` and `$C_n i^{0.86}$` \[N\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnRatings {
-    /// Rating at the screw.
+    /// Rating of the screw raceway.
     pub screw: f64,
-    /// Rating at the nut.
+    /// Rating of the nut raceway.
     pub nut: f64,
 }
 
 impl Equilibrium {
-    /// Returns the largest load of a contact \[N\].
+    /// Returns the largest contact load of all balls \[N\].
     pub fn max_load(&self) -> f64 {
         self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
     }
 
-    /// Returns the mean, over all balls, of the largest contact load of each ball \[N\].
+    /// Returns the average over all balls of the largest contact load of each ball \[N\].
     pub fn mean_load(&self) -> f64 {
         let sum = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
         sum / count(self.balls.len())
     }
 
-    /// Returns the largest contact load divided by the mean load (U25).
+    /// Returns the largest contact load divided by the mean ball load (U25).
     pub fn concentration(&self) -> f64 {
         // max Q / mean Q                                                  (U25)
         self.max_load() / self.mean_load()
@@ -38,18 +38,18 @@ impl Equilibrium {
         self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
     }
 
-    /// Returns the load of a ball under the static load rating of one body \[N\], divided by the
-    /// largest load of a contact.
+    /// Returns the static safety factor: the ball load at the static load rating of one nut body,
+    /// divided by the largest contact load.
     pub fn static_safety(&self, nut: &BallNut, rating: f64) -> f64 {
         let inclined = nut.inclination();
         let body = |circuit: &&Circuit| circuit.body == 0;
         let balls: usize = nut.circuits.iter().filter(body).map(|circuit| circuit.balls).sum();
-        // C_0a / (Z_b sinβ₀ cosα) / max Q
+        // f_s = C_0a / (Z_b sinβ₀ cosα) / max Q
         rating / (count(balls) * inclined) / self.max_load()
     }
 
-    /// Returns the revolutions that 90 % of nuts reach, for all tracks of all bodies together (U22)
-    /// to (U24). The result is infinite if no ball is loaded.
+    /// Returns the rating life in revolutions that 90 % of all nuts reach, for all raceways of all
+    /// nut bodies together (U22) to (U24). The result is infinite if no ball is loaded.
     ///
     /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
@@ -67,8 +67,8 @@ impl Equilibrium {
                 continue;
             }
             let number = count(balls.len());
-            // Each ring has its first contact, its rating, and the exponent of its equivalent load
-            // (U23).
+            // For each raceway: index of its first contact, load rating, and exponent of the
+            // equivalent load (U23).
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)

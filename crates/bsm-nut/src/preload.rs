@@ -1,4 +1,4 @@
-//! Preload: its offset, the remaining preload under load, and the limit load.
+//! Preload of a nut: required offset, remaining preload under load, and limit load.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U18) to (U20).
 
@@ -8,19 +8,20 @@ use bsm_newton::Bracket;
 
 use crate::{BallNut, Equilibrium, NutError, Support};
 
-/// Preload method of a nut.
+/// Method by which a nut is preloaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PreloadKind {
-    /// Body 0 is offset along +z and body 1 along −z. A positive offset pulls the bodies together
-    /// (X arrangement), and a negative offset pushes them apart (O arrangement).
+    /// Two bodies with an axial offset, body 0 along +z and body 1 along −z. A positive offset
+    /// pulls the bodies together (X arrangement), and a negative offset pushes them apart (O
+    /// arrangement).
     Offset,
     /// Oversize balls load both flanks of the grooves.
     Oversize,
 }
 
 impl Equilibrium {
-    /// Returns the remaining preload \[N\]: the smaller force of the two bodies or, for oversize
-    /// balls, of the two flanks of a body (U20).
+    /// Returns the remaining preload \[N\] (U20). This is the smaller one of the forces on both
+    /// bodies or, for oversize balls, of the forces on both flanks.
     pub fn preload(&self, nut: &BallNut, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
@@ -42,8 +43,8 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// Returns the same nut preloaded by a displacement \[m\]: the offset between the bodies, or
-    /// the excess of the ball diameter (U18).
+    /// Returns the nut with a preload that is set by a displacement \[m\], which is the offset
+    /// between the bodies or the excess of the ball diameter (U18).
     #[must_use]
     pub fn preloaded(&self, by: PreloadKind, displacement: f64) -> Self {
         let mut nut = self.clone();
@@ -60,14 +61,15 @@ impl BallNut {
         nut
     }
 
-    /// Returns the displacement \[m\] that gives a preload \[N\] without external load (U19).
+    /// Returns the displacement \[m\] required for a given preload \[N\] without external load
+    /// (U19).
     ///
-    /// * `force`: preload with the sign of the displacement, which is negative for bodies that are
+    /// * `force`: preload with the sign of the displacement, which is negative if the bodies are
     ///   pushed apart.
     ///
     /// # Errors
     ///
-    /// [`NutError::NoPreload`] if the balls cannot reach this force, and the errors of
+    /// Returns [`NutError::NoPreload`] if the balls cannot produce this force, or an error of
     /// [`solve`](Self::solve).
     pub fn preload_displacement(
         &self,
@@ -82,8 +84,8 @@ impl BallNut {
             let nut = self.preloaded(by, sign * displacement);
             Ok(nut.solve(&support)?.preload(&nut, by))
         };
-        // Starts with the displacement of a guided pair of rigid nuts and doubles it until the
-        // force is sufficient.
+        // The search starts with the displacement for a guided pair of rigid nuts, and doubles it
+        // until the force is sufficient.
         let high = 2.0 * self.equal(2.0 * force)?.displacement;
         let places = successors(Some(high), |x| Some(2.0 * x).filter(|x| *x <= self.ball.radius));
         let excess = |x: f64| reached(x).map(|reached| reached - force);
@@ -93,12 +95,13 @@ impl BallNut {
         found.root().map(|root| sign * root.x).ok_or_else(no_preload)
     }
 
-    /// Returns the axial load \[N\], with the sign of `way`, at which the last ball of a body or of
-    /// a flank is unloaded (U20).
+    /// Returns the axial load at which the last ball of one body or of one flank loses its load
+    /// \[N\] (U20). The load has the sign of `way`.
     ///
     /// # Errors
     ///
-    /// The errors of [`solve`](Self::solve), and [`NutError::NoPreload`] if the nut has no preload.
+    /// Returns an error of [`solve`](Self::solve), or [`NutError::NoPreload`] if the nut has no
+    /// preload.
     pub fn limit_load(
         &self,
         by: PreloadKind,
@@ -113,13 +116,13 @@ impl BallNut {
         if preload <= 0.0 {
             return Err(no_preload());
         }
-        // The limit load is 2√2 to 2.91 times the preload, unless bodies and errors distribute the
-        // load unevenly.
+        // The limit load is 2√2 to 2.91 times the preload, unless elastic bodies or manufacturing
+        // errors distribute the load unevenly.
         let most = 1e3 * preload;
         let places =
             successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
-        // Near the limit load, the remaining force is proportional to the 3/2 power of the distance
-        // from the limit load, so that only its sign is reliable.
+        // Near the limit load, the remaining force is proportional to the distance from the limit
+        // load to the power of 3/2. It is then very small, so only its sign is reliable.
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };

@@ -1,4 +1,4 @@
-//! The energy minimum of a nut, found by damped Newton steps.
+//! Minimization of the energy of a nut by damped Newton steps.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U15) and (U16).
 
@@ -10,41 +10,42 @@ use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut};
 
-/// Maximum number of Newton steps; ten steps are usual.
+/// Maximum number of Newton steps. Usually, ten are sufficient.
 const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
-/// Residual, relative to the sum of the forces, at which the forces count as balanced.
+/// Residual force, relative to the sum of all forces, at which the forces count as balanced.
 const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
-/// Number of steps after which a larger residual is accepted, and this residual. If bodies strain
-/// by millimeters, the rounding error of their displacements is a larger fraction of the approaches
-/// of the balls.
+/// Number of steps after which a larger residual is accepted, and the accepted residual. If the
+/// bodies are strained by millimeters, rounding errors of their displacements are a larger fraction
+/// of the elastic approach of the balls.
 const ROUNDED: (usize, f64) = (30, 1e-10);
 
-/// State of the search.
+/// Unknowns and the corresponding state of the nut.
 struct EnergyPoint {
     y: Vec<f64>,
     state: EnergyState,
 }
 
 impl BallNut {
-    /// Returns the displacements, the loads of all balls and the stiffness of the nut under a load.
+    /// Returns the displacements, the loads of all balls and the stiffness of the nut under load.
     ///
-    /// The energy is convex, so that the loads of the balls are unique (U15).
+    /// The energy is convex, so the ball loads are unique (U15).
     ///
     /// # Errors
     ///
-    /// [`NutError`] if there are no balls or no Hertzian contacts, or if nothing carries the load.
+    /// Returns [`NutError`] if there are no balls, if the contacts are not Hertzian, if nothing
+    /// carries the load, or if the iteration does not converge.
     pub fn solve(&self, support: &Support) -> Result<Equilibrium, NutError> {
         self.solve_from(support, None)
     }
 
-    /// Does the same as [`solve`](Self::solve), but starts at the displacement of a neighboring
-    /// point. This saves steps and changes the result only by rounding errors.
+    /// Calculates the same result as [`solve`](Self::solve), but starts from the displacement of a
+    /// neighboring solution. This saves iterations and changes the result only by rounding errors.
     ///
     /// # Errors
     ///
-    /// The errors of [`solve`](Self::solve).
+    /// Returns the same errors as [`solve`](Self::solve).
     pub fn solve_from(
         &self,
         support: &Support,
@@ -55,8 +56,8 @@ impl BallNut {
 }
 
 impl Assembly<'_> {
-    /// Returns the nut at rest, starting from equal sharing or from the displacement of a
-    /// neighboring point.
+    /// Solves the equilibrium, starting from equal load sharing or from the displacement of a
+    /// neighboring solution.
     pub(crate) fn solve(
         mut self,
         start: Option<&[f64; FREEDOMS]>,
@@ -64,8 +65,8 @@ impl Assembly<'_> {
         let none = |residual, steps| NutError::NotConverged { residual, steps };
         let y = self.start(start);
         let state = self.state(&y).map_err(|ball| NutError::BallNotBalanced { ball })?;
-        // Fixed displacements may be far from the starting values, and the strain of the bodies
-        // accommodates the difference.
+        // Prescribed displacements may be far from the initial values, because the elastic bodies
+        // can accommodate them.
         let begun = self.moved(&y);
         let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
@@ -75,8 +76,8 @@ impl Assembly<'_> {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);
-            // Beyond this displacement, balls would be pressed from the other side of the groove
-            // arcs.
+            // Beyond this displacement, the balls would be on the other side of the groove-arc
+            // centers.
             if moved > begun + self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }
@@ -84,8 +85,8 @@ impl Assembly<'_> {
                 if let Some(next) = self.step(&at, damping) {
                     break next;
                 }
-                // There is free play, or the balls reject the step: the direction is brought closer
-                // to the gradient of the energy.
+                // There is free play, or the balls reject the step. More damping turns the step
+                // toward the negative gradient of the energy.
                 damping = f64::max(10.0 * damping, 1e-6);
                 if damping > 1e6 {
                     return Err(none(imbalance, steps));
@@ -96,7 +97,7 @@ impl Assembly<'_> {
         Err(none(self.imbalance(&at.state), MAX_EQUILIBRIUM_STEPS))
     }
 
-    /// Makes a Newton step that reduces the energy.
+    /// Takes a Newton step that reduces the energy. Returns `None` if there is no such step.
     fn step(&mut self, at: &EnergyPoint, damping: f64) -> Option<EnergyPoint> {
         let EnergyPoint { y, state } = at;
         self.linearize(state, StiffnessScope::Step);
@@ -115,10 +116,10 @@ impl Assembly<'_> {
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
             if let Ok(there) = self.state(&next) {
-                // The step must meet the Armijo condition. Near the end, the energy has no more
-                // significant digits, but the forces have.
+                // The step must satisfy the Armijo condition. Near the solution, differences of the
+                // energy are only rounding errors, so the forces decide.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
-                // The rounding error of a sum of n terms is at most n/2 ulp.
+                // The rounding error of a sum of n terms is at most n/2 units in the last place.
                 let terms = count(state.balls.len());
                 let rounding = (0.5 * f64::EPSILON * terms).max(1e-14);
                 let rounding = rounding * state.energies.max(there.energies);
@@ -158,11 +159,12 @@ impl Assembly<'_> {
 }
 
 impl Equilibrium {
-    /// Returns the equilibrium if every ball lies on its flanks.
+    /// Returns the equilibrium unless a ball has left its flank.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
-        /// The tolerance allows for rounding errors of the angle of a ball at the end of its flank.
+        /// Tolerance for rounding errors of the contact angle of a ball at the end of its flank
+        /// \[rad\].
         const ROUNDED: f64 = 1e-6;
-        // Without a contact angle, both flanks of a groove are one arc.
+        // If the nominal contact angle is zero, both flanks of a groove form a single arc.
         let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };
         let outside = |ball: &BallInGrooves| {
             let angles = ball.loads.iter().zip(ball.angles);

@@ -1,4 +1,4 @@
-//! A nut whose balls share the load equally.
+//! Equal load sharing among all balls of a nut.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U26) and (U27).
 
@@ -7,10 +7,10 @@ use bsm_dyn::model::StaticBall;
 use crate::geometry::count;
 use crate::{BallNut, BallPosition, Bar, Circuit, Errors, Freedom, NutError, Support};
 
-/// A ball of a nut with equal load sharing.
+/// State of a nut in which all balls carry equal loads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EqualShare {
-    /// Normal load of each ball \[N\].
+    /// Normal load on each ball \[N\].
     pub load: f64,
     /// Contact angle \[rad\].
     pub angle: f64,
@@ -21,12 +21,12 @@ pub struct EqualShare {
 }
 
 impl BallNut {
-    /// Returns the solution for rigid bodies, no errors and stiff guides: every ball carries an
-    /// equal share of an axial load \[N\], which is not zero.
+    /// Returns the state in which all balls carry equal shares of a nonzero axial load \[N\]. It is
+    /// exact for rigid bodies without manufacturing errors on stiff guides.
     ///
     /// # Errors
     ///
-    /// [`NutError::Contact`], [`NutError::NoBalls`], [`NutError::NothingCarries`].
+    /// Returns [`NutError::Contact`], [`NutError::NoBalls`] or [`NutError::NothingCarries`].
     pub fn equal(&self, axial: f64) -> Result<EqualShare, NutError> {
         if self.balls() == 0 {
             return Err(NutError::NoBalls);
@@ -34,7 +34,7 @@ impl BallNut {
         self.equal_of(&self.ball_in_grooves().map_err(NutError::Contact)?.series, axial)
     }
 
-    /// Returns the same solution for known ball data.
+    /// Returns the state with equal load sharing for known contact data of a ball.
     pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<EqualShare, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
@@ -47,8 +47,8 @@ impl BallNut {
         Ok(EqualShare { load: pressing.load, angle: pressing.angle, displacement, stiffness })
     }
 
-    /// Returns true if equal sharing is exact: rigid bodies, no errors and offsets, one flank, and
-    /// guides.
+    /// Returns true if equal load sharing is exact, which requires rigid bodies, no manufacturing
+    /// errors or offsets, balls on one flank only, and stiff guides.
     pub fn shares_equally(&self, support: &Support) -> bool {
         let held = support.0[1..].iter().all(|freedom| *freedom == Freedom::Held(0.0));
         let rigid = self.nut_bar.is_none() && self.screw_bar.is_none() && self.ring.is_none();
@@ -59,14 +59,15 @@ impl BallNut {
         held && rigid && level && self.errors == Errors::default()
     }
 
-    /// Returns an upper bound of the normal load of a ball under an axial load \[N\] (U27). It
-    /// holds for a guided nut without radial gap whose circuits are loaded only on the flank of the
-    /// load. Some ball carries at most the mean load, and the approaches of all balls differ at
-    /// most by the errors and the strain of the bodies.
+    /// Returns an upper bound of the normal load on any ball under an axial load \[N\] (U27). It
+    /// applies to a guided nut without radial gap if all balls can carry load only on the flank on
+    /// which the axial load acts. The bound holds because at least one ball carries at most the
+    /// mean load, and because manufacturing errors and strain of the bodies limit the differences
+    /// between the approaches of all balls.
     ///
     /// # Errors
     ///
-    /// The errors of [`equal`](Self::equal).
+    /// Returns the same errors as [`equal`](Self::equal).
     pub fn load_bound(&self, axial: f64) -> Result<f64, NutError> {
         let equal = self.equal(axial)?;
         let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;

@@ -1,4 +1,4 @@
-//! Axial stiffness of a nut, of its bodies, and of a preloaded nut as manufacturers state it.
+//! Axial stiffness of a nut and of its elastic bodies, and preload displacements.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U13), (U18) and (U28).
 
@@ -8,8 +8,8 @@ use crate::equilibrium::FREEDOMS;
 use crate::{BallNut, Equilibrium, Freedom, PreloadKind, Support};
 
 impl Equilibrium {
-    /// Returns the axial stiffness \[N/m\], the derivative of the axial load with respect to the
-    /// axial displacement. Degrees of freedom that the guides do not fix can move.
+    /// Returns the axial stiffness, which is the derivative of the axial load with respect to the
+    /// axial displacement \[N/m\]. Degrees of freedom that the guides do not fix can move freely.
     pub fn axial_stiffness(&self, support: &Support) -> f64 {
         let mut k = self.stiffness;
         for i in 1..FREEDOMS {
@@ -18,7 +18,7 @@ impl Equilibrium {
             if matches!(support.0[i], Freedom::Held(_)) || k[i][i] <= 1e-12 * usual {
                 continue;
             }
-            // k_ab − k_ai k_ib/k_ii
+            // The stiffness is condensed by k_ab − k_ai k_ib/k_ii.
             let (row, pivot) = (k[i], k[i][i]);
             for line in &mut k {
                 let share = line[i] / pivot;
@@ -32,7 +32,7 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// Returns the diameters to which the grooves of screw and nut reach at the contacts \[m\].
+    /// Returns the diameters of screw and nut at the contact points \[m\].
     pub fn groove_diameters(&self) -> [f64; 2] {
         let (middle, ball) = (2.0 * self.helix.radius, 2.0 * self.ball.radius);
         let across = ball * self.contact_angle.cos();
@@ -40,11 +40,11 @@ impl BallNut {
         [middle - across, middle + across]
     }
 
-    /// Returns Young's modulus times cross-sectional area of the screw \[N\]. The screw is a shaft
-    /// without its grooves.
+    /// Returns the axial rigidity of the screw \[N\], which is Young's modulus times
+    /// cross-sectional area. The screw is treated as a shaft without grooves.
     ///
-    /// * `twists`: true if the screw is also fixed against rotation at its anchor, so that the
-    ///   torque of each ball twists the screw and thereby moves its groove along the axis.
+    /// * `twists`: true if the screw is fixed against rotation at its anchor. The torque of each
+    ///   ball then twists the screw, which moves the groove in the axial direction.
     pub fn screw_stiffness(&self, twists: bool) -> f64 {
         let [screw, _] = self.groove_diameters();
         let steel = self.material.0;
@@ -60,16 +60,16 @@ impl BallNut {
         (axial.recip() + per_radian * per_radian / torsional).recip()
     }
 
-    /// Returns Young's modulus times cross-sectional area \[N\] of a nut with the given outer
-    /// diameter \[m\]. The nut is a tube without its grooves.
+    /// Returns the axial rigidity \[N\], which is Young's modulus times cross-sectional area, of a
+    /// nut with the given outer diameter \[m\]. The nut is treated as a tube without grooves.
     pub fn nut_stiffness(&self, outer: f64) -> f64 {
         let [_, inner] = self.groove_diameters();
         // EA = E π/4 (D₁² − D_t²)                                         (U13)
         self.material.0.youngs_modulus * 0.25 * PI * (outer * outer - inner * inner)
     }
 
-    /// Returns the displacement that preloads the nut \[m\]: the offset between the bodies, or the
-    /// excess of the ball diameter (U18).
+    /// Returns the displacement that preloads the nut \[m\] (U18), which is the offset between the
+    /// bodies or the excess of the ball diameter.
     pub fn preload_setting(&self, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
@@ -83,13 +83,14 @@ impl BallNut {
         }
     }
 
-    /// Returns the axial displacement of the contacts of one side due to a preload \[m\].
+    /// Returns the axial displacement of the contacts on one side that results from the preload
+    /// \[m\].
     pub fn preload_approach(&self, by: PreloadKind) -> f64 {
         let setting = self.preload_setting(by).abs();
         match by {
-            // δ_p = |O|/2
+            // For a preload by two bodies, δ_p = |O|/2.
             PreloadKind::Offset => 0.5 * setting,
-            // δ_p = 2Δr/(sinβ₀ cosα)
+            // For oversize balls, δ_p = 2Δr/(sinβ₀ cosα).
             PreloadKind::Oversize => setting / self.inclination(),
         }
     }

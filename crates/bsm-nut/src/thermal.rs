@@ -1,11 +1,11 @@
-//! The warm steady state: the heat of friction, its effect on the preload, and the fold.
+//! Warm steady state of a nut: frictional heat, its effect on the preload, and the fold.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I21).
 //!
-//! A [`ThermalAxis`] has a [`Network`], which conducts heat between five nodes. A [`WarmNut`]
-//! produces the heat, with grooves at the temperatures of the nodes. [`WarmNut::steady`] finds the
-//! temperatures at which both agree, and [`WarmNut::fold`] finds the speed above which there are
-//! none.
+//! A [`ThermalAxis`] has a [`Network`] that conducts heat between five nodes. A [`WarmNut`]
+//! generates heat, which depends on the node temperatures. [`WarmNut::steady`] calculates the
+//! temperatures at which generated and conducted heat are equal. [`WarmNut::fold`] calculates the
+//! speed above which no such temperatures exist.
 
 mod axis;
 mod band;
@@ -24,7 +24,7 @@ pub use coupling::{
 pub use network::{AxialHold, Network, ScrewBar, Sinks};
 pub use states::{Fold, NoSteadyState, OnBranch, Steady};
 
-/// Number of nodes: nut, screw along the travel, balls, and both ends of the screw.
+/// Number of thermal nodes: nut, screw along the travel, balls, and both ends of the screw.
 pub const NODES: usize = 5;
 
 /// Returns the temperatures of the nodes \[°C\].

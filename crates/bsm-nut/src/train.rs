@@ -1,4 +1,4 @@
-//! The ball train: ball advance, needed gap, and the forces between balls that touch.
+//! Ball trains: ball advance, needed gap, and forces between balls that touch.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O16).
 
@@ -16,27 +16,28 @@ use bsm_newton::{Bracket, FunctionValue};
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
-/// Largest push, divided by the mean ball load, for which loads and contact angles are assumed to
-/// be the same as without pushes.
+/// Largest ratio of push to mean ball load for which the effect of pushes on ball loads and contact
+/// angles is neglected.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
-/// Ball advance: motion of balls that do not touch, relative to each other.
+/// Ball advance, which is the relative motion of balls that do not touch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advance {
-    /// Difference between the largest and the smallest rate of the free balls, divided by their
-    /// mean rate.
+    /// Difference between the largest and the smallest rate of balls without pushes, divided by
+    /// their mean rate.
     pub spread: f64,
-    /// Helix angle between two balls that touch \[rad\].
+    /// Helix angle between the centers of two balls that touch \[rad\].
     pub touch_angle: f64,
-    /// Advance in each circuit.
+    /// Ball advance in each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Torque of ball-to-ball contact if every push is [`MAX_PUSH_RATIO`] \[N·m\], divided by the
-    /// friction coefficient between balls. This is an upper bound for smaller pushes.
+    /// Friction torque between balls if every push is [`MAX_PUSH_RATIO`] times the mean ball load,
+    /// divided by the friction coefficient between balls \[N·m\]. It is an upper bound for smaller
+    /// pushes.
     pub contact_torque: f64,
 }
 
 impl Advance {
-    /// Returns the largest needed gap of a circuit \[m\].
+    /// Returns the largest needed gap of all circuits \[m\].
     pub fn largest_gap(&self) -> f64 {
         let largest = self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max);
         // Values below a nanometer are rounding errors.
@@ -47,18 +48,18 @@ impl Advance {
 /// Ball advance in a circuit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitAdvance {
-    /// Smallest sum of the gaps in the loaded part at which no balls touch \[m\].
+    /// Smallest sum of the gaps in the loaded part of the circuit at which no balls touch \[m\].
     pub needed_gap: f64,
-    /// The balls in the order of the circuit; `None` for idle balls.
+    /// Advance of each ball, in the order of the circuit; `None` for idle balls.
     pub balls: Vec<Option<BallAdvance>>,
 }
 
-/// Advance of a ball.
+/// Advance of a single ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallAdvance {
-    /// Rate without pushes.
+    /// Rate of the ball without pushes, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Distance that the ball has gained on a cage that turns at a constant speed \[m\].
+    /// Distance by which the ball is ahead of a cage that turns at constant speed \[m\].
     pub advance: f64,
 }
 
@@ -71,43 +72,43 @@ pub struct TrainInputs {
     pub spacer: f64,
     /// Friction coefficient between balls.
     pub contact_friction: f64,
-    /// Push that the return requires from the last ball.
+    /// Push that the ball return requires at its exit.
     pub exit: Exit,
-    /// Force that moves an unloaded ball \[N\].
+    /// Force required to move an unloaded ball \[N\].
     pub idle_drag: f64,
 }
 
-/// The push that a return requires at its exit from the loaded part (O12).
+/// Push that a ball return requires at the exit from the loaded part (O12).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// Push that the return requires if the entering balls do not push, given as a force \[N\] or
-    /// by the step into the loaded part.
+    /// Push that the ball return requires if the entering balls do not push. It is given as a force
+    /// \[N\] or follows from the step into the loaded part.
     pub push: ExitPush,
-    /// Sum of the angles of all bends of the return \[rad\].
+    /// Sum of the angles of all bends in the ball return \[rad\].
     pub bend: f64,
-    /// Friction coefficient in the return.
+    /// Friction coefficient in the ball return.
     pub friction: f64,
 }
 
-/// Push at the exit if the entering balls do not push.
+/// Specification of the push that the ball return requires if the entering balls do not push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExitPush {
-    /// Push at the exit of the loaded part \[N\].
+    /// Push at the exit from the loaded part \[N\].
     AtExit(f64),
-    /// Force at the step into the loaded part, at the other end of the return \[N\].
+    /// Force at the step into the loaded part, which is at the other end of the ball return \[N\].
     AtEntry(f64),
 }
 
 impl Exit {
-    /// Returns the factor by which the bends increase a push.
+    /// Returns the factor by which the bends in the ball return amplify a push.
     fn growth(&self) -> f64 {
         (self.friction * self.bend).exp()
     }
 
-    /// Returns the push at the exit \[N\].
+    /// Returns the push that the ball return requires at its exit \[N\].
     ///
-    /// * `entry`: push of the first ball on the balls in the return \[N\].
-    /// * `centrifugal`: `$m v^2/2r_b$` \[N\].
+    /// * `entry`: push of the first loaded ball on the balls in the ball return \[N\].
+    /// * `centrifugal`: centrifugal term `$m v^2/2r_b$` \[N\].
     fn push(&self, entry: f64, centrifugal: f64) -> f64 {
         let grown = self.growth();
         // N_x = (F_e + N_e + m v²/(2 r_b)) e^(μ_r φ_r) − m v²/(2 r_b)     (O12)
@@ -125,61 +126,63 @@ pub enum Rolling {
     Rolls,
     /// The ball carries no load.
     Idle,
-    /// The neighbors of the ball stop its rotation.
+    /// The neighboring balls stop the rotation of the ball.
     Blocked,
 }
 
-/// A ball of a train.
+/// A ball in a train.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallOfTrain {
     /// State of the ball.
     pub rolling: Rolling,
-    /// Rate `$(P - \Omega_n)/W$`.
+    /// Rate of the ball, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Normal forces of the neighbors in front and behind, in the direction of travel \[N\].
+    /// Normal forces from the neighboring balls in front and behind, in the direction of travel
+    /// \[N\].
     pub pushes: [f64; 2],
     /// Gap to the next ball \[m\].
     pub gap: f64,
 }
 
-/// A circuit in steady flux.
+/// A circuit with a steady flow of balls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitTrain {
-    /// Rate of the balls that touch.
+    /// Rate of the balls that touch each other.
     pub rate: f64,
-    /// Flux: number of balls that pass per second \[1/s\].
+    /// Number of balls that pass a point per second \[1/s\].
     pub flux: f64,
-    /// Pushes at the exit from the loaded part and at its entry \[N\].
+    /// Pushes at the exit from the loaded part and at the entry \[N\].
     pub ends: [f64; 2],
-    /// The balls in the order of the circuit.
+    /// Balls in the order of the circuit.
     pub balls: Vec<BallOfTrain>,
 }
 
-/// A nut with its ball trains.
+/// Ball trains of a nut.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Train {
-    /// Circuits of the nut.
+    /// Ball train in each circuit.
     pub circuits: Vec<CircuitTrain>,
-    /// Torque at the raceways if no balls touch \[N·m\].
+    /// Torque due to friction at the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
-    /// Torque at the raceways.
+    /// Torque due to friction at the raceways \[N·m\].
     pub raceway_torque: f64,
-    /// Torque of ball-to-ball contact and of moving idle balls.
+    /// Torque due to friction between balls and to the motion of idle balls \[N·m\].
     pub contact_torque: f64,
-    /// Torque of the balls that are pushed through the returns.
+    /// Torque due to pushing the balls through the ball returns \[N·m\].
     pub return_torque: f64,
-    /// Torque of balls that have caught up with the train and would be faster on their own.
+    /// Torque lost when faster balls catch up with the train \[N·m\].
     pub catching_torque: f64,
-    /// Power balance: power of screw and load minus all losses, divided by the losses.
+    /// Relative error of the power balance: the power of screw and load minus all losses, divided
+    /// by the losses.
     pub power_balance: f64,
-    /// Number of contacts between balls that transmit a push.
+    /// Number of ball-to-ball contacts that transmit a push.
     pub touching: usize,
-    /// Largest push \[N\].
+    /// Largest push between balls \[N\].
     pub largest_push: f64,
 }
 
 impl Train {
-    /// Returns the total friction torque of the balls \[N·m\].
+    /// Returns the total friction torque \[N·m\].
     pub fn torque(&self) -> f64 {
         self.raceway_torque + self.contact_torque + self.return_torque + self.catching_torque
     }
@@ -191,62 +194,64 @@ impl Train {
     }
 }
 
-/// The reason why a train has no steady flux, or why none was found.
+/// Reason why a ball train has no steady flow or why none was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
-    /// Balls are loaded on both flanks, which the model of the train does not cover.
-    #[error("a ball is pressed by both flanks; pushes are calculated for balls on one flank")]
+    /// A ball is loaded on both flanks, which the ball-train model does not cover.
+    #[error(
+        "a ball is loaded by both flanks, but pushes are calculated only for balls on one flank"
+    )]
     BothFlanks,
-    /// The balls of a circuit leave no gap.
+    /// The balls of a circuit leave no gap between them.
     #[error("circuit {circuit} has no free length between its balls")]
     NoRoom {
         /// Index of the circuit.
         circuit: usize,
     },
-    /// The return requires more force than the balls can supply.
+    /// A ball return requires a larger push than the balls can provide.
     #[error(
         "the return needs a push of {needed:.3} N, but the balls can provide only {available:.3} N"
     )]
     Return {
-        /// Push at the exit \[N\].
+        /// Push required at the exit \[N\].
         needed: f64,
-        /// Largest force that all balls before the exit can supply before they slide \[N\].
+        /// Largest push that all balls together can provide before they slide \[N\].
         available: f64,
     },
-    /// Before the gaps reach their given values, a push exceeds [`MAX_PUSH_RATIO`] of the largest
-    /// load.
-    #[error("the balls push with more than {push:.3} N, {:.1} % of their largest load", 100.0 * part)]
+    /// A push exceeds [`MAX_PUSH_RATIO`] times the largest ball load before the gaps reach their
+    /// given values.
+    #[error("the pushes between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
-        /// Push at a rate of the train that is too low \[N\].
+        /// Push at a train rate that is still too low \[N\].
         push: f64,
-        /// Ratio of the push to the largest load.
+        /// Ratio of the push to the largest ball load.
         part: f64,
     },
-    /// The rate of a circuit without load is undetermined.
+    /// A circuit carries no load, so its rate is undetermined.
     #[error("circuit {circuit} carries no load, so the speed of its balls is unknown")]
     Unloaded {
         /// Index of the circuit.
         circuit: usize,
     },
-    /// A single ball has no steady motion.
+    /// A ball has no steady motion even without pushes.
     #[error("a single ball of circuit {circuit} has no steady motion")]
     NoMotion {
-        /// Index of the ball.
+        /// Index of the circuit.
         circuit: usize,
     },
-    /// No solution was found for a ball or for the flux.
+    /// No solution was found for a ball or for the flow in a circuit.
     #[error("the pushes of circuit {circuit} could not be calculated: {what}")]
     NotConverged {
-        /// Index of the ball or circuit.
+        /// Index of the circuit.
         circuit: usize,
-        /// The quantity that was not found.
+        /// Description of what could not be calculated.
         what: &'static str,
     },
 }
 
 impl BallNut {
-    /// Returns the helix angle between two balls whose centers are one ball diameter and one spacer
-    /// apart \[rad\] (O8).
+    /// Returns the helix angle between two balls whose centers are separated by one ball diameter
+    /// plus one spacer \[rad\] (O8).
     pub fn touch_angle(&self, spacer: f64) -> f64 {
         let distance = 2.0 * self.ball.radius + spacer;
         let per_radian = self.helix.lead() / TAU;
@@ -260,14 +265,14 @@ impl BallNut {
         Bracket::new(ends, ends.map(missing)).root(missing).root().map_or(straight, |root| root.x)
     }
 
-    /// Returns the number of balls for which the loaded arc of a circuit has space.
+    /// Returns the number of balls that fit into the loaded arc of a circuit.
     ///
     /// * `spacer`: thickness of the spacers \[m\].
     pub fn room(&self, circuit: usize, spacer: f64) -> f64 {
         (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
     }
 
-    /// Returns the indices of the balls of a circuit, ordered in the direction of travel.
+    /// Returns the indices of the balls in a circuit, in the direction of travel.
     fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
         let numbers = 0..found.positions.len();
         let mut order: Vec<_> =
@@ -278,9 +283,10 @@ impl BallNut {
         order
     }
 
-    /// Returns the ball advance if no balls touch, or `None` unless every loaded ball has a motion.
+    /// Returns the ball advance for balls that do not touch, or `None` unless every loaded ball has
+    /// a steady motion.
     ///
-    /// * `motions`: motions of the balls, from [`NutFriction`](crate::NutFriction).
+    /// * `motions`: motions of the balls without pushes, from [`NutFriction`](crate::NutFriction).
     /// * `spacer`: thickness of the spacers \[m\].
     pub fn advance(
         &self,
@@ -337,16 +343,17 @@ impl BallNut {
         Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
 
-    /// Returns the ball trains of all circuits, with the pushes between balls that touch (O8) to
+    /// Returns the ball trains of all circuits, with pushes between the balls that touch (O8) to
     /// (O16).
     ///
     /// * `motions`: motions of the balls without pushes, from [`NutFriction`](crate::NutFriction).
-    /// * `friction`: friction coefficient; `None` for another friction law.
-    /// * `in_train`: returns the ball for a point and its state without pushes.
+    /// * `friction`: friction coefficient; `None` if another friction law applies.
+    /// * `in_train`: function that creates a ball with pushes from an operating point and the ball
+    ///   state without pushes.
     ///
     /// # Errors
     ///
-    /// [`TrainError`].
+    /// Returns [`TrainError`] if no steady flow exists or was found.
     pub fn train(
         &self,
         found: &Equilibrium,
@@ -409,7 +416,7 @@ impl BallNut {
     }
 }
 
-/// A circuit whose flux is calculated.
+/// A circuit whose steady flow is calculated.
 struct Flow<'a> {
     nut: &'a BallNut,
     inputs: &'a TrainInputs,
@@ -417,27 +424,28 @@ struct Flow<'a> {
     circuit: usize,
     room: f64,
     touch_angle: f64,
-    /// Balls of the circuit, ordered in the direction of travel. Idle balls are `None`.
+    /// Balls of the circuit, in the direction of travel; `None` for idle balls.
     balls: Vec<Option<&'a TrainBall>>,
-    /// `$m v^2/2r_b$` of the free balls \[N\].
+    /// Centrifugal term `$m v^2/2r_b$` of balls without pushes \[N\].
     centrifugal: f64,
 }
 
-/// A ball at a given rate of the train.
+/// State of a ball at a given rate of the train.
 #[derive(Debug, Clone, Copy)]
 struct State {
     rolling: Rolling,
     rate: f64,
     pushes: [f64; 2],
-    /// `None` for idle and blocked balls.
+    /// Motion of the ball; `None` for idle and blocked balls.
     motion: Option<TrainMotion>,
-    /// Derivatives of the rate and of the push behind with respect to the rate of the train.
+    /// Derivatives of the ball rate and of the push from behind with respect to the rate of the
+    /// train.
     by_train: [f64; 2],
-    /// The rate of the train and the push in front for which the ball was solved.
+    /// Rate of the train and push from the front for which this state was calculated.
     of: [f64; 2],
 }
 
-/// A circuit at a given rate of the train.
+/// State of a circuit at a given rate of the train.
 #[derive(Debug, Clone)]
 struct CircuitState {
     rate: f64,
@@ -447,29 +455,30 @@ struct CircuitState {
 }
 
 impl CircuitState {
-    /// Returns the push of the first ball on the balls in the return \[N\].
+    /// Returns the push of the first ball on the balls in the ball return \[N\].
     fn entry(&self) -> f64 {
         self.states.first().map_or(0.0, |state| state.pushes[1])
     }
 }
 
-/// Relative change of a push between two passes around the circuit at which the push counts as
-/// constant.
+/// Relative change of the entry push between two passes around the circuit below which the push
+/// counts as constant.
 const ENTRY_TOLERANCE: f64 = 1e-9;
-/// Maximum number of passes around a circuit. A free ball does not depend on the balls behind it,
-/// so that two passes are sufficient if there is a free ball.
+/// Maximum number of passes around a circuit. If at least one ball is free, two passes are
+/// sufficient, because a free ball does not depend on the balls behind it.
 const MAX_PASSES: usize = 40;
-/// First step, relative to the rate, of the bracketing that follows if Newton's method does not
-/// find the rate of a train.
+/// First step of the bracketing search, relative to the rate. The bracketing search is used if
+/// Newton's method does not find the rate of the train.
 const STEP: f64 = 1e-4;
-/// Growth factor of the bracketing steps.
+/// Factor by which each bracketing step is longer than the previous step.
 const GROWTH: f64 = 3.0;
 /// Maximum number of bracketing steps.
 const STEPS: usize = 12;
-/// Moment of the neighbors divided by the moment that stops a ball (O6), above which a ball without
-/// a steady motion counts as blocked, because its raceways also carry the difference of the pushes.
+/// Ratio of the neighbors' friction moment to the moment that stops a ball (O6), above which a ball
+/// without a steady motion counts as blocked. The ratio is below 1 because the raceways also carry
+/// the difference between the pushes.
 const MAX_STOPPED_SHARE: f64 = 0.9;
-/// Ratio of free length to ball length, below which the free length is smaller than the rounding
+/// Ratio of free length to ball length below which the free length is smaller than the rounding
 /// errors of the rates.
 const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
 /// Permitted relative error of the free length.
@@ -478,7 +487,8 @@ const ROOM_TOLERANCE: f64 = 1e-6;
 const RATE_TOLERANCE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
-    /// Collects the data of a circuit: nut, inputs, relative speed, touch angle and free length.
+    /// Collects the data of a circuit. The arguments are nut, inputs, relative speed and touch
+    /// angle; circuit index and free length; and balls.
     fn of(
         (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
         (circuit, room): (usize, f64),
@@ -499,25 +509,26 @@ impl Flow<'_> {
         self.balls.iter().flatten().copied()
     }
 
-    /// Returns the length of the train per ball: a ball and a spacer along the helix \[m\].
+    /// Returns the length that a touching ball occupies along the helix, including its spacer
+    /// \[m\].
     fn pitch(&self) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.touch_angle
     }
 
-    /// Returns the speed along the helix for a rate \[m/s\].
+    /// Converts a rate to a speed along the helix \[m/s\].
     fn speed_of(&self, rate: f64) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.speed.abs() * rate
     }
 
-    /// Returns the free length of balls with given rates at a rate of the train (O10) \[m\], minus
-    /// the given free length.
+    /// Returns the free length that results from the given ball rates at a rate of the train (O10),
+    /// minus the given free length, in units of the length per ball.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
         let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
         gained - self.room / self.pitch()
     }
 
-    /// Returns the excess of the free length by the approximation that is linear in the pushes.
+    /// Returns the difference of the free lengths in an approximation that is linear in the pushes.
     fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;
@@ -543,8 +554,9 @@ impl Flow<'_> {
         surplus
     }
 
-    /// Returns the circuit at a rate of the train, solved from the exit backward (O11) until the
-    /// push at the entry is constant, and the excess of its free length (O10).
+    /// Solves the circuit at a rate of the train, from the exit backward (O11), and repeats this
+    /// until the push at the entry is constant. Returns the difference between the resulting and
+    /// the given free length (O10).
     fn pass(
         &self,
         rate: f64,
@@ -561,9 +573,9 @@ impl Flow<'_> {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = [state.pushes[1], state.by_train[1]];
             }
-            // If all balls touch, each pass adds the push of the return, and there is no free
-            // length. This conclusion is valid if the iteration began without a push at the entry;
-            // otherwise the push may stem from another rate.
+            // If all balls touch, each pass adds the push of the ball return, and no free length
+            // remains. This conclusion is valid only if the iteration started without a push at the
+            // entry. A push left over from another rate must therefore be reset to zero.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
             [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
@@ -573,11 +585,11 @@ impl Flow<'_> {
                 return Ok(FunctionValue { value, slope: Some(slopes.sum::<f64>() / rate) });
             }
         }
-        Err("the push at the entry does not converge")
+        Err("the push at the entry did not converge")
     }
 
-    /// Returns a ball with the push of the ball in front, and the derivative of the push behind
-    /// with respect to the rate of the train.
+    /// Returns the state of a ball for a given push from the front. The state contains the
+    /// derivative of the push from behind with respect to the rate of the train.
     fn state(
         &self,
         ball: Option<&TrainBall>,
@@ -619,7 +631,7 @@ impl Flow<'_> {
         };
         let held = |motion: TrainMotion| {
             let [by_front, by_back] = motion.compliances();
-            // dN_b/dp_c = (1 − c_f dN_f/dp_c)/c_b
+            // The derivative is dN_b/dp_c = (1 − c_f dN_f/dp_c)/c_b.
             let back = (1.0 - by_front * by_train) / by_back;
             (by_back > 0.0)
                 .then(|| rolls(motion, [1.0, back]))
@@ -652,9 +664,10 @@ impl Flow<'_> {
         }
     }
 
-    /// Returns the circuit at the rate of the train for which the free length has its given value.
+    /// Returns the circuit at the rate of the train for which the free length equals the given free
+    /// length.
     ///
-    /// * `largest_load`: largest ball load of the nut \[N\].
+    /// * `largest_load`: largest ball load in the nut \[N\].
     fn steady(
         &self,
         largest_load: f64,
@@ -678,8 +691,8 @@ impl Flow<'_> {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
-        // A ball supplies at most the friction of both contacts in full sliding. It supplies
-        // nothing if the ball in front stops its rotation (O6).
+        // A ball provides at most the friction force of both contacts in full sliding. It provides
+        // no push if the ball in front stops its rotation (O6).
         let given = self.rolling().map(TrainBall::sliding_push);
         let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
         let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
@@ -705,8 +718,8 @@ impl Flow<'_> {
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
-                // Pushes rise with the rate of the train. If a rate leaves too much free length,
-                // the pushes are larger.
+                // Pushes increase with the rate of the train. If the free length at this rate is
+                // still too large, the actual pushes are larger than these.
                 if value.value > 0.0 {
                     least_push = pass
                         .states
@@ -715,7 +728,7 @@ impl Flow<'_> {
                 }
                 value
             }
-            // No ball can supply the push at this rate, so the rate is an upper limit.
+            // No ball can provide the push at this rate, so this rate is an upper limit.
             Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;
@@ -734,18 +747,20 @@ impl Flow<'_> {
                 failed(why)
             });
         }
-        // The excess must fall with the rate; otherwise another rate may have the same free length.
+        // The free length must decrease with increasing rate. Otherwise, another rate may lead to
+        // the same free length.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
             return Err(failed("more than one rate of the train results in this free length"));
         }
         Ok(pass)
     }
 
-    /// Finds the root of an excess that falls with the rate and returns the excess there. Newton
-    /// steps from a guess are used as long as each step is at most half of the previous step; then
-    /// the root is bracketed.
+    /// Finds the root of a function that decreases with the rate, and returns the function value
+    /// there. Newton steps are used as long as each step is at most half as long as the previous
+    /// step. After that, the root is bracketed.
     fn solve_surplus(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
-        // Each state starts from the previous state, which would be lost in a wide bracket.
+        // Each state is calculated from the previous state as the starting point, which would be
+        // too far away in a wide bracket.
         let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
         loop {
             let slope = here.slope.filter(|slope| *slope < 0.0);
@@ -775,8 +790,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Returns the powers lost at the raceways, in ball-to-ball contact and by idle balls, in the
-    /// return, and by catching up \[W\].
+    /// Returns the power losses at the raceways, between balls (including idle balls), in the ball
+    /// return, and due to catching up \[W\].
     fn losses(&self, pass: &CircuitState) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
@@ -800,14 +815,14 @@ impl Flow<'_> {
         lost
     }
 
-    /// Returns the power lost by a ball that slides on both raceways without rotating \[W\].
+    /// Returns the power loss of a ball that slides on both raceways without rotating \[W\].
     fn blocked(&self, ball: &TrainBall, rate: f64) -> f64 {
         let ([nut, screw], speed) = (ball.free().loads, self.speed_of(rate));
         // f Q_A v + f Q_B (d|W| − v)                                      (O7)
         ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed))
     }
 
-    /// Returns the power that screw and load supply \[W\].
+    /// Returns the power supplied by screw and load \[W\].
     fn power_in(&self, pass: &CircuitState) -> f64 {
         let of = |(ball, state): (Option<&TrainBall>, &State)| match (ball, &state.motion) {
             (Some(ball), Some(motion)) => ball.power_in(motion),
@@ -817,7 +832,7 @@ impl Flow<'_> {
         self.balls.iter().copied().zip(&pass.states).map(of).sum()
     }
 
-    /// Returns the balls in the order of the circuit.
+    /// Returns the train with its balls in the order of the circuit.
     fn train(&self, pass: &CircuitState, is_reversed: bool) -> CircuitTrain {
         let mut balls: Vec<_> = pass
             .states

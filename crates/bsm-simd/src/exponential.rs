@@ -1,6 +1,6 @@
-//! Exponential and logarithm.
+//! Exponential function, natural logarithm and inverse hyperbolic sine for lanes.
 //!
-//! No library provides these functions for vectors whose width is chosen at run time.
+//! No library provides these functions for vectors whose width is selected at run time.
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
@@ -9,38 +9,40 @@ use pulp::Simd;
 use crate::Lane;
 use crate::polynomial::polynomial;
 
-/// `$2^{52}$`, whose last bit has the value one.
+/// The number `$2^{52}$`, for which the unit in the last place is 1.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
-/// Adding this number rounds to whole numbers, which are then in the last bits of the sum.
+/// Constant that rounds to an integer when it is added. The integer is then in the low bits of the
+/// sum.
 const WHOLE: f64 = 1.5 * TWO_TO_52;
 
-/// `$\ln 2$`, rounded to 33 bits so that its multiples are exact, and the remainder.
+/// High part of `$\ln 2$`, rounded to 33 bits so that multiples by small integers are exact.
+/// `LN_2_LOW` is the remainder.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// Returns two to the power of the whole number in the last bits.
+/// Returns two raised to the integer in the low bits of `sum`.
 #[inline(always)]
 fn power_of_two(sum: f64) -> f64 {
     f64::from_bits(sum.to_bits().wrapping_add(1023) << 52)
 }
 
-/// Returns the exponent of a normal number.
+/// Returns the binary exponent of a normal number.
 #[inline(always)]
 fn exponent(x: f64) -> f64 {
-    // The bits of the exponent replace the last bits of 2⁵², which is then subtracted.
+    // The exponent bits replace the low bits of 2⁵², and 2⁵² is then subtracted.
     f64::from_bits(x.to_bits() >> 52 | 0x4330_0000_0000_0000) - (TWO_TO_52 + 1023.0)
 }
 
-/// Returns the mantissa: the number divided by two to the power of its exponent, from 1 to 2.
+/// Returns the mantissa, which is the number divided by two raised to its exponent, in [1, 2).
 #[inline(always)]
 fn mantissa(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000)
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Returns the exponential function with an error of two units in the last place. The numbers
-    /// must lie between -700 and 700; otherwise the result has no meaning.
+    /// Returns the exponential function with an error of at most two units in the last place. The
+    /// numbers must be between -700 and 700; for other numbers, the result is meaningless.
     #[inline(always)]
     #[must_use]
     pub fn exp(self) -> Self {
@@ -48,13 +50,14 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let whole = sum - WHOLE;
         let high = whole.neg_mul_add(self.constant(LN_2_HIGH), self);
         let x = whole.neg_mul_add(self.constant(LN_2_LOW), high);
-        // Taylor's series is used on |x| ≤ ln 2/2, where the first omitted term, 0.35¹⁴/14!, is
+        // The Taylor series is used for |x| ≤ ln 2/2, where the first omitted term, 0.35¹⁴/14!, is
         // 4e-18.
         polynomial(&INVERSE_FACTORIALS, x) * sum.each(power_of_two)
     }
 
     /// Returns the natural logarithm. The error is at most 2e-16 times the larger of 1 and the
-    /// result. The numbers must be normal and positive; otherwise the result has no meaning.
+    /// absolute result. The numbers must be positive and normal; for other numbers, the result is
+    /// meaningless.
     #[inline(always)]
     #[must_use]
     pub fn ln(self) -> Self {
@@ -62,14 +65,15 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let upper = mantissa.gt(self.constant(SQRT_2));
         let x = upper.select(mantissa * 0.5, mantissa);
         let exponent = upper.select(exponent + 1.0, exponent);
-        // ln x = 2 artanh s, s = (x − 1)/(x + 1), |s| ≤ 0.172: s²⁴/25 is 2e-20.
+        // The series ln x = 2 artanh s with s = (x − 1)/(x + 1) and |s| ≤ 0.172 is truncated at
+        // s²⁴/25, which is 2e-20.
         let s = (x - 1.0) / (x + 1.0);
         let series = polynomial(&INVERSE_ODDS, s * s);
         exponent.mul_add(self.constant(LN_2), s * 2.0 * series)
     }
 
-    /// Returns the inverse hyperbolic sine of numbers up to 1e150. The error is at most 1e-15 times
-    /// the larger of 1 and the result.
+    /// Returns the inverse hyperbolic sine of numbers with absolute values up to 1e150. The error
+    /// is at most 1e-15 times the larger of 1 and the absolute result.
     #[inline(always)]
     #[must_use]
     pub fn arsinh(self) -> Self {
@@ -79,7 +83,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     }
 }
 
-/// The reciprocals of 0! to 13!.
+/// Reciprocals of the factorials 0! to 13!.
 const INVERSE_FACTORIALS: [f64; 14] = [
     1.0,
     1.0,
@@ -97,7 +101,7 @@ const INVERSE_FACTORIALS: [f64; 14] = [
     1.605_904_383_682_161_5e-10,
 ];
 
-/// The reciprocals of 1, 3, and so on up to 23.
+/// Reciprocals of the odd numbers 1 to 23.
 const INVERSE_ODDS: [f64; 12] = [
     1.0,
     1.0 / 3.0,
@@ -125,7 +129,8 @@ mod tests {
     by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {
-        /// The results agree with the standard library, whose error is at most one unit of 1.1e-16.
+        /// The results match the standard library, whose relative error is at most one unit of
+        /// 1.1e-16.
         #[test]
         fn exponentials_and_logarithms_match_the_standard_library(
             x in proptest::array::uniform8(-700.0..700.0_f64),
@@ -145,7 +150,7 @@ mod tests {
         }
     }
 
-    /// Results are bit-identical on every instruction set.
+    /// The results are bit-identical on every instruction set.
     #[test]
     fn exponentials_are_bit_identical_on_every_instruction_set() {
         let x = [-600.0, -1.0, -1e-9, 0.0, 1e-3, 0.9, 33.0, 650.0];

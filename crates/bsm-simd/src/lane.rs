@@ -1,19 +1,19 @@
-//! Lanes: vectors of numbers as wide as the instruction set permits.
+//! Lanes, which are vectors of numbers as wide as the instruction set permits.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use bsm_kin::{Jet, Real, parts};
 use pulp::Simd;
 
-/// Numbers of several points. A lane contains `N` vectors of the instruction set, so that the
-/// processor can work on one vector while it waits for another.
+/// A lane with one number for each of several points. It consists of `N` vectors of the instruction
+/// set, so that the processor can work on one vector while it waits for another.
 #[derive(Clone, Copy)]
 pub struct Lane<S: Simd, const N: usize = 1> {
     simd: S,
     x: [S::f64s; N],
 }
 
-/// A truth value for each number of a [`Lane`].
+/// A truth value for every number of a [`Lane`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mask<S: Simd, const N: usize = 1> {
     simd: S,
@@ -21,22 +21,23 @@ pub struct Mask<S: Simd, const N: usize = 1> {
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Number of values in a lane.
+    /// Number of elements in a lane.
     pub const LEN: usize = N * S::F64_LANES;
 
-    /// Returns a lane with the same number in every place.
+    /// Creates a lane in which all numbers are equal to `x`.
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
         Self { simd, x: [simd.splat_f64s(x); N] }
     }
 
-    /// Returns a lane made of vectors of the instruction set.
+    /// Creates a lane from vectors of the instruction set.
     #[inline(always)]
     pub fn of(simd: S, x: [S::f64s; N]) -> Self {
         Self { simd, x }
     }
 
-    /// Returns a lane with the first numbers of a slice, and zeros beyond the end of the slice.
+    /// Loads the first numbers of a slice into a lane. If the slice is too short, the remaining
+    /// numbers are zero.
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(from);
@@ -55,7 +56,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { simd, x }
     }
 
-    /// Writes the numbers to the beginning of a slice, as many as the slice can hold.
+    /// Writes the numbers to the beginning of a slice. If the slice is too short, the remaining
+    /// numbers are not written.
     #[inline(always)]
     pub fn store(self, to: &mut [f64]) {
         let (whole, rest) = S::as_mut_simd_f64s(to);
@@ -72,27 +74,27 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         }
     }
 
-    /// Returns a constant lane of the same width.
+    /// Returns a lane of the same width in which all numbers are equal to `x`.
     #[inline(always)]
     #[must_use]
     pub fn constant(self, x: f64) -> Self {
         Self::splat(self.simd, x)
     }
 
-    /// Returns a lane with the first numbers of a slice, as [`load`](Self::load) does.
+    /// Loads the first numbers of a slice into a lane of the same width, like [`load`](Self::load).
     #[inline(always)]
     #[must_use]
     pub fn like(self, from: &[f64]) -> Self {
         Self::load(self.simd, from)
     }
 
-    /// Returns the numbers as an array.
+    /// Returns the numbers as a slice.
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
         pulp::bytemuck::cast_slice(&self.x)
     }
 
-    /// Applies a function to the numbers one after the other.
+    /// Applies a scalar function to each number, one after another.
     #[inline(always)]
     #[must_use]
     pub fn each(mut self, f: impl Fn(f64) -> f64) -> Self {
@@ -103,8 +105,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self
     }
 
-    /// Applies a function to each number and the corresponding number of another lane, one after
-    /// the other.
+    /// Applies a scalar function to each pair of corresponding numbers of two lanes, one after
+    /// another.
     #[inline(always)]
     #[must_use]
     pub fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
@@ -115,7 +117,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self
     }
 
-    /// Returns the reciprocal.
+    /// Returns the reciprocals of the numbers.
     #[inline(always)]
     #[must_use]
     pub fn recip(self) -> Self {
@@ -138,15 +140,15 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(c.x, N, i, simd.negate_mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }
 
-    /// Returns the square root.
+    /// Returns the square roots of the numbers.
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
         Self { x: parts!(self.x, N, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
-    /// Returns the sum of all numbers. The second half of the vectors is added to the first half
-    /// until one vector remains.
+    /// Returns the sum of all numbers. The second half of the vectors is repeatedly added to the
+    /// first half until only one vector remains.
     #[inline(always)]
     pub fn sum(mut self) -> f64 {
         let mut parts = N;
@@ -159,31 +161,33 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self.simd.reduce_sum_f64s(self.x[0])
     }
 
-    /// Returns the absolute value.
+    /// Returns the absolute values of the numbers.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
         let simd = self.simd;
-        // Clears the sign bit, because the function `abs` of pulp is not inlined.
+        // The sign bit is cleared with a bit mask, because the function `abs` of the crate pulp is
+        // not inlined.
         let size = simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
         Self { x: parts!(self.x, N, i, simd.and_f64s(size, self.x[i])), ..self }
     }
 
-    /// Returns the larger number.
+    /// Returns the larger number of each pair of corresponding numbers in two lanes.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         self.lt(other).select(other, self)
     }
 
-    /// Returns the smaller number.
+    /// Returns the smaller number of each pair of corresponding numbers in two lanes.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         self.lt(other).select(self, other)
     }
 
-    /// Returns a mask that is true where the number is less than the other number; false for NaN.
+    /// Returns a mask that is true where the number in `self` is less than the number in `other`,
+    /// and false where one of them is NaN.
     #[inline(always)]
     pub fn lt(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
@@ -191,7 +195,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Mask { simd, m: parts!(none, N, i, simd.less_than_f64s(self.x[i], other.x[i])) }
     }
 
-    /// Returns a mask that is true where the number is at most the other number; false for NaN.
+    /// Returns a mask that is true where the number in `self` is less than or equal to the number
+    /// in `other`, and false where one of them is NaN.
     #[inline(always)]
     pub fn le(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
@@ -199,8 +204,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Mask { simd, m: parts!(none, N, i, simd.less_than_or_equal_f64s(self.x[i], other.x[i])) }
     }
 
-    /// Returns a mask that is true where the number is greater than the other number; false for
-    /// NaN.
+    /// Returns a mask that is true where the number in `self` is greater than the number in
+    /// `other`, and false where one of them is NaN.
     #[inline(always)]
     pub fn gt(self, other: Self) -> Mask<S, N> {
         other.lt(self)
@@ -208,21 +213,22 @@ impl<S: Simd, const N: usize> Lane<S, N> {
 }
 
 impl<S: Simd, const N: usize> Mask<S, N> {
-    /// Selects one number where the mask is true and another number where it is false.
+    /// Returns a lane with the numbers of `yes` where the mask is true, and of `no` where it is
+    /// false.
     #[inline(always)]
     pub fn select(self, yes: Lane<S, N>, no: Lane<S, N>) -> Lane<S, N> {
         let simd = self.simd;
         Lane { x: parts!(no.x, N, i, simd.select_f64s(self.m[i], yes.x[i], no.x[i])), ..yes }
     }
 
-    /// Returns 1 where the mask is true and 0 where it is false.
+    /// Returns a lane with 1 where the mask is true and 0 where it is false.
     #[inline(always)]
     pub fn to_numbers(self) -> Lane<S, N> {
         let one = Lane::splat(self.simd, 1.0);
         self.select(one, one.constant(0.0))
     }
 
-    /// Returns true if the mask is true for any number.
+    /// Returns true if the mask is true for at least one number.
     #[inline(always)]
     pub fn any(self) -> bool {
         let mut any = false;
@@ -232,7 +238,8 @@ impl<S: Simd, const N: usize> Mask<S, N> {
         any
     }
 
-    /// Writes the truth values to the beginning of a slice, as many as the slice can hold.
+    /// Writes the truth values to the beginning of a slice. If the slice is too short, the
+    /// remaining values are not written.
     #[inline(always)]
     pub fn store(self, to: &mut [bool]) {
         for (to, x) in to.iter_mut().zip(self.to_numbers().as_slice()) {
@@ -247,7 +254,7 @@ impl<S: Simd, const N: usize> PartialEq for Mask<S, N> {
     }
 }
 
-/// Implements methods of a trait by the methods of a lane that have the same names.
+/// Implements trait methods by forwarding to inherent methods of the lane with the same names.
 macro_rules! own_methods {
     ($($name:ident($($x:ident: $kind:ty),*) -> $out:ty;)*) => {$(
         #[inline(always)]
@@ -407,7 +414,7 @@ mod tests {
     use crate::BLOCK;
     use crate::tests::by_lanes;
 
-    /// Evaluates an expression that uses every operation.
+    /// Evaluates an expression that uses all operations.
     #[inline(always)]
     fn everything<D: RealOver<P>, P>(x: D, y: D, p: P) -> D
     where
@@ -436,7 +443,7 @@ mod tests {
             let found = Arch::new().dispatch(Both { x, y });
             for i in 0..BLOCK {
                 let jet = jets(Jet::<2>::variable(x[i], 0), Jet::variable(y[i], 1));
-                // The tolerance allows for rounding errors of a few terms of at most ten.
+                // The tolerance allows for rounding errors of a few terms with values up to ten.
                 prop_assert!((found[0][i] - jet.re).abs() <= 1e-14 * (1.0 + jet.re.abs()));
                 for k in 0..2 {
                     let error = (found[k + 1][i] - jet.eps[k]).abs();

@@ -1,10 +1,10 @@
-//! Arithmetic on several numbers at once, with the widest instruction set of the machine: AVX-512,
-//! AVX2, the instruction set of another processor, or portable scalar code. The instruction set is
-//! chosen at run time.
+//! Arithmetic on several numbers at once, with the widest instruction set of the machine. The crate
+//! supports AVX-512, AVX2, vector instructions of other processors, and portable scalar code. The
+//! instruction set is selected at run time.
 //!
 //! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
-//! which they are written and are fused only where the code says so. Results are therefore the same
-//! on every instruction set and in every lane.
+//! which they are written, and are fused only where the code requests it. The results are therefore
+//! identical for every instruction set and every position in a lane.
 
 mod exponential;
 mod lane;
@@ -16,13 +16,13 @@ pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Count of numbers that are processed together, which is the length of the widest vectors.
+/// Number of values that are processed together, which is the width of the widest vectors.
 pub const BLOCK: usize = 8;
 
-/// One number for each point of a group.
+/// Block with one number for each of [`BLOCK`] points.
 pub type Block = [f64; BLOCK];
 
-/// Returns the short name of an instruction set.
+/// Returns a short name of an instruction set.
 pub fn name(arch: Arch) -> &'static str {
     match arch {
         Arch::Scalar => "portable",
@@ -34,8 +34,8 @@ pub fn name(arch: Arch) -> &'static str {
     }
 }
 
-/// Runs code for a few numbers on vectors of half the length, if the instruction set has them. On
-/// the longest vectors, square roots and quotients take twice as long.
+/// Runs code for a few numbers on vectors of half the width, if the instruction set has them. With
+/// the widest vectors, square roots and divisions take twice as long.
 #[inline(always)]
 pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
@@ -45,10 +45,10 @@ pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
     code.with_simd(simd)
 }
 
-/// Returns the instruction sets that programs can choose on this machine, the widest last.
+/// Returns the instruction sets that are available on this machine, in order of increasing width.
 ///
-/// Tests use this function to show that results do not depend on the instruction set, and
-/// benchmarks use it to compare instruction sets.
+/// Tests use this function to show that results do not depend on the instruction set. Benchmarks
+/// use it to compare the speed of instruction sets.
 pub fn instruction_sets() -> Vec<Arch> {
     #[cfg_attr(
         not(target_arch = "x86_64"),

@@ -1,13 +1,13 @@
-//! Polynomials of lanes.
+//! Evaluation of polynomials for lanes.
 
 use pulp::Simd;
 
 use crate::Lane;
 
-/// Evaluates a polynomial. Even and odd powers are summed side by side, which halves the length of
-/// the chain of dependent operations.
+/// Evaluates a polynomial. Even and odd powers are summed separately, which halves the length of
+/// the dependency chain.
 ///
-/// * `coefficients`: at least two coefficients, beginning with the lowest power.
+/// * `coefficients`: at least two coefficients in the order of increasing powers.
 #[inline(always)]
 pub fn polynomial<S: Simd, const N: usize, const M: usize>(
     coefficients: &[f64; M],

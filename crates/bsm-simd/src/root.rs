@@ -1,57 +1,58 @@
 //! Roots of positive numbers, calculated without the square root and division instructions of the
 //! processor.
 //!
-//! No library provides the cube root for vectors whose width is chosen at run time. The square root
-//! and the fourth root take a third of the time of square root and division instructions.
+//! No library provides the cube root for vectors whose width is selected at run time. The
+//! reciprocal square root and fourth root take one third of the time that square root and division
+//! instructions take.
 
 use pulp::Simd;
 
 use crate::Lane;
 
-/// Returns `$x^{-1/2}$` with an error of 4 %, from half of the exponent.
+/// Returns an estimate of `$x^{-1/2}$` with an error of 4 % by halving the exponent.
 #[inline(always)]
 fn inverse_root_guess(x: f64) -> f64 {
     f64::from_bits(0x5fe6_e872_b020_c800_u64.wrapping_sub(x.to_bits() >> 1))
 }
 
-/// Returns `$x^{-1/3}$` with an error of 4 %, from a third of the exponent.
+/// Returns an estimate of `$x^{-1/3}$` with an error of 4 % by dividing the exponent by three.
 #[inline(always)]
 fn inverse_cube_root_guess(x: f64) -> f64 {
     f64::from_bits(0x553f_0000_0000_0000_u64.wrapping_sub(x.to_bits() / 3))
 }
 
-/// Returns `$x^{-1/4}$` with an error of 4 %, from a quarter of the exponent.
+/// Returns an estimate of `$x^{-1/4}$` with an error of 4 % by dividing the exponent by four.
 #[inline(always)]
 fn inverse_fourth_root_guess(x: f64) -> f64 {
     f64::from_bits(0x4feb_028f_5c28_f800_u64.wrapping_sub(x.to_bits() >> 2))
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Returns the reciprocal square root with an error of three units in the last place. The
-    /// numbers must be normal and positive; otherwise the result has no meaning.
+    /// Returns the reciprocal square root with an error of at most three units in the last place.
+    /// The numbers must be positive and normal; for other numbers, the result is meaningless.
     #[inline(always)]
     #[must_use]
     pub fn recip_sqrt(self) -> Self {
         self.inverse_root_from(self.rough_recip_sqrt())
     }
 
-    /// Returns the reciprocal square root with an error of 1e-5. The numbers must be normal and
-    /// positive; otherwise the result has no meaning.
+    /// Returns the reciprocal square root with a relative error of at most 1e-5. The numbers must
+    /// be positive and normal; for other numbers, the result is meaningless.
     #[inline(always)]
     #[must_use]
     pub fn rough_recip_sqrt(self) -> Self {
         self.inverse_root_from(self.each(inverse_root_guess))
     }
 
-    /// Returns `$x^{-1/2}$`, starting from an approximation.
+    /// Improves an approximation `r` of `$x^{-1/2}$` by one step.
     #[inline(always)]
     fn inverse_root_from(self, r: Self) -> Self {
         let e = (self * r).neg_mul_add(r, self.constant(1.0));
         r.refined(e, [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0])
     }
 
-    /// Returns the reciprocal fourth root with an error of three units in the last place. The
-    /// numbers must be normal and positive; otherwise the result has no meaning.
+    /// Returns the reciprocal fourth root with an error of at most three units in the last place.
+    /// The numbers must be positive and normal; for other numbers, the result is meaningless.
     #[inline(always)]
     #[must_use]
     pub fn recip_fourth_root(self) -> Self {
@@ -64,8 +65,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         r
     }
 
-    /// Returns the cube root with an error of three units in the last place. The numbers must be
-    /// normal and positive; otherwise the result has no meaning.
+    /// Returns the cube root with an error of at most three units in the last place. The numbers
+    /// must be positive and normal; for other numbers, the result is meaningless.
     #[inline(always)]
     #[must_use]
     pub fn cbrt_positive(self) -> Self {
@@ -77,8 +78,9 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self * (r * r)
     }
 
-    /// Returns `$r (1 - e)^{-1/n}$` by the first terms of its series. The error falls from 4e-2 to
-    /// 4e-5 and then to rounding.
+    /// Returns `$r (1 - e)^{-1/n}$`, calculated from the first terms of its power series. The first
+    /// step reduces the relative error from 4e-2 to 4e-5, and the second step reduces it to
+    /// rounding errors.
     #[inline(always)]
     fn refined(self, e: Self, [first, second, third]: [f64; 3]) -> Self {
         let series = e.mul_add(self.constant(third), self.constant(second));
@@ -98,8 +100,8 @@ mod tests {
     by_lanes!(InverseRoots { x } -> 2: [x.recip_sqrt(), x.rough_recip_sqrt()]);
 
     proptest! {
-        /// The results agree with the standard library to three units in the last place, plus one
-        /// unit for each rounding error of the standard library.
+        /// The results match the standard library to three units in the last place, plus one unit
+        /// for each of the two rounding errors of the standard library.
         #[test]
         fn inverse_roots_have_the_stated_accuracy(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -113,8 +115,8 @@ mod tests {
             }
         }
 
-        /// The results agree to four units with the standard library, whose error is at most one
-        /// unit.
+        /// The results match the standard library, whose error is at most one unit in the last
+        /// place, to four units.
         #[test]
         fn cube_roots_match_the_standard_library(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -128,7 +130,7 @@ mod tests {
         }
     }
 
-    /// Results are bit-identical on every instruction set.
+    /// The results are bit-identical on every instruction set.
     #[test]
     fn cube_roots_are_bit_identical_on_every_instruction_set() {
         let x = [1e-300, 0.017, 0.9, 1.0, 1.1, 3.0, 8.0, 1e300];
@@ -138,9 +140,9 @@ mod tests {
         }
     }
 
-    /// Invalid numbers in one place of a lane do not affect the other places.
+    /// Invalid numbers at some positions of a lane do not affect the results at other positions.
     #[test]
-    fn invalid_numbers_do_not_affect_other_places_of_a_lane() {
+    fn invalid_numbers_do_not_affect_other_positions_of_a_lane() {
         let x = [-1.0, f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MIN, -f64::NAN, 8.0];
         let [roots] = Arch::new().dispatch(CubeRoot { x });
         assert!((roots[7] - 2.0).abs() <= 1e-15, "{roots:?}");

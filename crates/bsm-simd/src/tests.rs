@@ -1,7 +1,7 @@
-//! Formulas of lanes on blocks of numbers, for tests.
+//! Macro for tests that evaluates formulas of lanes on blocks of numbers.
 
-/// A type that contains a block of numbers for each variable. An instruction set turns it into a
-/// block for each result.
+/// Defines a type with one block of numbers per variable. Dispatching it to an instruction set
+/// returns one block of numbers per result.
 macro_rules! by_lanes {
     ($name:ident { $($x:ident),+ } -> $count:literal: $values:expr) => {
         struct $name {

@@ -1,6 +1,6 @@
-//! Sine and cosine of angles in the first quadrant.
+//! Sine and cosine of angles in the first quadrant for lanes.
 //!
-//! No library provides these functions for vectors whose width is chosen at run time.
+//! No library provides these functions for vectors whose width is selected at run time.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -9,11 +9,11 @@ use pulp::Simd;
 use crate::Lane;
 use crate::polynomial::polynomial;
 
-/// π/2 minus the double that is nearest to it.
+/// Difference between π/2 and the nearest double-precision number.
 const FRAC_PI_2_REST: f64 = 6.123_233_995_736_766e-17;
 
-/// Coefficients of `$(\sin x - x)/x^3$` in powers of `$x^2$`, a minimax approximation on `[0, π/4]`
-/// with an error of 1.2e-20.
+/// Coefficients of a minimax approximation of `$(\sin x - x)/x^3$` in powers of `$x^2$` on `[0,
+/// π/4]`, with an error of 1.2e-20.
 const SINE: [f64; 7] = [
     -0.166_666_666_666_666_66,
     0.008_333_333_333_333_331,
@@ -24,8 +24,8 @@ const SINE: [f64; 7] = [
     -7.586_697_111_683_407e-13,
 ];
 
-/// Coefficients of `$(\cos x - 1 + x^2/2)/x^4$` in powers of `$x^2$`, a minimax approximation on
-/// `[0, π/4]` with an error of 1.3e-18.
+/// Coefficients of a minimax approximation of `$(\cos x - 1 + x^2/2)/x^4$` in powers of `$x^2$` on
+/// `[0, π/4]`, with an error of 1.3e-18.
 const COSINE: [f64; 6] = [
     0.041_666_666_666_666_664,
     -0.001_388_888_888_888_739_8,
@@ -36,8 +36,8 @@ const COSINE: [f64; 6] = [
 ];
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Returns sine and cosine of angles from 0 to π/2 \[rad\] with an error of one unit in the
-    /// last place. Outside of this range, the result has no meaning.
+    /// Returns sine and cosine of angles from 0 to π/2 \[rad\] with an error of at most one unit in
+    /// the last place. For angles outside this range, the result is meaningless.
     #[inline(always)]
     #[must_use]
     pub fn sin_cos_first_quadrant(self) -> (Self, Self) {
@@ -68,8 +68,8 @@ mod tests {
     }
 
     proptest! {
-        /// The results agree to one and a half units with the standard library, whose error is at
-        /// most half a unit.
+        /// The results match the standard library, whose error is at most half a unit in the last
+        /// place, to one and a half units.
         #[test]
         fn sines_and_cosines_match_the_standard_library(
             angles in proptest::array::uniform8(0.0..=FRAC_PI_2),
@@ -85,7 +85,7 @@ mod tests {
         }
     }
 
-    /// Results are bit-identical on every instruction set.
+    /// The results are bit-identical on every instruction set.
     #[test]
     fn sines_are_bit_identical_on_every_instruction_set() {
         let angles = [0.057, 0.247, 0.437, 0.627, 0.817, 1.007, 1.197, 1.387];

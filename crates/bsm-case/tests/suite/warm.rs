@@ -305,10 +305,10 @@ fn all_answers_use_the_same_warm_state() {
 fn the_end_of_the_warm_states_is_explained() {
     let hot = AxisReport::of(&feed_axis(&["screw_speed_rpm=40000"]), &settings());
     let why = hot.expect_err("too hot").to_string();
-    assert!(why.contains("a temperature exceeds 180 C at 0.14 of these speeds"), "{why}");
+    assert!(why.contains("a temperature exceeds 180 C at 0.14 times these speeds"), "{why}");
     let fast = AxisReport::of(&feed_axis(&["preload_N=1"]), &settings()).expect("a sheet");
     let why = fast.answer.warnings.concat();
-    assert!(why.contains("runs away above 0.88 of these speeds"), "{why}");
+    assert!(why.contains("runs away above 0.88 times these speeds"), "{why}");
 }
 
 /// When a faster nut of WS-P5 loses its preload, one ball after another loses contact, but steady
@@ -365,7 +365,7 @@ fn above_the_fold_a_column_states_the_reason() {
     // The fold of WS-P3 is at 1166.5467 rpm, to within the reference tolerance of 1e-5.
     assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
     let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
-    assert!(why.contains("runs away above 0.78 of these speeds, where the nut"), "{why}");
+    assert!(why.contains("runs away above 0.78 times these speeds, where the nut"), "{why}");
 }
 
 /// The band of WS-P2 agrees with the reference to its tolerance of 1e-3. Given values are not

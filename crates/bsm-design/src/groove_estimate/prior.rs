@@ -1,44 +1,47 @@
-//! Prior of grooves that manufacturers make.
+//! Prior distribution of the grooves that manufacturers produce.
 //!
-//! Source: fitted to 205 catalog rows of HIWIN, TBI and THK (`validation/published/groove`) with equal weight for each
-//! manufacturer, and rounded. The metric balls, the conformity and the contact angle are judgment, as catalogs do not print
-//! them.
+//! Source: rounded results of a fit to 205 catalog rows of HIWIN, TBI and THK
+//! (`validation/published/groove`) with equal weight for each manufacturer. The values for metric
+//! balls, conformity and contact angle are judgment, because catalogs do not print them.
 //!
-//! Lengths are in mm, as in the catalogs: densities per millimeter enter the evidence.
+//! All lengths are in mm as in the catalogs, so the evidence uses densities per millimeter.
 
 use super::{CatalogLine, PER_M};
 use crate::statistics::{Normal, ln_mixture};
 
-/// Prior of grooves: the numbers that follow from catalog rows. All other numbers of this file are judgment, or widths and tails that
-/// were chosen once.
+/// Those numbers of the prior distribution that are fitted to catalog rows. All other numbers in
+/// this file are judgment, or widths and tail weights that were chosen once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
-    /// Ball diameters \[mm\], each with the weight of its popularity.
+    /// Ball diameters \[mm\], each with its weight (popularity).
     balls: [(f64, f64); 33],
-    /// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
+    /// Numbers of loaded turns, each with its weight for every [`BallReturn`] in the order of
+    /// [`BallReturn::ALL`].
     turns: [(f64, [f64; 3]); 23],
-    /// Fractions of lead and nominal diameter. The smaller product is the usual ball diameter.
+    /// Factors of lead and nominal diameter. The smaller of the two products is the usual ball
+    /// diameter.
     usual_ball: (f64, f64),
-    /// Median and logarithmic standard deviation of the loaded share of a turn for every [`BallReturn`].
+    /// Median and logarithmic standard deviation of the loaded share of a turn, for every
+    /// [`BallReturn`] in the order of [`BallReturn::ALL`].
     loaded_shares: [(f64, f64); 3],
 }
 
-/// A catalog row whose groove is known, for the fit of a [`Prior`].
+/// A catalog row with a known groove, used to fit a [`Prior`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownGroove {
-    /// The row, with both ratings.
+    /// Catalog row with both load ratings.
     pub line: CatalogLine,
     /// Ball diameter \[m\].
     pub ball_diameter: f64,
-    /// Loaded turns.
+    /// Number of loaded turns.
     pub turns: f64,
-    /// Ball return.
+    /// Type of ball return.
     pub ball_return: BallReturn,
-    /// Weight of the row.
+    /// Weight of the row in the fit.
     pub weight: f64,
 }
 
-/// Ball diameters \[mm\], each with the weight of its popularity.
+/// Ball diameters \[mm\], each with its weight (popularity).
 const BALLS: [(f64, f64); 33] = [
     (0.8, 0.0),
     (1.0, 0.0),
@@ -75,11 +78,11 @@ const BALLS: [(f64, f64); 33] = [
     (19.05, 0.0),
 ];
 
-/// Fraction of the popularity that is divided equally among all balls.
+/// Fraction of the popularity that is distributed equally among all balls.
 const ALIKE_BALLS: f64 = 0.05;
 
-/// Popularity of metric balls \[mm\], chosen by judgment, because catalogs that print ball
-/// diameters use inch sizes. The popularity of all other balls follows from catalog rows.
+/// Popularity of metric balls \[mm\]. It is chosen by judgment because catalogs that print ball
+/// diameters use inch sizes. The popularity of all other balls is fitted to catalog rows.
 const METRIC_BALLS: [(f64, f64); 10] = [
     (2.0, 0.02),
     (2.5, 0.02),
@@ -93,7 +96,8 @@ const METRIC_BALLS: [(f64, f64); 10] = [
     (10.0, 0.01),
 ];
 
-/// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
+/// Numbers of loaded turns, each with its weight for every [`BallReturn`] in the order of
+/// [`BallReturn::ALL`].
 const TURNS: [(f64, [f64; 3]); 23] = [
     (1.5, [0.0, 0.0, 0.0]),
     (1.6, [0.03, 0.0, 0.0]),
@@ -120,73 +124,75 @@ const TURNS: [(f64, [f64; 3]); 23] = [
     (10.0, [0.0, 0.0, 0.0]),
 ];
 
-/// Smallest logarithmic standard deviation of a fitted loaded share, which corresponds to rounding
-/// to whole balls in a turn of 20 balls.
+/// Lower limit of the fitted logarithmic standard deviation of a loaded share. It corresponds to
+/// rounding to a whole number of balls in a turn of 20 balls.
 const MIN_SHARE_DEVIATION: f64 = 0.05;
 
-/// Fraction of the prior of a return that is divided equally among all turns.
+/// Fraction of the prior probability of a ball return that is distributed equally among all numbers
+/// of turns.
 const ALIKE_TURNS: f64 = 0.02;
 
-/// Weight of every return if the turns are given.
+/// Minimum weight of every ball return if the number of turns is given.
 const MIN_RETURN_WEIGHT: f64 = 1e-3;
 
-/// Distribution of the logarithm of the ball diameter divided by the usual ball diameter: most
-/// balls, and a tail.
+/// Distribution of the logarithm of the ball diameter divided by the usual ball diameter. The first
+/// component describes most balls, and the second component is a wide tail.
 const BALL_SIZE: [(f64, Normal); 2] =
     [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
 
-/// Distribution of the excess `$e$` of the dynamic over the static rating: ratings of ISO 3408-5, a
-/// tail, and ratings raised for clean steel.
+/// Distribution of the excess `$e$` of the dynamic rating relative to the static rating. The
+/// components are ratings by ISO 3408-5, a wide tail, and ratings raised for clean steel.
 const EXCESS: [(f64, Normal); 3] = [
     (0.82, Normal { mean: 0.0, deviation: 0.028 }),
     (0.08, Normal { mean: -0.10, deviation: 0.15 }),
     (0.10, Normal { mean: 0.30, deviation: 0.06 }),
 ];
 
-/// Variance of the excess \[-\], which replaces [`EXCESS`] if only the dynamic rating is known.
+/// Variance of the excess \[-\] if only the dynamic rating is known. It replaces [`EXCESS`].
 const EXCESS_VARIANCE: f64 = 0.028 * 0.028 + 0.05 * 0.05;
 
-/// Distribution of the difference of nominal and core diameter divided by the ball diameter:
-/// grooves, and a tail.
+/// Distribution of the difference between nominal and core diameter divided by the ball diameter.
+/// The first component describes usual grooves, and the second component is a wide tail.
 const CORE_DEPTH: [(f64, Normal); 2] =
     [(0.9, Normal { mean: 0.85, deviation: 0.055 }), (0.1, Normal { mean: 0.85, deviation: 0.25 })];
 
-/// Difference of pitch circle and nominal diameter divided by the ball diameter.
+/// Distribution of the difference between pitch circle and nominal diameter, divided by the ball
+/// diameter.
 pub(super) const PITCH_RISE: Normal = Normal { mean: 0.25, deviation: 0.03 };
 
-/// Median of the conformity minus 1/2. [`CONFORMITY_LN_DEVIATION`] is the standard deviation of its
-/// logarithm.
+/// Median of the conformity minus 1/2. The logarithm of this difference has the standard deviation
+/// [`CONFORMITY_LN_DEVIATION`].
 const CONFORMITY_OVER_HALF: f64 = 0.02;
 
 /// Standard deviation of the logarithm of the conformity minus 1/2.
 const CONFORMITY_LN_DEVIATION: f64 = 0.35;
 
-/// Smallest and largest conformity.
+/// Smallest and largest conformity that a draw may have.
 const CONFORMITIES: (f64, f64) = (0.505, 0.56);
 
-/// Contact angle \[deg\].
+/// Distribution of the contact angle \[deg\].
 const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
 
-/// Standard deviation of the logarithm of the number of loaded balls divided by the number that
-/// follows from the ratings.
+/// Standard deviation of the logarithm of the ratio between the actual number of loaded balls and
+/// the number that follows from the ratings.
 const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
 
-/// Design of the ball return, which determines the loaded share of a turn.
+/// Type of ball return, which determines the loaded share of a turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BallReturn {
-    /// Cassettes and end caps: nearly all balls of a turn are loaded.
+    /// Cassettes and end caps, with which nearly all balls of a turn are loaded.
     FullTurn,
     /// Return tubes.
     Tube,
-    /// Deflectors of single turns.
+    /// Deflectors, each of which returns the balls of a single turn.
     Deflector,
 }
 
 impl BallReturn {
-    /// All ball returns.
+    /// All types of ball return.
     pub const ALL: [Self; 3] = [Self::FullTurn, Self::Tube, Self::Deflector];
 
-    /// Returns the probability of the return.
+    /// Returns the prior probability of the ball return.
     fn probability(self) -> f64 {
         match self {
             Self::FullTurn => 0.5,
@@ -196,7 +202,7 @@ impl BallReturn {
 }
 
 impl Prior {
-    /// The prior of all estimates.
+    /// The prior that all estimates use by default.
     pub const USUAL: Self = Self {
         balls: BALLS,
         turns: TURNS,
@@ -204,8 +210,8 @@ impl Prior {
         loaded_shares: [(0.91, 0.18), (0.72, 0.09), (0.60, 0.12)],
     };
 
-    /// Fits the prior to rows. For a return without rows, all turns have equal weights, and the
-    /// loaded share has the usual value of this return.
+    /// Fits the prior to catalog rows. For a type of ball return without rows, all numbers of turns
+    /// get equal weights, and the loaded share keeps its usual value.
     pub fn fitted(rows: &[KnownGroove]) -> Self {
         let total = |wanted: &dyn Fn(&KnownGroove) -> bool| -> f64 {
             rows.iter().filter(|row| wanted(row)).map(|row| row.weight).sum()
@@ -244,7 +250,8 @@ impl Prior {
         Self { balls, turns, usual_ball, loaded_shares }
     }
 
-    /// Returns the most likely parts of lead and nominal diameter by (AB3), on a grid of the width of their last printed digit.
+    /// Returns the factors of lead and nominal diameter in (AB3) with the largest likelihood, from
+    /// a grid whose spacing is one unit of the last digit of each factor.
     fn fitted_usual_ball(rows: &[KnownGroove]) -> (f64, f64) {
         let likelihood = |usual_ball: (f64, f64)| -> f64 {
             let trial = Self { usual_ball, ..Self::USUAL };
@@ -267,7 +274,7 @@ impl Prior {
         Normal { mean: share.ln(), deviation }
     }
 
-    /// Returns the prior of a return with a number of loaded turns (AB5).
+    /// Returns the prior probability of a ball return together with a number of loaded turns (AB5).
     #[expect(clippy::cast_precision_loss, reason = "23 numbers of turns")]
     fn turns_prior(&self, kind: BallReturn, turns: f64) -> f64 {
         let weight = |(_, weights): &(f64, [f64; 3])| weights[kind as usize];
@@ -279,7 +286,8 @@ impl Prior {
         kind.probability() * ((1.0 - ALIKE_TURNS) * share + ALIKE_TURNS * alike)
     }
 
-    /// Returns the balls that fit a nominal diameter and a lead, with the logarithm of their popularity (AB4); lengths in mm.
+    /// Returns the balls that fit a nominal diameter and a lead, each with the logarithm of its
+    /// popularity (AB4); lengths in mm.
     #[expect(clippy::cast_precision_loss, reason = "33 balls")]
     pub(super) fn fitting_balls(
         &self,
@@ -297,15 +305,15 @@ impl Prior {
         })
     }
 
-    /// Returns the logarithm of the density of a ball size (AB3); lengths in mm.
+    /// Returns the logarithm of the prior density of a ball diameter (AB3); lengths in mm.
     pub(super) fn ln_ball_size(&self, ball: f64, nominal: f64, lead: f64) -> f64 {
         let (of_lead, of_diameter) = self.usual_ball;
         // m = min(0.635 P, 0.159 d₀)                                          (AB3)
         ln_mixture(&BALL_SIZE, (ball / (of_lead * lead).min(of_diameter * nominal)).ln())
     }
 
-    /// Returns all pairs of loaded turns and ball return with the logarithm of their prior. The
-    /// turns are the turns of the list, or the given turns.
+    /// Returns all pairs of loaded turns and ball return, each with the logarithm of its prior
+    /// probability. If the number of turns is given, only this number is used.
     pub(super) fn turns_and_returns(&self, given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
         let listed = self.turns.iter().map(|(turns, _)| *turns);
         let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
@@ -322,7 +330,8 @@ impl Prior {
     }
 }
 
-/// Returns the listed ball \[mm\] nearest to a diameter \[mm\], because catalogs round diameters.
+/// Returns the listed ball diameter \[mm\] that is nearest to the given diameter \[mm\]. Catalogs
+/// print rounded diameters.
 fn nearest_ball(diameter: f64) -> f64 {
     let distance = |ball: f64| (ball / diameter).ln().abs();
     let sizes = BALLS.map(|(ball, _)| ball);
@@ -334,9 +343,9 @@ fn nearest_ball(diameter: f64) -> f64 {
     )
 }
 
-/// Result of the comparison of given ratings with a trial nut.
+/// Result of comparing the given ratings with the ratings of a trial nut.
 pub(super) struct RatingFit {
-    /// Logarithm of the likelihood.
+    /// Logarithm of the likelihood of the given ratings.
     pub(super) ln_likelihood: f64,
     /// Logarithm of the loaded share of a turn.
     pub(super) ln_loaded_share: f64,
@@ -345,8 +354,9 @@ pub(super) struct RatingFit {
 }
 
 impl RatingFit {
-    /// Compares given ratings with the ratings of a trial nut with full turns (AB1). `ln_dynamic`
-    /// and `ln_static` are the logarithms of their ratios.
+    /// Compares the given ratings with the ratings of a trial nut whose turns are full of balls
+    /// (AB1). `ln_dynamic` and `ln_static` are the logarithms of the given ratings divided by the
+    /// ratings of the trial nut.
     ///
     /// * `share`: distribution of the logarithm of the loaded share of a turn.
     pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, share: Normal) -> Self {
@@ -373,20 +383,20 @@ impl RatingFit {
     }
 }
 
-/// Returns the logarithm of the density of a core diameter (AB9); lengths in mm.
+/// Returns the logarithm of the probability density of a core diameter (AB9); lengths in mm.
 pub(super) fn ln_core(core: f64, nominal: f64, ball: f64) -> f64 {
     // [0.9 φ(x; 0.85, 0.055) + 0.1 φ(x; 0.85, 0.25)]/D_w,  x = (d₀ − d_core)/D_w   (AB9)
     ln_mixture(&CORE_DEPTH, (nominal - core) / ball) - ball.ln()
 }
 
-/// Returns the logarithm of the density of a pitch circle diameter (AB10); lengths in mm.
+/// Returns the logarithm of the probability density of a pitch circle diameter (AB10); lengths in
+/// mm.
 pub(super) fn ln_pitch_diameter(pitch_diameter: f64, nominal: f64, ball: f64) -> f64 {
     // φ((D_pw − d₀)/D_w; 0.25, 0.03)/D_w                                  (AB10)
     PITCH_RISE.ln_density((pitch_diameter - nominal) / ball) - ball.ln()
 }
 
-/// Returns the conformity, contact angle \[deg\], pitch rise and factor of the number of loaded balls that belong to
-/// standard normal numbers (AB12).
+/// Converts standard normal numbers into the groove quantities that catalogs do not print (AB12).
 pub(super) fn unprinted([conformity, angle, pitch, balls]: [f64; 4]) -> Unprinted {
     // f = 0.5 + 0.02 e^{0.35 z},  β = 45° + 2.5° z,  D_pw = d₀ + (0.25 + 0.03 z) D_w,  N e^{0.05 z}   (AB12)
     let at = |normal: Normal, z: f64| normal.mean + normal.deviation * z;
@@ -399,15 +409,15 @@ pub(super) fn unprinted([conformity, angle, pitch, balls]: [f64; 4]) -> Unprinte
     }
 }
 
-/// Items of a groove that no catalog prints.
+/// Groove quantities that catalogs do not print.
 pub(super) struct Unprinted {
     /// Conformity.
     pub(super) conformity: f64,
     /// Contact angle \[rad\].
     pub(super) contact_angle: f64,
-    /// Difference of pitch circle and nominal diameter divided by the ball diameter.
+    /// Difference between pitch circle and nominal diameter, divided by the ball diameter.
     pub(super) pitch_rise: f64,
-    /// Factor of the number of loaded balls.
+    /// Random factor of the number of loaded balls.
     pub(super) loaded_balls_factor: f64,
 }
 
@@ -417,8 +427,9 @@ mod tests {
 
     use super::*;
 
-    /// The priors of all listed turns and returns sum to one, and so do the priors of the returns
-    /// for any given turns.
+    /// The prior probabilities of all listed combinations of turns and ball return add up to one.
+    /// For any given number of turns, the prior probabilities of the ball returns also add up to
+    /// one.
     #[test]
     fn prior_probabilities_sum_to_one() {
         for given in [None, Some(4.0), Some(4.2)] {
@@ -428,10 +439,10 @@ mod tests {
         }
     }
 
-    /// 90 % of the conformities lie between 0.511 and 0.536, and 90 % of the contact angles lie
-    /// between 41 and 49 deg.
+    /// The central 90 % of the conformities lie between 0.511 and 0.536, and the central 90 % of
+    /// the contact angles lie between 41 and 49 deg.
     #[test]
-    fn unprinted_items_span_their_ranges() {
+    fn unprinted_quantities_span_their_expected_ranges() {
         let [low, high] = [-1.644_854, 1.644_854].map(|z| unprinted([z, z, 0.0, 0.0]));
         assert!((low.conformity - 0.5112).abs() < 1e-4 && (high.conformity - 0.5356).abs() < 1e-4);
         assert!((low.contact_angle.to_degrees() - 40.888).abs() < 1e-3);

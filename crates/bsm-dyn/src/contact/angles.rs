@@ -19,14 +19,14 @@ pub struct Angles<D> {
 }
 
 impl<D: Scalar> Angles<D> {
-    /// Returns the sines and cosines.
+    /// Returns the sines and cosines of both angles.
     pub fn sines(&self) -> Sines<D> {
         let (sin_a, cos_a) = self.lead.sin_cos();
         let (sin_b, cos_b) = self.contact.sin_cos();
         Sines { sin_a, cos_a, sin_b, cos_b }
     }
 
-    /// Returns `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    /// Returns the slip factor `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
     pub fn slip_factor(&self) -> D {
         self.sines().slip_factor()
     }
@@ -39,17 +39,17 @@ impl<D: Scalar> Angles<D> {
     /// \eta_{lr} = 1 - \frac{f}{\cos^2\alpha\,(D\sin\beta + f D^2)}
     /// ```
     ///
-    /// * `friction`: `$f \ge 0$`.
+    /// * `friction`: friction coefficient `$f \ge 0$`.
     ///
-    /// Assumes: equal contact angles, saturated friction, inertia forces that are small compared
-    /// with the load.
-    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 14 and 17.
-    /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
+    /// Assumes: equal contact angles, saturated friction, and inertia forces that are small
+    /// compared with the load. Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs
+    /// 14 and 17. Difference from the source: the square root ends before `$+ f\sin\beta$`, see
+    /// `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
         self.sines().efficiency(direction.is_back(), friction)
     }
 
-    /// Returns the efficiency of a ball whose slip at the screw has a given direction (C17), (C18).
+    /// Returns the efficiency of a ball for a given slip direction at the screw (C17), (C18).
     ///
     /// ```math
     /// \eta_{rl} = \frac{\sin\beta - f(\cos\beta\cos\psi + \tan\alpha\sin\psi)}
@@ -58,9 +58,10 @@ impl<D: Scalar> Angles<D> {
     ///
     /// and its reciprocal if the load drives.
     ///
-    /// * `friction`: `$f \ge 0$`.
-    /// * `size_ratio`: `$r_b/r_m$`.
-    /// * `slip_angle`: `$\psi_B$` \[rad\]; the slip angle at the nut differs by π.
+    /// * `friction`: friction coefficient `$f \ge 0$`.
+    /// * `size_ratio`: ratio of ball radius to pitch circle radius `$r_b/r_m$`.
+    /// * `slip_angle`: slip angle at the screw `$\psi_B$` \[rad\]. The slip angle at the nut
+    ///   differs by π.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eq 11.
     /// Difference from the source: the sign of friction in the numerator, see `docs/theory/errata.md`.
@@ -78,8 +79,8 @@ impl<D: Scalar> Angles<D> {
         }
     }
 
-    /// Returns axial force and torque of a ball, each divided by its value without friction for the
-    /// same normal loads. The slip at the screw has a given direction (C17), (C18).
+    /// Returns the axial force and the torque of a ball for a given slip direction at the screw
+    /// (C17), (C18). Both are divided by their values without friction for equal normal loads.
     pub fn transmitted_at(&self, friction: D, size_ratio: D, slip_angle: D) -> (D, D) {
         let sines @ Sines { sin_b, cos_b, .. } = self.sines();
         let (sin, cos) = slip_angle.sin_cos();
@@ -95,7 +96,7 @@ impl<D: Scalar> Angles<D> {
     /// Returns the normal load of either loaded contact divided by the axial load per ball (C4).
     ///
     /// The result is negative if `$\sin\beta < f D$` and the drive works against the load. In this
-    /// case, no load satisfies the balance.
+    /// case, no load satisfies the force balance.
     pub fn load_ratio(&self, direction: Direction, friction: D) -> D {
         self.sines().load_ratio(direction.is_back(), friction)
     }
@@ -105,7 +106,7 @@ impl<D: Scalar> Angles<D> {
     ///
     /// Source: Lin, Velinsky and Ravani, Eq 13.
     pub fn screw_slip_angle(&self, direction: Direction) -> D {
-        // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
+        // ψ_B = atan(tanα / cosβ), rotated by π if the load drives        (C5)
         let forward = self.lead.tan().atan2(self.contact.cos());
         match direction {
             Direction::RotaryToLinear => forward,
@@ -131,12 +132,12 @@ impl Angles<f64> {
         outer / inner
     }
 
-    /// Returns the limit of self-locking for a lead angle \[rad\] (C14), (C15). The screw is
-    /// self-locking for contact angles \[rad\] up to the limit (rotary to linear) or from the limit
-    /// (linear to rotary).
+    /// Returns the contact angle \[rad\] at the limit of self-locking for a lead angle \[rad\]
+    /// (C14), (C15). The screw is self-locking for contact angles up to the limit (rotary to
+    /// linear) or from the limit (linear to rotary).
     ///
     /// The result is π/2 if the screw is self-locking for every contact angle, and `None` if it is
-    /// not self-locking for any.
+    /// not self-locking for any contact angle.
     pub fn locking_contact_angle(
         direction: Direction,
         lead_angle: f64,
@@ -151,10 +152,10 @@ impl Angles<f64> {
         }
     }
 
-    /// Returns the limit of self-locking for a contact angle \[rad\] (C20). The screw is
-    /// self-locking for lead angles \[rad\] from the limit (rotary to linear) or up to the limit
-    /// (linear to rotary). The result is `None` if the screw is self-locking for every lead angle
-    /// (rotary to linear) or for none (linear to rotary).
+    /// Returns the lead angle \[rad\] at the limit of self-locking for a contact angle \[rad\]
+    /// (C20). The screw is self-locking for lead angles from the limit (rotary to linear) or up to
+    /// the limit (linear to rotary). The result is `None` if the screw is self-locking for every
+    /// lead angle (rotary to linear) or for no lead angle (linear to rotary).
     pub fn locking_lead_angle(
         direction: Direction,
         contact_angle: f64,
@@ -167,18 +168,18 @@ impl Angles<f64> {
     }
 }
 
-/// Contact angle with the best efficiency.
+/// Contact angle that gives the best efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
-    /// `$\beta^*$` \[rad\].
+    /// Optimal contact angle `$\beta^*$` \[rad\].
     pub contact_angle: f64,
-    /// Efficiency at this contact angle.
+    /// Efficiency at the optimal contact angle.
     pub efficiency: f64,
 }
 
 impl Optimum {
-    /// Returns the contact angle with the best efficiency for a lead angle \[rad\], in closed form
-    /// (C8) to (C10).
+    /// Returns the contact angle that gives the best efficiency for a lead angle \[rad\], in closed
+    /// form (C8) to (C10).
     ///
     /// ```math
     /// (\sin\beta^*\cos\alpha)^2 = y^* = \tfrac12\Big(1 \pm \frac{f}{\sqrt{1+f^2}}\Big), \qquad
@@ -188,7 +189,8 @@ impl Optimum {
     /// where the upper sign is for rotary to linear. Returns `None` if the lead angle is too large:
     /// `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
     ///
-    /// Source: roots of Lin, Velinsky and Ravani's Eqs 15 and 18; the closed form is ours.
+    /// Source: roots of Eqs 15 and 18 of Lin, Velinsky and Ravani; the closed form was derived for
+    /// this project.
     pub fn of(direction: Direction, lead_angle: f64, friction: f64) -> Option<Self> {
         // sinβ* = √y* / cosα                                              (C9)
         let sine = Self::constant(direction, friction) / lead_angle.cos();
@@ -198,25 +200,26 @@ impl Optimum {
         })
     }
 
-    /// Returns the lead angle \[rad\] for which a given contact angle \[rad\] has the best
+    /// Returns the lead angle \[rad\] for which a given contact angle \[rad\] gives the best
     /// efficiency (C19), or `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
     ///
-    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations": for linear to
-    /// rotary, the largest contact angle with the lead angle of Eq 18.
+    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations". For linear to
+    /// rotary, this is the largest contact angle with the lead angle of Eq 18.
     pub fn lead_angle(direction: Direction, contact_angle: f64, friction: f64) -> Option<f64> {
         // cosα* = √y* / sinβ                                              (C19)
         let cosine = Self::constant(direction, friction) / contact_angle.sin();
         (cosine <= 1.0).then(|| cosine.acos())
     }
 
-    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, which is the
-    /// same for every lead angle.
+    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, which does not
+    /// depend on the lead angle.
     pub fn constant(direction: Direction, friction: f64) -> f64 {
         // y* = (1 ± f/√(1+f²))/2                                          (C8)
         (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()
     }
 
-    /// Returns the best efficiency for any contact angle, which is the same in both directions.
+    /// Returns the best efficiency over all contact angles, which does not depend on the direction
+    /// of the drive.
     pub fn best_efficiency(friction: f64) -> f64 {
         // η* = (√(1+f²) − f)² = 1/(√(1+f²) + f)²                          (C10)
         (friction.hypot(1.0) + friction).powi(-2)
@@ -226,32 +229,33 @@ impl Optimum {
 /// Sines and cosines of lead angle and contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sines<D> {
-    /// `$\sin\alpha$`.
+    /// Sine of the lead angle, `$\sin\alpha$`.
     pub sin_a: D,
-    /// `$\cos\alpha$`.
+    /// Cosine of the lead angle, `$\cos\alpha$`.
     pub cos_a: D,
-    /// `$\sin\beta$`.
+    /// Sine of the contact angle, `$\sin\beta$`.
     pub sin_b: D,
-    /// `$\cos\beta$`.
+    /// Cosine of the contact angle, `$\cos\beta$`.
     pub cos_b: D,
 }
 
-/// In all methods, `back` is true if the load drives, and `friction` is `$f \ge 0$`.
+/// In all methods, `back` is true if the load drives, and `friction` is the coefficient `$f \ge
+/// 0$`.
 impl<D: Real> Sines<D> {
-    /// Returns `$\tan\alpha$`.
+    /// Returns the tangent of the lead angle, `$\tan\alpha$`.
     #[inline(always)]
     pub fn tan_a(&self) -> D {
         self.sin_a / self.cos_a
     }
 
-    /// Returns `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    /// Returns the slip factor `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
     #[inline(always)]
     pub fn slip_factor(&self) -> D {
         // D = √(cos²β + tan²α)                                            (C1)
         (self.cos_b.square() + self.tan_a().square()).sqrt()
     }
 
-    /// Returns `$\sin\beta$` and `$D$`, which are exchanged if the load drives.
+    /// Returns `$\sin\beta$` and `$D$` in this order, or in reverse order if the load drives.
     #[inline(always)]
     fn by_direction(&self, back: D::Mask) -> [D; 2] {
         let (s, d) = (self.sin_b, self.slip_factor());
@@ -282,14 +286,14 @@ impl<D: Real> Sines<D> {
     where
         D: Real,
     {
-        // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
+        // ψ_B = atan(tanα / cosβ), rotated by π if the load drives        (C5)
         let forward = self.tan_a().atan2(self.cos_b);
         // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
         let turned = forward - PI;
         [D::select(back, forward, turned), D::select(back, turned, forward)]
     }
 
-    /// Returns whether the screw is self-locking, see [`Angles::self_locking`] (C6), (C7).
+    /// Returns true if the screw is self-locking, see [`Angles::self_locking`] (C6), (C7).
     #[inline(always)]
     pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
     where

@@ -1,4 +1,5 @@
-//! Balance of the ball in steady motion, and the torque and power that it transmits.
+//! Force and moment balance of the ball in steady motion, and the torque and power that it
+//! transmits.
 //!
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 
@@ -9,30 +10,30 @@ use bsm_kin::{BallFrame, Motion, Real, RealOver, Scalar};
 use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
-/// Largest relative error of the power balance (B10) of a returned result. An exact root has only
-/// rounding errors. A larger error means that rounding errors have spoiled the result, which
-/// happens if the inertia forces exceed the load by many orders of magnitude.
+/// Maximum relative error of the power balance (B10) of a result. An exact root has only rounding
+/// errors. A larger error means that rounding errors have corrupted the result, which happens if
+/// the inertia forces exceed the load by many orders of magnitude.
 pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
-/// Error for a ball that is at rest in space. For such a ball the moment of its spin would be an
+/// Error for a ball that does not orbit. For such a ball, the spin moment would be an additional
 /// unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
-    quantity: "precession rate P of the ball over W",
+    quantity: "ratio of precession rate P to relative speed W",
     value: 0.0,
-    requirement: "not zero, because a ball that does not circle has no gyroscopic moment",
+    requirement: "not zero, because a ball that does not orbit has no gyroscopic moment",
 };
 
-/// A homogeneous ball.
+/// A solid ball of uniform density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball<D> {
-    /// Radius `$r_b$` \[m\], positive.
+    /// Ball radius `$r_b$` \[m\], positive.
     pub radius: D,
-    /// Mass `$m$` \[kg\], not negative.
+    /// Ball mass `$m$` \[kg\], not negative.
     pub mass: D,
 }
 
 impl<D: Real> Ball<D> {
-    /// Returns a ball with a given density \[kg/m³\] (B1).
+    /// Creates a ball with a given density \[kg/m³\] (B1).
     #[inline(always)]
     pub fn of_density(radius: D, density: D) -> Self {
         // m = (4/3) π r_b³ ρ                                              (B1)
@@ -46,7 +47,8 @@ impl<D: Real> Ball<D> {
         self.mass * self.radius.square() * 0.4
     }
 
-    /// Returns the mass in units of ball radius, axial load per ball and relative speed `$W$` (R1).
+    /// Returns the scaled mass, with lengths divided by the ball radius, forces by the axial load
+    /// per ball and speeds by the relative speed `$W$` (R1).
     #[inline(always)]
     pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
         // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
@@ -54,7 +56,7 @@ impl<D: Real> Ball<D> {
     }
 }
 
-/// Force and moment about the ball center that act on the ball.
+/// Force and moment that act on the ball; the moment is about the ball center.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench<D> {
     /// Force \[N\].
@@ -64,19 +66,19 @@ pub struct Wrench<D> {
 }
 
 impl<D: Scalar> Wrench<D> {
-    /// Returns the wrench of the normal load `$Q$` along `normal` and of friction, both at `point`
-    /// relative to the center (B3).
+    /// Creates the wrench of the normal load `$Q$` along `normal` and of friction. Both forces act
+    /// at `point`, relative to the ball center (B3).
     pub fn at_contact(
         normal: &Vector3<D>,
         point: &Vector3<D>,
         load: D,
         friction: &Vector3<D>,
     ) -> Self {
-        // F = Q N + F_f,  M = r × F; r ∥ N, so that only friction turns the ball  (B3)
+        // F = Q N + F_f,  M = r × F; r ∥ N, so only friction causes a moment  (B3)
         Self { force: normal * load + friction, moment: point.cross(friction) }
     }
 
-    /// Returns a zero wrench.
+    /// Creates a zero wrench.
     pub(crate) fn zero() -> Self {
         let zero = Vector3::repeat(D::from(0.0));
         Self { force: zero, moment: zero }
@@ -99,7 +101,7 @@ impl<D: Scalar> Add for Wrench<D> {
     }
 }
 
-/// Returns the residual of the Newton-Euler equations, which is zero for a steady motion (B4),
+/// Returns the residuals of the Newton-Euler equations, which are zero for a steady motion (B4),
 /// (B5).
 ///
 /// ```math
@@ -107,7 +109,7 @@ impl<D: Scalar> Add for Wrench<D> {
 /// ```
 ///
 /// * `contacts`: sum of all contact wrenches on the ball.
-/// * `pitch_radius`: `$r_m$` \[m\].
+/// * `pitch_radius`: pitch circle radius `$r_m$` \[m\].
 /// * `motion`: absolute motion of the ball.
 ///
 /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 5a-f.
@@ -127,32 +129,33 @@ pub(crate) fn newton_euler<D: Scalar>(
     }
 }
 
-/// Returns the axial force of the nut on the ball \[N\], which equals the axial load per ball (B6).
+/// Returns the axial force of the nut on the ball \[N\]. In steady motion, it equals the axial load
+/// per ball (B6).
 ///
-/// Source: Lin, Velinsky and Ravani, Eq 9, force row.
+/// Source: Lin, Velinsky and Ravani, Eq 9, force equation.
 pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D {
     // F_a = (Σ_nut F_c)·k                                                 (B6)
     nut_force.dot(&frame.k)
 }
 
-/// Returns the steady torque per ball \[N·m\] on the member whose contacts exert the wrench
-/// `contact` on the ball (B7).
+/// Returns the steady torque per ball \[N·m\] on the body (screw or nut) whose contacts exert the
+/// wrench `contact` on the ball (B7).
 ///
-/// The torque on the screw maintains the motion. The torque on the nut is its opposite, because the
-/// net moment on a ball in steady motion about the axis is zero.
+/// The torque on the screw maintains the motion. The torque on the nut is equal and opposite,
+/// because the net moment on a ball in steady motion about the axis is zero.
 ///
-/// Source: Lin, Velinsky and Ravani, Eq 9, moment row.
+/// Source: Lin, Velinsky and Ravani, Eq 9, moment equation.
 pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
     // T = [(−r_m n) × F + M]·k                                            (B7)
     (contact.moment - frame.n.cross(&contact.force) * pitch_radius).dot(&frame.k)
 }
 
-/// Returns the [`torque`] of the screw's normal load and friction on a ball with a radius of one
+/// Returns the [`torque`] due to normal load and friction at the screw for a ball of radius one
 /// (B7).
 ///
-/// * `load`: normal load, with the friction across and along the groove.
+/// * `load`: normal load, together with the friction forces across and along the groove.
 /// * `lead`, `angle`: sines and cosines of lead angle and contact angle.
-/// * `radius`: `$r_m/r_b$`.
+/// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
 #[inline(always)]
 pub(crate) fn friction_torque<P: Real, D: RealOver<P>>(
     (load, [across, along]): (D, [D; 2]),
@@ -170,7 +173,7 @@ pub(crate) fn friction_torque<P: Real, D: RealOver<P>>(
 pub struct Load<D = f64> {
     /// Axial load on the nut for all balls together \[N\], positive.
     pub axial: D,
-    /// Number of loaded balls `$Z \ge 1$`, which share the load equally.
+    /// Number of loaded balls `$Z \ge 1$`. The balls share the load equally.
     pub balls: D,
 }
 
@@ -182,8 +185,8 @@ impl<D: Real> Load<D> {
     }
 }
 
-/// Returns the efficiency from the torque on the screw `torque` and the torque `ideal` that a screw
-/// without friction requires or provides (B8).
+/// Returns the efficiency for a torque on the screw. `ideal` is the torque that a screw without
+/// friction requires or provides (B8).
 ///
 /// A negative efficiency means that the screw is self-locking in this direction.
 ///
@@ -202,14 +205,14 @@ pub fn torque_of<F: Real>(back: F::Mask, ideal: F, efficiency: F) -> F {
     F::select(back, ideal * efficiency, ideal / efficiency)
 }
 
-/// Returns the torque of the screw without friction `$F_a r_m \tan\alpha$` \[N·m\] (B9).
+/// Returns the torque of the frictionless screw, `$F_a r_m \tan\alpha$` \[N·m\] (B9).
 #[inline(always)]
 pub fn ideal_torque<F: Real>(axial_load: F, pitch_radius: F, tan_lead_angle: F) -> F {
     // T₀ = F_a r_m tanα                                                   (B9)
     axial_load * pitch_radius * tan_lead_angle
 }
 
-/// Input power, output power and power loss \[W\] for a relative speed \[rad/s\].
+/// Input power, output power and power loss \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Power<F = f64> {
     /// Input power.
@@ -221,8 +224,8 @@ pub struct Power<F = f64> {
 }
 
 impl<F: Real> Power<F> {
-    /// Returns the powers for the torque on the screw and the torque of the screw without friction,
-    /// both in \[N·m\].
+    /// Returns the powers for the torque on the screw \[N·m\], the torque of the frictionless screw
+    /// \[N·m\] and the relative speed \[rad/s\].
     #[inline(always)]
     pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
@@ -241,8 +244,9 @@ impl<F: Real> Power<F> {
     /// T W - F_a r_m \tan\alpha\, W = \sum_c P_c
     /// ```
     ///
-    /// `friction` is the sum of the friction powers of all contacts \[W\]. The balance is an
-    /// identity at any exact root, so it checks kinematics and force balance against each other.
+    /// `friction` is the sum of the friction powers of all contacts \[W\]. At an exact root, the
+    /// powers balance identically, so this error checks kinematics and force balance against each
+    /// other.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
         // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
@@ -257,7 +261,7 @@ mod tests {
 
     use super::*;
 
-    /// For frictionless contacts at rest, the torque is the ideal torque for any contact angle.
+    /// For frictionless contacts at rest, the torque equals the ideal torque for any contact angle.
     #[test]
     fn torque_without_friction_is_the_ideal_torque() {
         let (alpha, beta, r_m, r_b) = (0.21_f64, 0.83_f64, 17e-3, 2.5e-3);
@@ -265,13 +269,14 @@ mod tests {
         let normal = Vector3::new(0.0, -beta.cos(), -beta.sin());
         let load = 140.0 / (alpha.cos() * beta.sin());
         let screw = Wrench::at_contact(&normal, &(normal * -r_b), load, &Vector3::zeros());
-        // The nut exerts the opposite force.
+        // The force of the nut is opposite to the force of the screw.
         assert_relative_eq!(axial_force(&-screw.force, &frame), 140.0, max_relative = 1e-14);
         let t = torque(&screw, r_m, &frame);
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// The powers are positive in both directions and for both signs of the screw torque.
+    /// Input and output powers are positive in both directions and for both signs of the screw
+    /// torque.
     #[test]
     fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);

@@ -1,4 +1,4 @@
-//! Laws of friction, and friction at a contact point.
+//! Friction laws, and friction at a contact point.
 //!
 //! Theory: `docs/theory/02-balance.md`, equation (F1).
 
@@ -8,30 +8,30 @@ use nalgebra::Vector3;
 
 use super::transition::Transition;
 
-/// A friction law: the friction coefficient at a point of sliding contact.
+/// A friction law that gives the friction coefficient at a point of a sliding contact.
 ///
-/// Friction acts against the slip, and its magnitude is the normal load times the coefficient. This
-/// applies to a single point (F1) and to every point of a contact ellipse (E4).
+/// Friction acts against the slip, and its magnitude is the normal load multiplied by the
+/// coefficient. This applies to a point contact (F1) and to every point of a contact ellipse (E4).
 ///
-/// The closed forms, the reductions of the rigid and the elastic model, and the fast sums over an
-/// ellipse are valid only for a constant [`Coulomb`] coefficient and take this coefficient instead
-/// of a law.
+/// The closed forms, the reduced equations of the rigid and the elastic model, and the fast sums
+/// over an ellipse are valid only for a constant [`Coulomb`] coefficient. They take this
+/// coefficient instead of a law.
 pub trait FrictionLaw<D> {
     /// Returns the friction coefficient at a point.
     ///
-    /// * `pressure`: pressure divided by the largest pressure of the contact, 0 to 1.
+    /// * `pressure`: pressure divided by the maximum pressure in the contact, from 0 to 1.
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 
-    /// Returns the transition at which the slope of the coefficient changes along a line across an
-    /// ellipse. Returns `None` if the coefficient depends neither on pressure nor on speed, so that
-    /// an ellipse needs fewer nodes.
+    /// Returns the transition of the coefficient along a line across a contact ellipse, at which
+    /// its slope changes. Returns `None` if the coefficient depends neither on pressure nor on
+    /// speed; the integration then needs fewer nodes.
     fn bend(&self) -> Option<Transition> {
         Some(Transition::SMOOTH)
     }
 }
 
-/// A constant coefficient `$f \ge 0$`, for every pressure and speed.
+/// A constant friction coefficient `$f \ge 0$` for every pressure and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb<D>(pub D);
 
@@ -51,9 +51,9 @@ impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
 /// F_f = -f\,Q\,\frac{v}{|v|}
 /// ```
 ///
-/// * `law`: friction law, evaluated at the largest pressure.
-/// * `normal_load`: `$Q$` \[N\].
-/// * `slip`: velocity `$v$` of the ball's surface relative to the body \[m/s\], tangential.
+/// * `law`: friction law, which is evaluated at the maximum pressure.
+/// * `normal_load`: normal load `$Q$` \[N\].
+/// * `slip`: tangential velocity `$v$` of the ball surface relative to the contacting body \[m/s\].
 ///
 /// # Errors
 ///
@@ -68,7 +68,8 @@ pub(crate) fn friction_force<D: Scalar>(
     Ok(against(slip, friction * normal_load / speed))
 }
 
-/// Returns the slip speed if it is positive and finite, so that friction has a direction.
+/// Returns the slip speed after checking that it is positive and finite. Otherwise, friction has no
+/// direction.
 pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     if speed.re() > 0.0 && speed.re().is_finite() {
         return Ok(speed);
@@ -76,17 +77,18 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     Err(EvalError {
         quantity: "slip speed at a contact",
         value: speed.re(),
-        requirement: "positive and finite, for friction to have a direction",
+        requirement: "positive and finite; otherwise friction has no direction",
     })
 }
 
-/// Returns the friction force against a slip, for a given ratio of friction to slip \[N\] (F1).
+/// Returns the friction force that opposes a slip, for a given ratio of friction to slip speed
+/// \[N\] (F1).
 pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
     // F = −f Q v/|v|                                                      (F1)
     slip * -size
 }
 
-/// Returns the absolute value, with the derivatives multiplied by the sign.
+/// Returns the absolute value; the derivatives are multiplied by the sign of the value.
 pub(crate) fn magnitude<D: Scalar>(x: D) -> D {
     if x.re() < 0.0 { -x } else { x }
 }

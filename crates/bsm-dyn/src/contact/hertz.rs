@@ -34,35 +34,35 @@ impl<D: Real> Material<D> {
     }
 }
 
-/// The groove that is in contact with the ball.
+/// A groove that is in contact with the ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Groove<D = f64> {
-    /// Member that contains the groove.
+    /// Body that contains the groove.
     pub member: Raceway,
     /// Groove radius divided by ball diameter `$f_g > 1/2$`.
     pub conformity: D,
 }
 
-/// The member that contains a groove.
+/// The body that contains a groove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Raceway {
-    /// The nut, around the balls.
+    /// The nut, whose groove is outside the balls.
     Nut,
-    /// The screw, inside the balls.
+    /// The screw, whose groove is inside the balls.
     Screw,
 }
 
 /// Relative curvatures of a contact \[1/m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvatures<D = f64> {
-    /// Curvature along the track `$\rho_t$`.
+    /// Relative curvature along the track `$\rho_t$`.
     pub longitudinal: D,
-    /// Curvature across the groove `$\rho_x$`.
+    /// Relative curvature across the groove `$\rho_x$`.
     pub transverse: D,
 }
 
 impl<D: Real> Curvatures<D> {
-    /// Returns both curvatures times a factor.
+    /// Returns both curvatures multiplied by a factor.
     #[inline(always)]
     #[must_use]
     pub fn times(self, factor: D) -> Self {
@@ -71,13 +71,14 @@ impl<D: Real> Curvatures<D> {
 }
 
 impl Curvatures {
-    /// Returns the permanent approach after a load \[m\] (H12), which is added to the elastic
+    /// Returns the permanent approach that remains after a load \[m\] (H12). It adds to the elastic
     /// approach.
     ///
-    /// * `load`: `$Q$` \[N\].
-    /// * `ball_radius`: `$r_b$` \[m\].
+    /// * `load`: normal load `$Q$` \[N\].
+    /// * `ball_radius`: ball radius `$r_b$` \[m\].
     ///
-    /// Source: Dong et al. (2020), an empirical formula for hardened bearing steel in millimeters.
+    /// Source: Dong et al. (2020), an empirical formula for hardened bearing steel with lengths in
+    /// millimeters.
     pub fn permanent_approach(&self, load: f64, ball_radius: f64) -> f64 {
         // δ_p [mm] = 1.3·10⁻⁷ ρ_t ρ_x Q² / (2 r_b), lengths in mm          (H12)
         1.3e-19 * self.longitudinal * self.transverse * load * load / (2.0 * ball_radius)
@@ -93,8 +94,8 @@ impl<D: Real> Groove<D> {
         (self.conformity * 2.0 - 1.0) * ball_radius
     }
 
-    /// Returns [`Self::curvatures`] for the tangent of the lead angle and the cosine of the contact
-    /// angle.
+    /// Calculates [`Self::curvatures`] from the tangent of the lead angle and the cosine of the
+    /// contact angle.
     #[inline(always)]
     pub fn curvatures_at(
         &self,
@@ -124,15 +125,16 @@ impl<D: Real> Groove<D> {
 }
 
 impl<D: Scalar> Groove<D> {
-    /// Returns the relative curvatures of ball and groove at the unloaded contact (H3) to (H6).
+    /// Returns the relative curvatures of ball and groove at first contact (H3) to (H6).
     ///
-    /// The groove is the surface that a circle with the radius `$2 f_g r_b$` sweeps along the helix
-    /// of its center.
+    /// The groove is the surface that a circle of radius `$2 f_g r_b$` sweeps when its center moves
+    /// along a helix.
     ///
-    /// * `pitch_radius`, `ball_radius`: `$r_m$`, `$r_b$` \[m\].
-    /// * `lead_angle`, `contact_angle`: `$\alpha$`, `$\beta_0$` \[rad\].
+    /// * `pitch_radius`, `ball_radius`: pitch circle radius `$r_m$` and ball radius `$r_b$` \[m\].
+    /// * `lead_angle`, `contact_angle`: lead angle `$\alpha$` and unloaded contact angle
+    ///   `$\beta_0$` \[rad\].
     ///
-    /// Difference from bearing formulas: bearing formulas treat the helix as a circle and
+    /// Difference from bearing formulas: these formulas treat the helix as a circle and
     /// overestimate its curvature by the factor `$1/\cos^2\alpha$`.
     pub fn curvatures(
         &self,
@@ -145,24 +147,25 @@ impl<D: Scalar> Groove<D> {
     }
 }
 
-/// Elliptical Hertz contact: all quantities that do not depend on the load.
+/// An elliptical Hertz contact: quantities that do not depend on the load.
 ///
 /// Source: Johnson, *Contact Mechanics*, §4.2, with complete elliptic integrals instead of
 /// empirical formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz<D = f64> {
-    /// Ratio of the semi-axes `$1/\kappa = b/a \le 1$`. The long semi-axis lies across the groove.
+    /// Ratio of the semi-axes `$1/\kappa = b/a \le 1$`. The long semi-axis is across the groove.
     pub flatness: D,
     /// Semi-axis across the groove divided by the cube root of the load \[m/N^(1/3)\].
     pub semi_axis: D,
-    /// Approach under unit load, the factor `$c$` of `$\delta = c\,Q^{2/3}$` \[m/N^(2/3)\].
+    /// Approach under unit load: the factor `$c$` in `$\delta = c\,Q^{2/3}$` \[m/N^(2/3)\].
     pub compliance: D,
     /// Complete elliptic integral of the second kind `$E(m)$`, `$m = 1 - 1/\kappa^2$`.
     pub second_integral: D,
 }
 
 impl<D: Real> Hertz<D> {
-    /// Returns the contact for given curvatures, contact modulus \[Pa\] and axis ratio (H8), (H9).
+    /// Creates the contact for a given shape of the ellipse, given curvatures and a given contact
+    /// modulus \[Pa\] (H8), (H9).
     #[inline(always)]
     pub fn on(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
         let Axes { flatness, k, e } = *axes;
@@ -176,7 +179,7 @@ impl<D: Real> Hertz<D> {
 }
 
 impl<D: Scalar> Hertz<D> {
-    /// Returns the contact for given curvatures and contact modulus \[Pa\] (H7) to (H9).
+    /// Creates the contact for given curvatures and contact modulus \[Pa\] (H7) to (H9).
     ///
     /// ```math
     /// \frac{\rho_t}{\rho_x} = \frac{\kappa^2 E - K}{K - E}, \qquad
@@ -186,19 +189,20 @@ impl<D: Scalar> Hertz<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`. Otherwise the ellipse
-    /// would be longer along the groove, or the bodies would conform without a gap.
+    /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`. Otherwise, the ellipse
+    /// would be longer along the groove than across it, or the surfaces would conform without a
+    /// gap.
     pub fn of(curvatures: &Curvatures<D>, modulus: D) -> Result<Self, Reason> {
         let [hertz] = Self::side_by_side(&[*curvatures], modulus)?;
         Ok(hertz)
     }
 
-    /// Returns several contacts. Their joint calculation takes as long as the calculation of one
+    /// Creates several contacts. Calculating them together takes only as long as calculating one
     /// contact.
     ///
     /// # Errors
     ///
-    /// The error of [`Self::of`] for the first contact that has an error.
+    /// Returns the error of [`Self::of`] for the first contact that has an error.
     pub fn side_by_side<const N: usize>(
         curvatures: &[Curvatures<D>; N],
         modulus: D,
@@ -214,13 +218,13 @@ impl<D: Scalar> Hertz<D> {
         Ok(from_fn(|i| Self::on(&axes[i], &curvatures[i], modulus)))
     }
 
-    /// Returns the elastic approach under the load `load` \[N\], in m (H9).
+    /// Returns the elastic approach \[m\] under the load `load` \[N\] (H9).
     pub fn approach<L: Over<D>>(&self, load: L) -> L {
         // δ = c Q^{2/3}                                                   (H9)
         load.cbrt().square() * self.compliance
     }
 
-    /// Returns the semi-axes across and along the groove under the load `load` \[N\], in m.
+    /// Returns the semi-axes across and along the groove \[m\] under the load `load` \[N\].
     pub fn semi_axes(&self, load: D) -> (D, D) {
         let a = self.semi_axis * load.cbrt();
         (a, a * self.flatness)
@@ -231,14 +235,14 @@ impl<D: Scalar> Hertz<D> {
         self.flatness.recip()
     }
 
-    /// Returns the stiffness `$K_H$` of `$Q = K_H\,\delta^{3/2}$` \[N/m^1.5\] (H9).
+    /// Returns the stiffness `$K_H$` in `$Q = K_H\,\delta^{3/2}$` \[N/m^1.5\] (H9).
     pub fn stiffness(&self) -> D {
         // K_H = c^{−3/2}                                                  (H9)
         self.compliance.powf(-1.5)
     }
 }
 
-/// Returns the largest pressure of an ellipse with given semi-axes under a load (H10).
+/// Returns the maximum pressure in an ellipse with given semi-axes under a load (H10).
 #[inline(always)]
 pub(crate) fn max_pressure<F: Real>(load: F, (a, b): (F, F)) -> F {
     // p_max = 3 Q / (2 π a b)                                             (H10)
@@ -246,61 +250,61 @@ pub(crate) fn max_pressure<F: Real>(load: F, (a, b): (F, F)) -> F {
 }
 
 impl Hertz {
-    /// Returns the largest pressure under the load `load` \[N\], in Pa (H10).
+    /// Returns the maximum pressure \[Pa\] under the load `load` \[N\] (H10).
     pub fn max_pressure(&self, load: f64) -> f64 {
         if load > 0.0 { max_pressure(load, self.semi_axes(load)) } else { 0.0 }
     }
 }
 
-/// Shape of a contact ellipse, a root of (H7).
+/// Shape of a contact ellipse, calculated as the root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axes<D> {
-    /// `$q = 1/\kappa$`.
+    /// Ratio of the semi-axes `$q = 1/\kappa$`.
     flatness: D,
-    /// `$K(m)$`.
+    /// Complete elliptic integral of the first kind `$K(m)$`.
     k: D,
-    /// `$E(m)$`.
+    /// Complete elliptic integral of the second kind `$E(m)$`.
     e: D,
 }
 
-/// Number of iterations for a root of (H7).
+/// Numbers of iterations for finding a root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Iterations {
     /// Number of Newton steps.
     steps: usize,
-    /// Number of arithmetic-geometric means.
+    /// Number of arithmetic-geometric mean steps.
     agm_steps: usize,
 }
 
-/// Iterations for ratios of the curvatures up to [`Axes::PRACTICE`]. The errors of the steps are at
-/// most 0.3, 4e-3, 2e-7 and rounding; the errors of the means are below rounding for
-/// `$\kappa \le 700$`.
+/// Iterations for curvature ratios up to [`Axes::PRACTICE`]. The errors of the starting value and
+/// after each Newton step are at most 0.3, 4e-3, 2e-7 and the rounding error. For `$\kappa \le
+/// 700$`, the errors of the arithmetic-geometric means are below rounding errors.
 const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
-/// Iterations for ratios up to 1e30, which no groove in double precision exceeds.
+/// Iterations for curvature ratios up to 1e30, which no groove in double precision exceeds.
 const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {
-    /// Largest ratio of the curvatures `$\rho_t/\rho_x$` for [`Self::in_practice`].
+    /// Maximum curvature ratio `$\rho_t/\rho_x$` for [`Self::in_practice`].
     pub const PRACTICE: f64 = 1e4;
 
-    /// Solves (H7) for ratios of the curvatures from 1 to [`Self::PRACTICE`], to rounding.
+    /// Solves (H7) for curvature ratios from 1 to [`Self::PRACTICE`], accurate to rounding errors.
     #[inline(always)]
     pub fn in_practice(target: D) -> Self {
         Self::solve(target, PRACTICE).0
     }
 
-    /// Solves (H7) and also returns the relation at the root.
+    /// Solves (H7). Also returns the equation evaluated at the root.
     #[inline(always)]
     fn solve(target: D, effort: Iterations) -> (Self, CurvatureEquation<D>) {
-        // Starting value: κ ≈ (ρ_t/ρ_x)^{5/8}, near Brewe and Hamrock's formula; κ = 1 is exact for
-        // a circle.
+        // Starting value: κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
+        // Hamrock. For a circle, κ = 1 is exact.
         let mut q = (target * target.sqrt().sqrt()).sqrt().recip();
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
             let [found, wanted] = [at.below(), target * q.square() * at.above()];
-            // Newton's method for the logarithms, with ln x ≈ 2 (x−1)/(x+1) and its inverse for the
-            // step.
+            // Newton's method is applied to the logarithms of both sides. ln x is approximated by 2
+            // (x−1)/(x+1), and the step uses the inverse of this approximation.
             let up = (found - wanted) * (at.above() * at.below());
             let down = (found + wanted) * at.slope();
             q = q * ((down + up) / (down - up));
@@ -311,12 +315,12 @@ impl<D: Real> Axes<D> {
 }
 
 impl<D: Scalar> Axes<D> {
-    /// Solves (H7), with the derivatives of the implicit function.
+    /// Solves (H7) with derivatives, using the implicit function theorem.
     fn of<const N: usize>(targets: [D; N]) -> [Self; N] {
         let found = Arch::new().dispatch(SideBySide(targets.map(|target| target.re())));
         from_fn(|i| {
             let (Axes { flatness, k, e }, at) = found[i];
-            // d ln κ = d ln t / s: to first order exact in any scalar     (V4)
+            // d ln κ = d ln t / s: exact to first order in any scalar type    (V4)
             let t = targets[i].re();
             let moved = (targets[i] - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
             // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2       (H11)
@@ -331,7 +335,7 @@ impl<D: Scalar> Axes<D> {
     }
 }
 
-/// Ratios of curvatures whose ellipses are calculated side by side.
+/// Curvature ratios of ellipses that are calculated side by side.
 struct SideBySide<const N: usize>([f64; N]);
 
 impl<const N: usize> WithSimd for SideBySide<N> {
@@ -358,8 +362,8 @@ impl<const N: usize> WithSimd for SideBySide<N> {
     }
 }
 
-/// The relation (H7) for an axis ratio, calculated by arithmetic-geometric means. For any axis
-/// ratio, the calculation contains no difference of nearly equal numbers.
+/// Equation (H7) at a given axis ratio, evaluated with arithmetic-geometric means. The evaluation
+/// never subtracts nearly equal numbers.
 ///
 /// ```math
 /// \frac{K - E}{K} = \frac{m}{2}(1 + r), \qquad \frac{\rho_t}{\rho_x} = \frac{1 - r}{q^2 (1 + r)}
@@ -367,9 +371,9 @@ impl<const N: usize> WithSimd for SideBySide<N> {
 #[derive(Debug, Clone, Copy)]
 struct CurvatureEquation<D> {
     k: D,
-    /// `$m/2$`.
+    /// Half of the elliptic parameter, `$m/2$`.
     half: D,
-    /// `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
+    /// Terms `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
     r: D,
     w: D,
 }
@@ -388,35 +392,35 @@ impl<D: Real> CurvatureEquation<D> {
             (a, g) = ((a + g) * 0.5, (a * g).sqrt());
         }
         // (K − E)/K = m/2 + Σ 2^{i−1} c_i², c₁ = (1 − q)/2. Near a circle, all terms after c₁² are
-        // of order c₁⁴ or of the square of the rounding error, 1e-33. The number that is added to
-        // c₁² keeps both from affecting the result.
+        // of order c₁⁴ or of the order of the squared rounding error, 1e-33. Adding 1e-16 to c₁²
+        // keeps them from affecting the result.
         let first = below.square() * 0.25 + 1e-16;
         let half = below * above * 0.5;
         let w = (sum + first) / (first * above.square());
         Self { k: q.constant(0.5 * PI) / a, half, r: w * half, w }
     }
 
-    /// Returns `$1 + r$`.
+    /// Returns the factor `$1 + r$` of (H7).
     #[inline(always)]
     fn above(&self) -> D {
         self.r + 1.0
     }
 
-    /// Returns `$1 - r$`.
+    /// Returns the factor `$1 - r$` of (H7).
     #[inline(always)]
     fn below(&self) -> D {
         -self.r + 1.0
     }
 
-    /// Returns the derivative of the logarithm of the ratio of curvatures with respect to the
-    /// logarithm of `$\kappa$`, times `$(1 + r)(1 - r)$`.
+    /// Returns the derivative of the logarithm of the curvature ratio with respect to the logarithm
+    /// of `$\kappa$`, multiplied by `$(1 + r)(1 - r)$`.
     #[inline(always)]
     fn slope(&self) -> D {
-        // (1 + r)(1 − 3r) + 2w by the derivatives of K and E              (H11)
+        // (1 + r)(1 − 3r) + 2w, from the derivatives of K and E           (H11)
         self.above() * (self.r * -3.0 + 1.0) + self.w * 2.0
     }
 
-    /// Returns `$E(m)$`.
+    /// Returns the complete elliptic integral of the second kind `$E(m)$`.
     #[inline(always)]
     fn e(&self) -> D {
         self.k * (-(self.half * self.above()) + 1.0)
@@ -441,14 +445,15 @@ mod tests {
         Hertz::of(&curvatures, contact_modulus(&STEEL, &STEEL)).unwrap()
     }
 
-    /// The constants of Lin's screw with conformities of 0.53 agree with independent values of
-    /// eight to eleven digits.
+    /// The constants of Lin's screw with conformities of 0.53 agree with independent values that
+    /// have eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
         let nut = lin(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The list states 1.88829920e-5, which differs from its own a/κ by 2e-8.
+        // The reference states 1.88829920e-5, which differs from its own ratio a/κ by a relative
+        // 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin(Raceway::Screw);
@@ -458,8 +463,8 @@ mod tests {
         assert_relative_eq!(screw.stiffness(), 2.356_080_636_3e10, max_relative = 1e-10);
     }
 
-    /// Hand calculation in millimeters: with ρ_t = 0.25 and ρ_x = 0.02, 3 kN on a ball of 8 mm give
-    /// 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
+    /// Hand calculation in millimeters: for ρ_t = 0.25, ρ_x = 0.02 and a load of 3 kN on a ball of
+    /// 8 mm, the permanent approach is 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
     fn permanent_approach_matches_a_hand_calculation() {
         let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
@@ -467,7 +472,7 @@ mod tests {
         assert_relative_eq!(approach, 7.3125e-7, max_relative = 1e-12);
     }
 
-    /// For a sphere on a plane, the closed form is a³ = 3QR/(4E*), δ = a²/R.
+    /// For a sphere on a plane, the closed-form solution is a³ = 3QR/(4E*), δ = a²/R.
     #[test]
     fn circular_contact_matches_a_sphere_on_a_plane() {
         let radius = 5e-3_f64;
@@ -477,7 +482,7 @@ mod tests {
         assert_relative_eq!(hertz.ratio(), 1.0, max_relative = 1e-15);
         assert_relative_eq!(hertz.semi_axis, a, max_relative = 1e-14);
         assert_relative_eq!(hertz.approach(1.0), a * a / radius, max_relative = 1e-14);
-        // For a circle, (3/2) d ln κ = d ln ρ_t, in which the integrals are smooth.
+        // Near a circle, (3/2) d ln κ = d ln ρ_t, and the integrals are smooth functions of κ.
         let jets = Curvatures {
             longitudinal: Jet::variable(radius.recip(), 0),
             transverse: Jet::<1>::from(radius.recip()),
@@ -486,7 +491,7 @@ mod tests {
         assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
     }
 
-    /// For zero lead angle, the curvatures equal the curvatures of a bearing.
+    /// For zero lead angle, the curvatures equal the curvatures of a ball bearing.
     #[test]
     fn curvatures_at_zero_lead_match_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);
@@ -509,7 +514,7 @@ mod tests {
         }
     }
 
-    /// Ratios of the curvatures with 1/κ, K(m) and E(m), calculated by mpmath with sixty digits and
+    /// Curvature ratios with 1/κ, K(m) and E(m), calculated by mpmath with sixty digits and
     /// Newton's method for (H7).
     const AXES: [(f64, f64, f64, f64); 11] = [
         (1.000_000_001, 0.999_999_999_333_333_3, 1.570_796_327_318_495_5, 1.570_796_326_271_297_8),
@@ -537,10 +542,10 @@ mod tests {
     }
 
     proptest! {
-        /// Derivatives with respect to the curvature along the track and the modulus agree with
-        /// differences.
+        /// Derivatives with respect to the curvature along the track and the contact modulus agree
+        /// with finite differences.
         #[test]
-        fn derivatives_match_differences(log_ratio in 1e-3..9.0_f64) {
+        fn derivatives_match_finite_differences(log_ratio in 1e-3..9.0_f64) {
             let (transverse, modulus) = (13.0, 1.1e11);
             let longitudinal = transverse * log_ratio.exp();
             let jets = Curvatures { longitudinal: Jet::variable(longitudinal, 0), transverse: Jet::from(transverse) };
@@ -548,8 +553,8 @@ mod tests {
             let at = |a: f64, e: f64| {
                 Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
-            // The tolerance covers the truncation error h² and the rounding error of (H7), which is
-            // 1e-16 divided by the distance from the circle and by h.
+            // The tolerance covers the truncation error h² and the rounding error of (H7). The
+            // rounding error is 1e-16, divided by the distance from a circle and by h.
             let h = 1e-4;
             let tol = 1e-6 + 1e-11 / log_ratio;
             let read: [fn(&Hertz) -> f64; 4] =
@@ -564,15 +569,16 @@ mod tests {
             }
         }
 
-        /// The relation of the curvatures holds, and load, approach and pressure scale correctly.
+        /// The ellipse satisfies the curvature equation, and load, approach and pressure scale
+        /// correctly.
         #[test]
-        fn the_ellipse_satisfies_its_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
+        fn contact_ellipse_satisfies_the_curvature_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
             let transverse = 13.0;
             let longitudinal = transverse * log_ratio.exp();
             let hertz = Hertz::of(&Curvatures { longitudinal, transverse }, 1.1e11).unwrap();
             let (k, e) = ellipke(1.0 - hertz.flatness.powi(2)).unwrap();
             let relation = (hertz.ratio().powi(2) * e - k) / (k - e);
-            // κ² E − K and K − E cancel near the circle.
+            // Near a circle, the differences κ² E − K and K − E suffer from cancellation.
             prop_assert!((relation.ln() - log_ratio).abs() <= 1e-11 / log_ratio.min(1.0));
             let (a, b) = hertz.semi_axes(8.0 * load);
             prop_assert!((a / hertz.semi_axes(load).0 - 2.0).abs() <= 1e-14);

@@ -1,7 +1,7 @@
 //! Jamming: the wedge between the raceways, drag of the lubricant, and thrust in the ball return.
 //!
-//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M23). `A` and `B` here are nut and
-//! screw; Dong et al. write `o` and `i`.
+//! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M23). The indices `A` and `B` denote nut
+//! and screw; Dong et al. write `o` and `i`.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,8 @@ use bsm_kin::{Real, Scalar};
 
 use super::friction::magnitude;
 
-/// A ball in the wedge between the raceways, which push it out while friction holds it.
+/// A ball in the wedge between the raceways. The raceways push the ball out of the wedge, and
+/// friction holds it.
 ///
 /// Source: Dong et al. (2020), Eqs 15-17.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,31 +45,32 @@ impl<D: Scalar> Wedge<D> {
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
     }
 
-    /// Returns the force that holds the ball \[N\], the left side of (M8).
+    /// Returns the force that holds the ball in the wedge \[N\], the left side of (M8).
     pub fn holding(&self) -> D {
         let [a, b] = self.across();
         // (F_XA + F_XB) cos(D/2) + F_c sin β                              (M8)
         (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
     }
 
-    /// Returns the force that pushes the ball out \[N\], the right side of (M8). It is negative if
-    /// the wedge opens outward.
+    /// Returns the force that pushes the ball out of the wedge \[N\], the right side of (M8). It is
+    /// negative if the wedge opens outward.
     pub fn expelling(&self) -> D {
         // (Q_A + Q_B) sin(D/2)                                            (M8)
         (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
     }
 
-    /// Returns the friction coefficient above which the ball is held, for either direction of the
-    /// push (M9).
+    /// Returns the friction coefficient above which friction holds the ball, for either direction
+    /// of the pushing force (M9).
     ///
-    /// Without slip across the grooves the result is infinite.
+    /// If there is no slip across the grooves, the result is infinite.
     pub fn critical_friction(&self) -> D {
         let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
         // f_lock = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
         magnitude(push) / (self.load_across() * (self.opening() * 0.5).cos())
     }
 
-    /// Returns the critical friction coefficients as printed, at nut and screw (M18).
+    /// Returns the critical friction coefficients at nut and screw, calculated as printed in the
+    /// source (M18).
     ///
     /// Source: Dong et al. (2020), Eq 16.
     pub fn critical_friction_printed(&self) -> [D; 2] {
@@ -76,22 +78,23 @@ impl<D: Scalar> Wedge<D> {
         self.slip_angles.map(|psi| magnitude(psi.sin()) * self.critical_friction_simplified())
     }
 
-    /// Returns the critical friction coefficient with `$\sin\psi = 1$`.
+    /// Returns the critical friction coefficient, simplified with `$\sin\psi = 1$`.
     ///
-    /// Source: Dong et al. (2020), Eq 17 without its radical.
+    /// Source: Dong et al. (2020), Eq 17 without the radical.
     pub fn critical_friction_simplified(&self) -> D {
         magnitude((self.opening() * 0.5).tan())
     }
 
-    /// Returns the critical friction coefficient without the centrifugal force, as corrected (M10).
+    /// Returns the critical friction coefficient without centrifugal force, calculated with the
+    /// corrected formula (M10).
     pub fn critical_friction_corrected(&self) -> D {
         let share = self.load_across() / (self.loads[0] + self.loads[1]);
         // f_lock |cosψ| = tan(|D|/2)                                      (M10)
         self.critical_friction_simplified() / share
     }
 
-    /// Returns the largest wedge angle that friction can hold if all of it acts across the grooves
-    /// \[rad\] (M17).
+    /// Returns the largest wedge angle at which friction can hold the ball, if all friction acts
+    /// across the grooves \[rad\] (M17).
     pub fn widest_opening(&self) -> D {
         let ([nut, screw], [q_a, q_b]) = (self.friction, self.loads);
         let mean = screw + (nut - screw) * q_a / (q_a + q_b);
@@ -99,7 +102,8 @@ impl<D: Scalar> Wedge<D> {
         mean.atan() * 2.0
     }
 
-    /// Returns `$\sum Q\,|\cos\psi|$` \[N\].
+    /// Returns the sum of the normal loads that contribute to friction across the grooves, `$\sum
+    /// Q\,|\cos\psi|$` \[N\].
     fn load_across(&self) -> D {
         let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
         part(0) + part(1)
@@ -112,32 +116,34 @@ pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> 
     mass * pitch_radius * precession.square()
 }
 
-/// Returns the drag of the lubricant on a ball, against its direction of travel \[N\] (M6).
+/// Returns the drag force of the lubricant on a ball \[N\], which acts against the direction of
+/// travel (M6).
 ///
 /// * `coefficient`: drag coefficient `$C_v$`.
 /// * `density`: density of the lubricant in the nut \[kg/m³\].
 /// * `diameter`: ball diameter \[m\].
-/// * `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball center around the axis \[m/s\].
+/// * `speed`: `$2 r_m|P - \Omega_n|$`, which is twice the speed of the ball center around the axis
+///   \[m/s\].
 ///
-/// Source: Dong et al. (2020), as for rolling bearings.
+/// Source: Dong et al. (2020), who use the formula for rolling bearings.
 #[inline(always)]
 pub fn viscous_drag<D: Real>(coefficient: D, density: D, diameter: D, speed: D) -> D {
     // F_v = (π/32) C_v ρ d_b² (2 r_m ω_m)^1.95                            (M6)
     coefficient * (PI / 32.0) * density * diameter.square() * speed.powf(1.95)
 }
 
-/// Returns the Hertz stiffness of a ball on a flat with the contact modulus `modulus` \[N/m^1.5\]
-/// (M11).
+/// Returns the Hertz stiffness of a ball on a plane \[N/m^1.5\] for the contact modulus `modulus`
+/// \[Pa\] (M11).
 pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
     // K = (4/3) E* √r_b                                                   (M11)
     4.0 / 3.0 * modulus * ball_radius.sqrt()
 }
 
-/// Returns the impact force of a ball on a contact with the given stiffness \[N\] (M12), (M13).
+/// Returns the impact force of a ball on a contact with a given Hertz stiffness \[N\] (M12), (M13).
 ///
-/// * `mass` \[kg\].
-/// * `speed`: speed along the normal \[m/s\].
-/// * `stiffness`: `$K$` \[N/m^1.5\].
+/// * `mass`: ball mass \[kg\].
+/// * `speed`: ball speed along the contact normal \[m/s\].
+/// * `stiffness`: Hertz stiffness `$K$` \[N/m^1.5\].
 ///
 /// Source: Dong et al. (2020), Eq 19.
 pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
@@ -149,34 +155,34 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
 
 /// Returns the impact force of a ball on a linear spring \[N\] (M19).
 ///
-/// * `mass` \[kg\].
-/// * `speed`: speed along the normal \[m/s\].
-/// * `stiffness`: `$k_h$` \[N/m\].
+/// * `mass`: ball mass \[kg\].
+/// * `speed`: ball speed along the contact normal \[m/s\].
+/// * `stiffness`: stiffness of the spring `$k_h$` \[N/m\].
 ///
-/// Source: Dong et al. (2020), Eq 19, as printed.
+/// Source: Dong et al. (2020), Eq 19 as printed.
 pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     // F_m = k_h δ_m = 1.14 m v²/δ_m  ⇒  F_m = v √(1.14 k_h m)             (M19)
     speed * (1.14 * stiffness * mass).sqrt()
 }
 
-/// A ball that enters the ball return over a step, between the ball behind it and the ball ahead of
-/// it.
+/// A ball that enters the ball return over a step. Another ball pushes it from behind, and it
+/// pushes the ball ahead.
 ///
 /// Source: Dong et al. (2020), Eq 22.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EntryStep {
     /// Height of the step divided by the ball radius.
     pub height: f64,
-    /// Angle between channel and track \[rad\].
+    /// Angle between return channel and track \[rad\].
     pub angle: f64,
     /// Rolling friction coefficient `$\mu'$`.
     pub rolling: f64,
 }
 
 impl EntryStep {
-    /// Returns the force of the ball behind divided by the force of the ball ahead at the moment at
-    /// which the ball lifts off its track (M21). Returns `None` if no force lifts the ball over the
-    /// step.
+    /// Returns the ratio of the force of the ball behind to the force of the ball ahead at the
+    /// moment when the ball lifts off its track (M21). Returns `None` if no force can lift the ball
+    /// over the step.
     pub fn thrust_ratio(&self) -> Option<f64> {
         // sinα' = 1 − h/r_b                                               (M20)
         let edge = (1.0 - self.height).asin();
@@ -185,18 +191,20 @@ impl EntryStep {
         (free > 0.0).then(|| (self.angle + free).sin() / free.sin())
     }
 
-    /// Returns the height, divided by the ball radius, above which no force lifts the ball (M22).
+    /// Returns the maximum step height, divided by the ball radius, over which a force can lift the
+    /// ball (M22).
     pub fn highest(&self) -> f64 {
         // h_max/r_b = 1 − sinφ                                            (M22)
         1.0 - self.rolling.atan().sin()
     }
 }
 
-/// Returns the thrust on the ball behind a ball that hits the apex of the return curve \[N\] (M14).
+/// Returns the thrust on the ball behind, when a ball hits the apex of the return curve \[N\]
+/// (M14).
 ///
-/// * `impact`: `$F_m$` \[N\].
-/// * `half_angle`: `$\lambda_1$` of the apex \[rad\].
-/// * `friction`: `$f$`.
+/// * `impact`: impact force `$F_m$` \[N\].
+/// * `half_angle`: half angle `$\lambda_1$` of the apex \[rad\].
+/// * `friction`: friction coefficient `$f$`.
 ///
 /// Source: Dong et al. (2020), Eq 18.
 pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
@@ -205,12 +213,12 @@ pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
     impact * (sin.recip() + friction / cos) * 0.5
 }
 
-/// Returns the thrust on the ball behind a ball that hits the step from the ball return into the
-/// screw \[N\] (M15).
+/// Returns the thrust on the ball behind, when a ball hits the step between ball return and screw
+/// \[N\] (M15).
 ///
-/// * `normal`: force `$F_N$` of the step \[N\].
-/// * `friction`: `$f > 0$`.
-/// * `return_angle`: `$\lambda_3$` \[rad\].
+/// * `normal`: normal force `$F_N$` of the step \[N\].
+/// * `friction`: friction coefficient `$f > 0$`.
+/// * `return_angle`: angle `$\lambda_3$` \[rad\].
 ///
 /// Source: Dong et al. (2020), Eqs 23-24.
 pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
@@ -218,14 +226,15 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Returns the friction along the track with which the loaded balls of a turn push \[N\] (M16).
+/// Returns the friction force along the track with which the loaded balls of one turn push the ball
+/// ahead \[N\] (M16).
 ///
 /// * `balls`: number of balls per turn.
-/// * `friction`: `$f$`.
-/// * `load`: normal load of a ball \[N\].
-/// * `slip_angle`: slip angle at this contact \[rad\].
+/// * `friction`: friction coefficient `$f$`.
+/// * `load`: normal load on one ball \[N\].
+/// * `slip_angle`: slip angle at the contact with the screw \[rad\].
 ///
-/// Source: Dong et al. (2020), Eqs 20-21, with the contact at the screw.
+/// Source: Dong et al. (2020), Eqs 20-21, applied to the contact at the screw.
 pub fn track_friction(balls: f64, friction: f64, load: f64, slip_angle: f64) -> f64 {
     // F_t = Z_t f Q |sinψ|                                                (M16)
     balls * friction * load * slip_angle.sin().abs()
@@ -243,10 +252,10 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Both sides of the criterion are the forces in the direction in which a ball leaves the
-        /// wedge, and friction with the critical coefficient holds the ball exactly.
+        /// Both sides of the criterion are forces in the direction in which a ball leaves the
+        /// wedge. Friction with the critical coefficient is just sufficient to hold the ball.
         #[test]
-        fn the_wedge_criterion_is_the_balance_of_forces(
+        fn wedge_criterion_matches_the_force_balance(
             a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
             f_c in 0.0..30.0_f64, psi in 0.0..1.5_f64,
         ) {
@@ -256,12 +265,13 @@ mod tests {
             let frame = BallFrame::turned(0.1, 0.0);
             let normal = |site, angle| Contact::new(site, angle, &frame).normal;
             let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
-            // The vector points out of the wedge: across the mean normal, toward the axis.
+            // The vector `out` points out of the wedge: perpendicular to the mean contact normal,
+            // toward the axis.
             let out = Vector3::new(0.0, a.sin(), -a.cos());
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
             let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
-            // The tolerance allows for rounding errors of forces of 1 kN.
+            // The tolerance allows for the rounding error of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
             let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
@@ -270,17 +280,17 @@ mod tests {
             let corrected = equal.critical_friction_corrected();
             prop_assert!((equal.critical_friction() / corrected - 1.0).abs() <= 1e-12);
             prop_assert!((corrected * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
-            // The printed formula contains the sine, which gives the other component of the
-            // friction force.
+            // The printed formula contains the sine instead of the cosine, which gives the friction
+            // component along the groove.
             let [at_nut, at_screw] = equal.critical_friction_printed();
             prop_assert!((at_nut - psi.sin() * tilt.abs().tan()).abs() <= 1e-14);
             prop_assert!((at_nut - at_screw).abs() <= 1e-14);
         }
 
-        /// Eq 24 of Dong et al. follows from the two balances of Eq 23, with the force of the
-        /// opposite wall and the thrust as unknowns.
+        /// Eq 24 of Dong et al. is the solution of the two force balances of Eq 23. The unknowns
+        /// are the force of the opposite wall and the thrust.
         #[test]
-        fn the_step_balances_the_forces_of_eq_23(
+        fn step_thrust_satisfies_the_force_balances_of_eq_23(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
         ) {
             let (sin, cos) = angle.sin_cos();
@@ -289,16 +299,16 @@ mod tests {
             let right = Vector2::new(-mu * normal, normal);
             let solved = rows.lu().solve(&right).expect("regular");
             let thrust = step_thrust(normal, mu, angle);
-            // The tolerance is the rounding error times the condition number of a step that is
-            // nearly perpendicular to the travel.
+            // The tolerance is the rounding error multiplied by the condition number, which is
+            // large if the step is nearly perpendicular to the direction of travel.
             prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
         }
 
-        /// In an impact on a Hertz contact, the contact stores the kinetic energy. The factor 1.14
-        /// is that of a half sine with the same approach and duration; the largest Hertz force has
-        /// the factor 5/4.
+        /// The Hertz contact stores the kinetic energy of the impact. The factor 1.14 applies to a
+        /// half-sine pulse with equal approach and duration; for the maximum Hertz force, the
+        /// factor is 5/4.
         #[test]
-        fn the_impact_conserves_energy(
+        fn impact_on_a_hertz_contact_conserves_energy(
             mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
         ) {
             let stiffness = 10.0_f64.powf(log_k);
@@ -311,15 +321,15 @@ mod tests {
     }
 
     /// Hand calculation: at a 45 degree apex without friction, the thrust is half of the impact
-    /// force times √2. Friction adds the same amount times the friction coefficient.
+    /// force multiplied by √2. Friction adds this thrust multiplied by the friction coefficient.
     #[test]
     fn apex_thrust_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
 
-    /// Friction across the groove does not push, and friction along the groove pushes with its full
-    /// magnitude.
+    /// Friction across the groove does not push the ball, and friction along the groove pushes it
+    /// with its full magnitude.
     #[test]
     fn only_friction_along_the_track_pushes_the_ball() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
@@ -327,10 +337,10 @@ mod tests {
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
     }
 
-    /// For a linear spring, the force is proportional to the speed, and it is divided by the
-    /// approach of the spring.
+    /// For a linear spring, the impact force is proportional to the speed and satisfies Eq 19 with
+    /// the approach of the spring.
     #[test]
-    fn the_linear_impact_matches_eq_19() {
+    fn linear_impact_force_satisfies_eq_19() {
         let (mass, stiffness) = (1.7e-4, 3e7);
         let force = linear_impact_force(mass, 1.3, stiffness);
         let approach = force / stiffness;
@@ -340,8 +350,8 @@ mod tests {
     }
 
     proptest! {
-        /// The three balances of Eq 22 hold at the moment at which the ball lifts off its track.
-        /// The balance of moments follows from the two balances of forces.
+        /// The three balances of Eq 22 hold at the moment when the ball lifts off its track. The
+        /// moment balance follows from the two force balances.
         #[test]
         fn forces_and_moments_balance_at_the_entry_step(
             height in 0.0..0.8_f64, angle in 0.01..1.5_f64, rolling in 0.0..0.05_f64,
@@ -352,18 +362,18 @@ mod tests {
             // F_N sinα' − f_N cosα' + F_R − F_O3 sinα = 0 with F_R = 0 and F_O3 = 1.
             let normal = angle.sin() / (sin - rolling * cos);
             let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
-            // The tolerance is the rounding error times the condition number of a step that is
-            // nearly too high.
+            // The tolerance is the rounding error multiplied by the condition number, which is
+            // large if the step is nearly too high.
             prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
             let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
             prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
         }
     }
 
-    /// A step of zero height only deflects the ball. From the largest height on, no thrust lifts
-    /// the ball, and near this height the thrust is unbounded.
+    /// A step of zero height only deflects the ball. Near the maximum height, the thrust grows
+    /// without bound, and no thrust can lift the ball over a higher step.
     #[test]
-    fn thrust_at_the_entry_step_has_its_limits() {
+    fn entry_step_thrust_is_unbounded_near_the_maximum_height() {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);

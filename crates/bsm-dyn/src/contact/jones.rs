@@ -1,19 +1,19 @@
-//! Jones geometry: the dependence of the contact angles on the ball center and the load.
+//! Jones geometry: dependence of the contact angles on load and position of the ball center.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J9).
 
 use bsm_kin::{Real, RealOver, Scalar};
 use bsm_newton::EvalError;
 
-/// Distances from the groove-arc centers to the ball center at first contact, and the unloaded
-/// contact angle.
+/// Distances between groove arc centers and ball center at first contact, and unloaded contact
+/// angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Jones<D> {
-    /// `$l_{A0}$` at the nut \[m\].
+    /// Distance `$l_{A0}$` at the nut \[m\].
     pub nut_offset: D,
-    /// `$l_{B0}$` at the screw \[m\].
+    /// Distance `$l_{B0}$` at the screw \[m\].
     pub screw_offset: D,
-    /// `$\beta_0$` \[rad\].
+    /// Unloaded contact angle `$\beta_0$` \[rad\].
     pub contact_angle: D,
 }
 
@@ -22,15 +22,15 @@ impl<D: Scalar> Jones<D> {
     /// displacement of the nut \[m\] for two approaches \[m\] and a tilt
     /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
     ///
-    /// This is the inverse of (J1) to (J5) in closed form. With it, the loads are unknowns
-    /// themselves, and a tilt of the order of the inertia forces keeps all its digits.
+    /// This is the closed-form inverse of (J1) to (J5). It allows the loads themselves to be
+    /// unknowns, and a tilt of the order of the inertia forces keeps all its digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
     /// Bearings*, ASME J. Basic Eng. 82 (1960), applied to the groove arcs of a screw and a nut.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if there are no contact angles between 0 and π/2 with this tilt.
+    /// [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
     pub(crate) fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -40,7 +40,7 @@ impl<D: Scalar> Jones<D> {
         let square = s.square() + d.square() - a_2.square();
         if square.re() <= 0.0 || s.re() <= 0.0 {
             return Err(EvalError {
-                quantity: "square of the axial distance of the groove-arc centers",
+                quantity: "square of the axial distance between the groove arc centers",
                 value: square.re(),
                 requirement: "positive; otherwise no contact angles have this difference",
             });
@@ -53,9 +53,9 @@ impl<D: Scalar> Jones<D> {
     }
 
     /// Returns the contact angle at the screw \[rad\] and the axial displacement of the nut \[m\]
-    /// for two approaches \[m\] and a contact angle at the nut \[rad\] (J9). It is used for a ball
-    /// under a high centrifugal load, for which the contact angle at the nut is small and the
-    /// difference of mean angle and tilt has lost its digits.
+    /// for two approaches \[m\] and a contact angle at the nut \[rad\] (J9). This function is used
+    /// under high centrifugal loads. The contact angle at the nut is then small, and it would lose
+    /// its digits if it were calculated as mean angle minus tilt.
     ///
     /// # Errors
     ///
@@ -77,8 +77,8 @@ impl<D: Scalar> Jones<D> {
         Ok((screw_angle, self.displacement([l_a, l_b], [nut_angle, screw_angle])))
     }
 
-    /// Returns the displacement for the distances of the arc centers from the ball center and the
-    /// contact angles.
+    /// Returns the displacement of the nut, calculated from the distances between arc centers and
+    /// ball center and from the contact angles.
     fn displacement(&self, lengths: [D; 2], [nut, screw]: [D; 2]) -> D {
         let unloaded = (self.nut_offset + self.screw_offset) * self.contact_angle.sin();
         binormal_displacement(lengths, [nut.sin(), screw.sin()], unloaded)
@@ -87,9 +87,10 @@ impl<D: Scalar> Jones<D> {
 
 /// Returns the displacement of the nut relative to the screw along the binormal (J8).
 ///
-/// * `lengths`: distances of the arc centers from the ball center, at nut and screw.
+/// * `lengths`: distances between arc centers and ball center, at nut and screw.
 /// * `sines`: sines of the contact angles.
-/// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
+/// * `unloaded`: distance of the arc centers along the binormal at first contact, `$(l_{A0} +
+///   l_{B0})\sin\beta_0$`.
 #[inline(always)]
 pub(crate) fn binormal_displacement<P: Real, D: RealOver<P>>(
     lengths: [D; 2],
@@ -110,8 +111,9 @@ mod tests {
     const SCREW: Jones<f64> =
         Jones { nut_offset: 0.262e-3, screw_offset: 0.31e-3, contact_angle: 0.78 };
 
-    /// Returns the contact angles and approaches at nut and screw, for the displacement of the ball
-    /// center along binormal and normal and the displacement of the nut along the binormal \[m\].
+    /// Returns the contact angles and approaches at nut and screw. The arguments are the
+    /// displacement of the ball center along binormal and principal normal \[m\], and the
+    /// displacement of the nut along the binormal \[m\].
     fn sides([axial, radial]: [f64; 2], nut: f64) -> ([f64; 2], [f64; 2]) {
         let (sin, cos) = SCREW.contact_angle.sin_cos();
         // (z, r) = (l_A0 sinβ₀ + X, l_A0 cosβ₀ + R)                       (J1)
@@ -127,7 +129,8 @@ mod tests {
         (center.map(|(z, r)| z.atan2(r)), approaches)
     }
 
-    /// Without load and displacement, the contacts have the unloaded angle and no approach.
+    /// Without load and displacement, both contacts have the unloaded contact angle and zero
+    /// approach.
     #[test]
     fn without_load_contacts_have_the_unloaded_angle() {
         let (mean, nut) = SCREW.deformed([0.0; 2], 0.0).unwrap();
@@ -136,30 +139,32 @@ mod tests {
     }
 
     proptest! {
-        /// The angle at the screw calculated from the angle at the nut agrees with the angle
-        /// calculated from the tilt.
+        /// The contact angle at the screw is equal whether it is calculated from the contact angle
+        /// at the nut or from the tilt.
         #[test]
-        fn angles_from_nut_angle_and_from_tilt_agree(
+        fn screw_angle_from_nut_angle_agrees_with_screw_angle_from_tilt(
             nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let (opposite, same) = SCREW.opposite([nut, screw], mean - tilt).unwrap();
-            // The rounding error is larger if the angle is small, because its cosine is flat.
+            // The tolerance is larger for small angles, because the cosine is flat there.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
         }
     }
 
-    /// There is no angle at the screw for this angle at the nut, so the calculation fails.
+    /// No contact angle at the screw corresponds to the given contact angle at the nut, so the
+    /// calculation returns an error.
     #[test]
-    fn a_ball_pressed_through_its_groove_is_refused() {
+    fn nut_angle_without_a_screw_angle_is_rejected() {
         assert!(SCREW.opposite([1e-3, 0.0], 0.0).is_err());
     }
 
     proptest! {
-        /// The closed form of the difference of the contact angles agrees with the difference.
+        /// The closed-form formula for the difference of the contact angles agrees with the
+        /// directly calculated difference.
         #[test]
-        fn closed_form_of_the_angle_difference_holds(
+        fn closed_form_angle_difference_is_correct(
             axial in -1e-4..1e-4_f64, radial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64,
         ) {
             let ([a, b], approaches) = sides([axial, radial], nut);
@@ -169,15 +174,15 @@ mod tests {
             // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]      (J6)
             let half = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
             let direct = (0.5 * (b - a)).tan().powi(2);
-            // The numerator is a difference of squares of lengths, with a rounding error of 1e-16
-            // of the squares.
+            // The numerator is a difference of squared lengths, with a rounding error of 1e-16 of
+            // the squares.
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 
-        /// The approaches and angles of the closed form agree with the values of the ball center
-        /// between the arcs.
+        /// The approaches and angles from the closed form agree with the values calculated from the
+        /// position of the ball center between the arcs.
         #[test]
-        fn displacements_and_approaches_are_inverse(
+        fn closed_form_inverts_the_groove_geometry(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
         ) {
             let (sin, cos) = tilt.sin_cos();
@@ -189,8 +194,8 @@ mod tests {
             let center = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
             let ([a, b], approaches) = sides(center, displacement);
-            // The tolerance allows for rounding errors of lengths of 3e-4 m, and of angles times
-            // their slope of at most 50.
+            // The tolerance allows for rounding errors of lengths of 3e-4 m, and of angles
+            // multiplied by their slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);
             prop_assert!((0.5 * (b - a) - tilt).abs() <= 1e-13);
             prop_assert!((0.5 * (b + a) - mean).abs() <= 1e-13);

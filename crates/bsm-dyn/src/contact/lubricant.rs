@@ -1,4 +1,4 @@
-//! Friction from the lubricant: the oil, the film between ball and raceway, friction at a point,
+//! Friction of a lubricant: the oil, the film between ball and raceway, friction at a point,
 //! rolling resistance, and losses outside the contacts.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
@@ -11,29 +11,30 @@ pub(super) mod oil;
 use self::losses::Losses;
 use self::oil::Oil;
 
-/// A lubricant, the surfaces that it separates, and the losses outside the contacts.
+/// A lubricant with the surfaces that it separates and the losses outside the contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lubricant<D = f64> {
-    /// The oil; for a grease, its base oil.
+    /// The oil. For a grease, this is the base oil.
     pub oil: Oil<D>,
-    /// Temperature at the inlet of the contacts.
+    /// Lubricant temperature at the inlet of the contacts.
     pub temperature: Temperature<D>,
-    /// Friction coefficient where asperities touch `$\mu_b$`, positive.
+    /// Friction coefficient of asperity contact `$\mu_b$`, positive.
     pub boundary_friction: D,
     /// Roughness of the surfaces.
     pub roughness: Roughness<D>,
-    /// Film thickness divided by the thickness with sufficient oil `$\varphi_s$`, positive.
+    /// Ratio of film thickness to the film thickness with sufficient oil supply `$\varphi_s$`,
+    /// positive.
     pub film_factor: D,
-    /// Rolling force divided by the force with flooded inlets `$c_R \ge 0$`.
+    /// Ratio of rolling force to the rolling force with fully flooded inlets `$c_R \ge 0$`.
     pub rolling_factor: D,
-    /// Fraction of the elastic energy that is lost in rolling `$c_h \ge 0$`.
+    /// Fraction of the elastic energy that is lost during rolling (hysteresis) `$c_h \ge 0$`.
     pub hysteresis_loss: D,
     /// Losses outside the contacts.
     pub losses: Losses<D>,
 }
 
 impl<D: Copy> Lubricant<D> {
-    /// Applies a function to every number of the struct.
+    /// Applies a function to every number in the struct.
     #[inline(always)]
     #[must_use]
     #[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
@@ -78,12 +79,12 @@ impl<D: Copy> Lubricant<D> {
     }
 }
 
-/// Temperature of the lubricant.
+/// Temperature of the lubricant, given or calculated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Temperature<D = f64> {
-    /// A known temperature \[K\].
+    /// A given temperature \[K\].
     Known(D),
-    /// The temperature at which all losses leave as heat.
+    /// The temperature at which the heat transfer to the surroundings equals all power losses.
     Balance {
         /// Heat transfer to the surroundings per kelvin `$hA$` \[W/K\], positive.
         heat_transfer: D,
@@ -97,8 +98,8 @@ pub enum Temperature<D = f64> {
 pub struct Roughness<D = f64> {
     /// Roughness of the balls.
     pub ball: D,
-    /// Roughness of the groove of the nut.
+    /// Roughness of the nut groove.
     pub nut: D,
-    /// Roughness of the groove of the screw.
+    /// Roughness of the screw groove.
     pub screw: D,
 }

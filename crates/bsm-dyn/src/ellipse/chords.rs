@@ -1,4 +1,4 @@
-//! The lines across the ellipses at the nodes of their panels, and the nodes on these lines.
+//! Lines across the contact ellipses at the nodes of the panels, and the nodes along these lines.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14), (T18), (T19).
 
@@ -8,13 +8,13 @@ use super::panels::{Nodes, Panels};
 use super::placement::{FrozenRule, InnerNodes, Placement};
 use super::slip::{EllipseSlip, half_length};
 
-/// A few neighboring lines across the ellipse.
+/// A block of neighboring lines across the ellipse.
 #[derive(Clone, Copy)]
 pub(super) struct Chords {
-    /// Positions relative to the long semi-axis, and fractions of the load.
+    /// Positions on the long axis, divided by the semi-axis, and fractions of the load.
     pub(super) xi: Block,
     pub(super) weight: Block,
-    /// Half lengths of the lines relative to the short semi-axis.
+    /// Half lengths of the lines, divided by the short semi-axis.
     pub(super) half_length: Block,
     pub(super) inner: InnerNodes,
 }
@@ -27,9 +27,9 @@ impl Chords {
         inner: InnerNodes { count: None, inside: None },
     };
 
-    /// Places the lines at a few nodes.
+    /// Places the lines at a block of nodes.
     ///
-    /// * `frozen`: numbers of nodes along the lines, if they are known.
+    /// * `frozen`: numbers of nodes along the lines, if they are already fixed.
     #[inline(always)]
     fn place<S: Simd>(
         &mut self,
@@ -57,15 +57,15 @@ impl Chords {
 
 /// Accumulates the contributions of lines across ellipses.
 pub(super) trait AddChords<S: Simd> {
-    /// Adds a few lines of an ellipse.
+    /// Adds the contributions of a block of lines to the sums of an ellipse.
     fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
-/// Number of blocks of lines that are placed before they are added, so that the processor can work
-/// on some blocks while it waits for others.
+/// Number of blocks of lines that are placed before any of them is summed. The processor can then
+/// work on some blocks while it waits for others.
 const AHEAD: usize = 2;
 
-/// Visits the lines across both ellipses, except for the ellipses that are `done`.
+/// Visits the lines across both ellipses. Ellipses with `done` set are skipped.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(
     simd: S,

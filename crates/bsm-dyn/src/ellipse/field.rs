@@ -1,21 +1,22 @@
-//! Slip and friction at single points of a contact ellipse, for pictures and tables.
+//! Slip and friction at single points of a contact ellipse, for plots and tables.
 //!
-//! Coordinates are divided by the semi-axes: `xi` is along `$t \times N$`, across the groove, and
+//! Coordinates are divided by the semi-axes: `xi` is along `$t \times N$` (across the groove), and
 //! `upsilon` is along `$t$`.
 
 use super::EllipseSlip;
 use crate::contact::FrictionLaw;
 
 impl EllipseSlip<f64> {
-    /// Returns the slip along the groove and across it, in the unit of the speeds.
+    /// Returns the slip along and across the groove, in the unit of the speeds.
     pub fn at(&self, xi: f64, upsilon: f64) -> [f64; 2] {
         let (b_0, spin) = (self.across_at(xi, 0.0).0, self.spin_speed);
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         [self.along(xi), -(b_0 + spin * upsilon)]
     }
 
-    /// Returns the friction along the groove and across it, divided by the normal pressure. Its
-    /// magnitude is the friction coefficient if the slip is fast compared with the creep speed.
+    /// Returns the friction along and across the groove, divided by the normal pressure. Its
+    /// magnitude equals the friction coefficient if the slip speed is large compared with the creep
+    /// speed.
     pub fn friction(&self, xi: f64, upsilon: f64, law: &impl FrictionLaw<f64>) -> [f64; 2] {
         let pressure = (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
         let slip = self.at(xi, upsilon);
@@ -31,12 +32,12 @@ impl EllipseSlip<f64> {
         along.hypot(across) < self.creep
     }
 
-    /// Returns the positions on the long axis without slip along the groove, which are the lines of
-    /// pure rolling. There are at most two, in ascending order.
+    /// Returns the positions on the long axis at which there is no slip along the groove (lines of
+    /// pure rolling), in ascending order. There are at most two.
     pub fn rolling_lines(&self) -> Vec<f64> {
         let [q_0, q_1, q_2] = self.longitudinal;
-        // The larger root is calculated by a sum without cancellation, and the other root from
-        // their product.
+        // The larger root is calculated without cancellation, and the other root from the product
+        // of both roots.
         let sum = -0.5 * (q_1 + (q_1 * q_1 - 4.0 * q_0 * q_2).sqrt().copysign(q_1));
         let mut lines: Vec<_> =
             [q_0 / sum, sum / q_2].into_iter().filter(|xi| xi.abs() < 1.0).collect();
@@ -44,7 +45,7 @@ impl EllipseSlip<f64> {
         lines
     }
 
-    /// Returns the spin poles, which are the points of the ellipse without any slip.
+    /// Returns the spin poles, which are the points of the ellipse without slip.
     pub fn spin_poles(&self) -> Vec<[f64; 2]> {
         let pole = |xi: f64| {
             let upsilon = -self.across_at(xi, 0.0).0 / self.spin_speed;
@@ -77,7 +78,7 @@ mod tests {
             ball_radius: 4e-3,
         };
         let across = BallFrame::tangent().cross(&contact.normal);
-        // The ball rolls along the groove, with spin and a small slip across the groove.
+        // The ball rolls along the groove, with spin and with a small slip across the groove.
         let omega = across * -50.0 + contact.normal * 40.0 + BallFrame::tangent() * 0.3;
         let motion = Motion { precession: 50.0 * 3.99e-3 / ARC, omega };
         let local = contact_motion(&motion, &contact, ARC);
@@ -86,9 +87,9 @@ mod tests {
         (ellipse, motion, slip)
     }
 
-    /// The sum over a fine grid equals the force of the quadrature.
+    /// The sum over a fine grid equals the friction force from the quadrature.
     #[test]
-    fn points_add_up_to_the_friction_of_the_ellipse() {
+    fn local_friction_adds_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;
         let (ellipse, motion, slip) = ellipse();
         let law = Coulomb(0.08);
@@ -104,21 +105,22 @@ mod tests {
         let across = BallFrame::tangent().cross(&ellipse.contact.normal);
         let expected: [f64; 2] = [wrench.force.x, wrench.force.dot(&across)];
         for (sum, expected) in force.into_iter().zip(expected) {
-            // The error of a grid of squares with a kink at the pole is a few 1e-4 of f Q.
+            // A grid of squares has an error of a few 1e-4 of f Q, because the friction has a kink
+            // at the pole.
             let error: f64 = sum / load * ellipse.load - expected;
             assert!(error.abs() < 1e-3 * 0.08 * ellipse.load, "{sum} {expected}");
         }
     }
 
-    /// There is no slip at a pole, and no slip along the groove on a line of pure rolling.
+    /// There is no slip at a spin pole, and no slip along the groove on a line of pure rolling.
     #[test]
-    fn poles_have_no_slip() {
+    fn there_is_no_slip_at_spin_poles() {
         let (_, _, slip) = ellipse();
         let (lines, poles) = (slip.rolling_lines(), slip.spin_poles());
         assert!(!lines.is_empty() && !poles.is_empty(), "{lines:?} {poles:?}");
         let [fastest, _] = slip.at(1.0, 0.0);
         for xi in lines {
-            // The tolerance allows for rounding of the solution of a quadratic equation.
+            // The tolerance allows for rounding errors in the solution of the quadratic equation.
             assert!(slip.at(xi, 0.3)[0].abs() < 1e-12 * fastest.abs());
         }
         for [xi, upsilon] in poles {

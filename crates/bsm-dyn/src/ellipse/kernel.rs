@@ -1,7 +1,7 @@
-//! The friction sums over an ellipse, with derivatives, for several nodes at once.
+//! Friction sums over an ellipse, with derivatives, for several nodes at once.
 //!
-//! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate), and tests
-//! compare both.
+//! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate). Tests
+//! compare both implementations.
 
 #![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
 
@@ -16,7 +16,7 @@ use super::placement::Placement;
 use super::slip::{EllipseSlip, FAR_LIMIT, clamp};
 use crate::cost;
 
-/// Data of a contact for the sums, as numbers in the axes of the contact.
+/// Data of a contact that the friction sums need, in contact coordinates.
 #[derive(Debug, Clone, Copy)]
 pub struct Patch<F = f64> {
     /// Semi-axes across and along the groove.
@@ -25,21 +25,22 @@ pub struct Patch<F = f64> {
     pub pressed_radius: F,
     /// Ball radius.
     pub ball_radius: F,
-    /// Speed of the center along t, and angular velocity about t, N, t × N.
+    /// Speed of the ball center along t, and angular velocity about t, N and t × N, relative to the
+    /// contacting body.
     pub motion: [F; MOTION],
     /// Creep speed.
     pub creep: F,
 }
 
-/// Friction of a contact divided by `$Q$`, or by `$f Q$` for a constant coefficient.
+/// Integrated friction of a contact, divided by `$Q$`, or by `$f Q$` for a constant coefficient.
 #[derive(Clone, Copy)]
 pub(crate) struct Resultants<F = f64> {
-    /// Force along t and t × N, and moment about t, N, t × N.
+    /// Force along t and t × N, and moment about t, N and t × N.
     pub(crate) values: [F; SUMS],
     /// Friction power.
     pub(crate) power: F,
-    /// Derivatives of force and moment with respect to the motion, and with respect to the
-    /// logarithm of the size of the ellipse.
+    /// Derivatives of force and moment with respect to the motion and to the logarithm of the size
+    /// of the ellipse.
     pub(crate) slopes: [[F; SLOPES]; SUMS],
     /// Derivatives of force and moment with respect to the logarithm of the film thickness; zero
     /// without a film.
@@ -50,16 +51,17 @@ pub(crate) struct Resultants<F = f64> {
 pub(crate) const MOTION: usize = 4;
 /// Number of sums: the components of force and moment.
 pub(crate) const SUMS: usize = 5;
-/// Number of derivatives: with respect to the motion, and to the growth of both semi-axes.
+/// Number of derivatives: with respect to each component of the motion, and to the common growth of
+/// both semi-axes.
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Number of sums including the power.
+/// Number of sums: force, moment and power.
 pub(super) const VALUES: usize = SUMS + 1;
-/// Number of sums including the terms of the derivatives.
+/// Number of all sums, including the terms of the derivatives.
 pub(super) const ALL: usize = VALUES + 14;
 
 impl<F: Real> Patch<F> {
-    /// Returns the slip over the ellipse.
+    /// Returns the slip over the ellipse as a function of position.
     #[inline(always)]
     pub fn slip(&self) -> EllipseSlip<F> {
         let ([speed, w_t, w_n, w_c], radii) =
@@ -69,7 +71,7 @@ impl<F: Real> Patch<F> {
 }
 
 impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
-    /// Returns one of several contacts side by side.
+    /// Returns one of several contacts that are stored side by side.
     #[inline(always)]
     pub(super) fn at(&self, index: usize) -> Patch {
         let number = |lane: &Lane<S, N>| lane.as_slice()[index];
@@ -84,7 +86,7 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
     }
 }
 
-/// Nodes of a few lines whose spin poles are inside the ellipse.
+/// Nodes along a block of lines whose spin poles are inside the contact ellipse.
 pub(super) struct NearPole<S: Simd> {
     /// Angle of the pole, and its width.
     at: Lane<S>,
@@ -92,8 +94,8 @@ pub(super) struct NearPole<S: Simd> {
     sides: [NearSide<S>; 2],
 }
 
-/// One side of a pole: its length in the variable of the sinh transformation, and the exponentials
-/// of its ends with their reciprocals.
+/// One side of a pole: its length in the variable of the sinh transformation, the exponentials at
+/// its ends, and their reciprocals.
 type NearSide<S> = (Lane<S>, [Lane<S>; 2], [Lane<S>; 2]);
 
 impl<S: Simd> NearPole<S> {
@@ -112,13 +114,14 @@ impl<S: Simd> NearPole<S> {
         Self { at, width, sides }
     }
 
-    /// Returns the number of pairs of nodes.
+    /// Returns the number of pairs of nodes around a pole.
     pub(super) fn pairs(rule: &Quadrature) -> usize {
         2 * rule.near.len().div_ceil(2)
     }
 
-    /// Returns positions and weights of two nodes at equal distances from both ends of a side,
-    /// calculated from one exponential. The second node of the middle pair has no weight.
+    /// Returns positions and weights of two nodes at equal distances from the two ends of a side,
+    /// which are calculated from one exponential. If the middle node is paired with itself, the
+    /// second weight is zero.
     #[inline(always)]
     pub(super) fn pair(&self, rule: &Quadrature, pair: usize) -> [(Lane<S>, Lane<S>); 2] {
         let ((length, grow, fall), node) = (self.sides[pair % 2], pair / 2);
@@ -132,7 +135,7 @@ impl<S: Simd> NearPole<S> {
         ]
     }
 
-    /// Returns a node from the exponentials of the variable and of its negative.
+    /// Creates a node from the exponential of the variable and its reciprocal.
     #[inline(always)]
     fn node(&self, (grow, fall): (Lane<S>, Lane<S>), weight: Lane<S>) -> (Lane<S>, Lane<S>) {
         let half = self.width * 0.5;
@@ -144,8 +147,8 @@ impl<S: Simd> NearPole<S> {
     }
 }
 
-/// Returns the angle of a cosine to 2e-8, which is sufficient for the positions of nodes. NaN gives
-/// the middle of the range.
+/// Returns the arccosine, accurate to 2e-8, which is sufficient for the positions of nodes. For
+/// NaN, the result is the middle of the range.
 ///
 /// Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 4.4.46.
 #[inline(always)]
@@ -167,8 +170,8 @@ fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
     cos.lt(zero).select(-angle + PI, angle)
 }
 
-/// Sums along lines across the ellipse: J and K of (T21), and for a lubricant also the sums with
-/// derivatives with respect to the slip across the groove and to the film.
+/// Sums along a block of lines across the ellipse: J and K of (T21). For a lubricant, the sums also
+/// include the derivatives with respect to the slip across the groove and to the film thickness.
 #[derive(Clone, Copy)]
 pub(crate) struct Moments<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
 
@@ -178,7 +181,7 @@ impl<S: Simd, const N: usize> Moments<S, N> {
         Self([[Lane::splat(simd, 0.0); 3]; N])
     }
 
-    /// Replaces the sums by the sums of other lines where the mask is true.
+    /// Selects the sums of `other` where the mask is true.
     #[inline(always)]
     fn or(mut self, mask: Mask<S>, other: Self) -> Self {
         for k in 0..N {
@@ -190,20 +193,21 @@ impl<S: Simd, const N: usize> Moments<S, N> {
     }
 }
 
-/// A friction law at the points of an ellipse, with `N` variants of sums along a line.
+/// A friction law at the points of an ellipse, with `N` kinds of sums along a line.
 pub(crate) trait PointLaw<const N: usize>: Copy {
-    /// True if the coefficient depends on a film.
+    /// True if the friction coefficient depends on the film thickness.
     const FILM: bool;
 
-    /// Data of a pressure from which the coefficient is calculated at any slip.
+    /// Precalculated data of a pressure, from which the friction coefficient is calculated for any
+    /// slip speed.
     type NodePressure<S: Simd>: Copy;
 
-    /// Returns the data of a node pressure.
+    /// Calculates the data of the pressure at a node.
     ///
-    /// * `pressure`: pressure relative to the largest pressure of the contact.
+    /// * `pressure`: pressure divided by the maximum pressure in the contact.
     fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::NodePressure<S>;
 
-    /// Adds the contribution of a node.
+    /// Adds the contribution of a node to the sums.
     ///
     /// * `square`: square of the slip along the groove plus square of the creep speed.
     /// * `v_c`: slip across the groove.
@@ -216,10 +220,10 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         node: (Lane<S>, Lane<S>),
     );
 
-    /// Returns the sums along a few lines whose spin poles are outside, and the number of nodes per
-    /// line.
+    /// Returns the sums along a block of lines whose spin poles are outside the ellipse, and the
+    /// number of nodes per line.
     ///
-    /// * `inner`: number of nodes for a constant coefficient.
+    /// * `inner`: number of nodes along each line for a constant coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
@@ -228,10 +232,12 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         line: &Chord<S>,
     ) -> (Moments<S, N>, usize);
 
-    /// Returns J, K, the sums for the slip across the groove, and J for the film.
+    /// Returns J, K, the sums for the slip across the groove, and the sums J for the film
+    /// thickness.
     fn variants<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
-    /// Sums an ellipse for which lines are not efficient. Returns false if lines should be used.
+    /// Integrates over the whole ellipse at once if this is more efficient than integration along
+    /// lines. Returns false if lines must be used.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         _simd: S,
@@ -242,13 +248,13 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     }
 }
 
-/// Constant friction coefficient.
+/// Friction law with a constant friction coefficient.
 #[derive(Clone, Copy)]
 pub(crate) struct Dry;
 
 impl Dry {
-    /// Adds the contribution of a node, accurate to rounding or, if `COARSE`, to the error of an
-    /// approximate square root.
+    /// Adds the contribution of a node. It is accurate to rounding errors or, if `COARSE` is true,
+    /// to the error of an approximate square root.
     #[inline(always)]
     pub(super) fn add<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         Moments([j, k]): &mut Moments<S, 2>,
@@ -267,7 +273,7 @@ impl Dry {
         }
     }
 
-    /// Adds nodes at the same positions on all lines.
+    /// Adds nodes with equal positions on all lines.
     #[inline(always)]
     fn add_all<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         to: &mut Moments<S, 2>,
@@ -327,7 +333,7 @@ impl PointLaw<2> for Dry {
     }
 }
 
-/// Adds `$x s^k$` for each power.
+/// Adds `$x s^k$` to the sums for the powers k = 0, 1 and 2.
 #[inline(always)]
 pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S>) {
     let first = x * s;
@@ -336,23 +342,24 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Accumulates the sums over all lines of both contacts. Terms of the derivatives are only summed
-/// if `JACOBIAN` is true.
+/// Accumulates the sums over all lines of both contacts. The terms of the derivatives are
+/// accumulated only if `JACOBIAN` is true.
 pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    /// Values, the terms of the derivatives if requested, and for a lubricant the terms of the
-    /// film.
+    /// Values, the terms of the derivatives (if requested), and the derivatives with respect to the
+    /// film thickness (for a lubricant).
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
-    /// Number of nodes of all lines that were processed side by side.
+    /// Number of nodes on all lines, where nodes that are processed side by side count once.
     pub(super) count: usize,
 }
 
-/// Sums of a few lines whose spin poles are inside. They are rare, so their code is separate.
+/// Sums along a block of lines whose spin poles are inside the ellipse. Such lines are rare, so
+/// their code is separate.
 struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     rule: &'a Quadrature,
@@ -383,11 +390,11 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
     }
 }
 
-/// Sums over blocks, in the same order for all vector widths.
+/// Reduces blocks to sums. The order of summation does not depend on the vector width.
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // Each of these lanes is as long as a block.
+        // In every case, the lane has as many values as a block.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),
@@ -424,7 +431,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
 }
 
 impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N, JACOBIAN> {
-    /// Adds the sums of a few lines.
+    /// Adds the sums along a block of lines.
     #[inline(always)]
     pub(super) fn add_line<S: Simd>(
         &mut self,
@@ -450,11 +457,11 @@ impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N,
     }
 }
 
-/// Calculates the sums of both contacts. The derivatives are only calculated if `JACOBIAN` is true,
-/// and stay unchanged otherwise.
+/// Calculates the sums for both contacts. The derivatives are calculated only if `JACOBIAN` is
+/// true; otherwise they are zero.
 ///
 /// * `laws`, `nodes`: friction law and nodes of each contact.
-/// * `done`: contacts that are not requested.
+/// * `done`: contacts that are not calculated.
 #[inline(always)]
 pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     simd: S,
@@ -463,7 +470,8 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool
     nodes: &[Placement<'_>; 2],
     done: [bool; 2],
 ) -> [Resultants; 2] {
-    // One separate call serves one contact as well as two, because the code is long.
+    // The sums are compiled as one separate function for one or two contacts, because the code is
+    // long.
     simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done })
 }
 
@@ -521,16 +529,16 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
     }
 }
 
-/// Semi-axes of an ellipse, and the slip over it.
+/// Semi-axes of an ellipse, and the slip over the ellipse.
 pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
-/// A few lines across an ellipse.
+/// A block of lines across an ellipse.
 pub(crate) struct Chord<S: Simd> {
-    /// Position on the long axis, fraction of the load, and half length.
+    /// Positions on the long axis, fractions of the load, and half lengths of the lines.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
     pub(super) half_length: Lane<S>,
-    /// Slip along the groove and across it (T13).
+    /// Slip along and across the groove (T13).
     pub(super) v_t: Lane<S>,
     pub(super) across: (Lane<S>, Lane<S>),
 }
@@ -553,9 +561,9 @@ impl<S: Simd> Chord<S> {
         self.v_t * self.v_t + slip.creep * slip.creep
     }
 
-    /// Returns force, moment and power from the sums J (T21).
+    /// Calculates force, moment and power from the sums J (T21).
     ///
-    /// * `axes`: semi-axes of the ellipse.
+    /// * `axes`: semi-axes of the ellipse, and the slip.
     #[inline(always)]
     pub(super) fn values(
         &self,
@@ -571,8 +579,9 @@ impl<S: Simd> Chord<S> {
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
     }
 
-    /// Returns the values and, if `JACOBIAN` is true, the terms of the derivatives, from the sums J
-    /// along the lines, the sums K, and the sums for the slip across the groove (T23).
+    /// Calculates the values and, if `JACOBIAN` is true, the terms of the derivatives. The
+    /// arguments are the sums J and K along the lines, and the sums for the slip across the groove
+    /// (T23).
     #[inline(always)]
     pub(super) fn terms<const JACOBIAN: bool>(
         &self,
@@ -622,23 +631,25 @@ impl<F: Real> Resultants<F> {
         Self { values: [zero; SUMS], power: zero, slopes, by_film: [zero; SUMS] }
     }
 
-    /// Creates the resultants from the sums of all terms at a point.
+    /// Creates the integrated friction with its derivatives from the sums of all terms.
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // The sums are T_v, T_b and C_b, and their products with h and h².
+        // Sums of T_v, T_b and C_b, and of their products with h and h²
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
-        // T, its product with h, C, and the moment due to spin.
+        // Sums of T_n, of its product with h, of C_n, of its product with h, and of the moment due
+        // to spin
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
         let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
-        // When the ellipse grows, x and Y grow equally, and h changes by dh = 2 (h − r_b).
+        // If the ellipse grows, x and Y grow by the same factor, and h changes by dh = 2 (h − r_b).
         let (by_t, by_c) = (w_t * 2.0, w_c * 2.0);
         let t_g = w_n * t_n + by_c * (t_vh - r * t_v) + by_t * (t_bh - r * t_b);
         let c_g = w_n * c_n + by_c * (t_bh - r * t_b) + by_t * (c_bh - r * c_b);
         let t_gh = w_n * t_nh + by_c * (t_vhh - r * t_vh) + by_t * (t_bhh - r * t_bh);
         let c_gh = w_n * c_nh + by_c * (t_bhh - r * t_bh) + by_t * (c_bhh - r * c_bh);
         let n_g = w_n * n_n + by_c * (t_nh - r * t_n) + by_t * (c_nh - r * c_n);
-        // Friction has a potential in the motion, so the matrix is symmetric.
+        // Friction is the gradient of a potential with respect to the motion, so the matrix is
+        // symmetric.
         let slopes = [
             [-t_v, -t_bh, -t_n, -t_vh, -t_g],
             [t_b, c_bh, c_n, t_bh, c_g],
@@ -651,7 +662,7 @@ impl<F: Real> Resultants<F> {
     }
 }
 
-/// Returns the sums of one contact. The derivatives are zero unless `JACOBIAN` is true.
+/// Returns the sums for one contact. The derivatives are zero unless `JACOBIAN` is true.
 #[cfg(test)]
 pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     arch: Arch,
@@ -663,12 +674,12 @@ pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     sums
 }
 
-/// Returns the powers of both contacts with a constant coefficient.
+/// Returns the friction powers of both contacts with a constant coefficient.
 pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 2]) -> [f64; 2] {
     arch.dispatch(BothSums::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
 }
 
-/// Arguments for the sums of both contacts, or of the first contact alone.
+/// Arguments of the sums for both contacts or for the first contact alone.
 struct BothSums<'a, L, const N: usize, const JACOBIAN: bool>(
     &'a [Patch; 2],
     L,

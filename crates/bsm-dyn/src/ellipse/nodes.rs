@@ -1,4 +1,4 @@
-//! List of the nodes of the sums over an ellipse.
+//! List of all nodes of the integration over an ellipse.
 
 use bsm_simd::{Arch, Lane, Simd, WithSimd};
 
@@ -11,8 +11,8 @@ use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
 use crate::cost;
 
-/// Returns coordinates relative to the semi-axes, and fraction of the load, of all nodes for a
-/// constant coefficient or for a coefficient with a transition.
+/// Returns all nodes with their coordinates, divided by the semi-axes, and their fractions of the
+/// load. The coefficient is constant or has a transition.
 pub(super) fn nodes(
     point: &Patch,
     nodes: Placement<'_>,
@@ -25,7 +25,7 @@ pub(super) fn nodes(
 
 struct ListNodes<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
 
-/// Collects the nodes of all lines.
+/// Collects the nodes on all lines.
 struct NodeCollector<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,

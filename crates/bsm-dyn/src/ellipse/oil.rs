@@ -1,8 +1,8 @@
-//! The friction sums over a lubricated ellipse, with derivatives, for several lines at once.
+//! Friction sums over a lubricated ellipse, with derivatives, for several lines at once.
 //!
-//! The friction law is the same as in [`MixedFriction`](crate::lubrication::MixedFriction), and
-//! tests compare both. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13) and (Y33) to
-//! (Y35).
+//! The friction law is the same as in [`MixedFriction`](crate::lubrication::MixedFriction). Tests
+//! compare both implementations. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13)
+//! and (Y33) to (Y35).
 
 use std::f64::consts::FRAC_2_PI;
 
@@ -15,18 +15,18 @@ use super::quadrature::{MAX_RINGS, part_of_a_node};
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
-/// Limit below which the inverse hyperbolic sine is evaluated by its series, whose next term is of
-/// the order of rounding.
+/// Argument below which the inverse hyperbolic sine is calculated from its series. The next term of
+/// the series is of the order of rounding errors.
 const SMALL: f64 = 5e-3;
 
-/// Numbers below this limit are not used as divisors.
+/// Small number that keeps divisors from being zero.
 const TINY: f64 = 1e-300;
 
-/// Nodes on rings of equal pressure over the whole ellipse. On each ring the coefficient depends on
-/// the slip alone.
+/// Nodes on rings of equal pressure over the whole ellipse. On each ring, the coefficient depends
+/// only on the slip speed.
 pub(super) struct PolarRule {
     count: usize,
-    /// Pressure relative to the largest pressure, radius relative to the semi-axes, and fraction of
+    /// Pressure divided by the maximum pressure, radius divided by the semi-axes, and fraction of
     /// the load.
     pressure: [f64; MAX_RINGS],
     radius: [f64; MAX_RINGS],
@@ -34,7 +34,8 @@ pub(super) struct PolarRule {
 }
 
 impl PolarRule {
-    /// Places the rings around the transition of the friction coefficient.
+    /// Places the rings such that they are concentrated at the transition of the friction
+    /// coefficient.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -78,7 +79,8 @@ impl PolarRule {
         rings
     }
 
-    /// Returns coordinates relative to the semi-axes, and fraction of the load, of all nodes.
+    /// Returns all nodes with their coordinates, divided by the semi-axes, and their fractions of
+    /// the load.
     pub(super) fn nodes(&self, rule: &Quadrature, blocks: usize) -> Vec<(f64, f64, f64)> {
         let [cos, sin] = &rule.angles[blocks - 1];
         let part = part_of_a_node(blocks);
@@ -93,8 +95,8 @@ impl PolarRule {
     }
 }
 
-/// Nodes of one half of a few lines in the variable `$t = \sqrt{1 - |s|}$`, in which the pressure
-/// is smooth at both ends.
+/// Nodes on one half of each line, in the variable `$t = \sqrt{1 - |s|}$`. In this variable, the
+/// pressure is smooth at both ends.
 pub(super) struct HalfChord<S: Simd> {
     at: Lane<S>,
     width: Lane<S>,
@@ -102,17 +104,17 @@ pub(super) struct HalfChord<S: Simd> {
     length: Lane<S>,
 }
 
-/// A node of the half line with positive s. The other half has the same node at -s.
+/// A node on the half with positive s. The other half has the corresponding node at -s.
 pub(super) struct HalfNode<S: Simd> {
-    /// Position along the line, and pressure relative to the largest pressure of the line.
+    /// Position along the line, and pressure divided by the maximum pressure on the line.
     pub(super) s: Lane<S>,
     pub(super) pressure: Lane<S>,
-    /// Fraction of the load of the line.
+    /// Fraction of the load on the line.
     pub(super) weight: Lane<S>,
 }
 
 impl<S: Simd> HalfChord<S> {
-    /// Places the nodes around the transition on the lines at `xi`.
+    /// Places the nodes such that they are concentrated at the transition on the lines at `xi`.
     #[inline(always)]
     pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let half_length = half_length(xi);
@@ -120,8 +122,8 @@ impl<S: Simd> HalfChord<S> {
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
         let (at, pole_distance) = bend.pressure(square, half_length);
-        // ζ = t √(2 − t²): position t* and width. The width is √(pole distance)/2 in the middle of
-        // the line.
+        // ζ = t √(2 − t²) gives the position t* and the width of the transition. In the middle of
+        // the line, the width is √(pole distance)/2.
         let inside = at.min(one);
         let rest = (-(inside * inside) + 1.0).max(one.constant(0.0)).sqrt();
         let at_t = inside / (rest + 1.0).sqrt();
@@ -135,10 +137,10 @@ impl<S: Simd> HalfChord<S> {
         Self { at: at_t, width, from, length }
     }
 
-    /// Returns the node for a position and a weight on [0, 1].
+    /// Returns the node that corresponds to a position and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
-        // The nodes are concentrated around t*, as on rings.
+        // The nodes are concentrated around t*, in the same way as on rings.
         let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
@@ -153,12 +155,12 @@ impl<S: Simd> HalfChord<S> {
     }
 }
 
-/// Data that are equal at all points of a contact.
+/// Constants of the friction law of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct OilLaw {
     mixed: MixedFriction,
     bend: Transition,
-    /// `$\xi\mu_b$`, `$(1 - \xi)\Lambda$`, and `$-d\xi/d\ln h$`.
+    /// Constants `$\xi\mu_b$`, `$(1 - \xi)\Lambda$` and `$-d\xi/d\ln h$` of the friction law.
     boundary: f64,
     film: f64,
     falling: f64,
@@ -174,10 +176,11 @@ impl OilLaw {
     }
 }
 
-/// A pressure, with the data from which the coefficient is calculated at any slip.
+/// Precalculated data of a pressure, from which the friction coefficient is calculated for any slip
+/// speed.
 #[derive(Clone, Copy)]
 pub(crate) struct NodePressure<S: Simd> {
-    /// `$\eta(p)/(h\tau_E)$`, and `$(\Lambda p/\tau_E)^4$`.
+    /// Factor `$\eta(p)/(h\tau_E)$` of the slip speed, and `$(\Lambda p/\tau_E)^4$`.
     shear: Lane<S>,
     fourth: Lane<S>,
 }
@@ -267,7 +270,7 @@ impl PointLaw<4> for OilLaw {
         kinds
     }
 
-    /// Uses rings if they need fewer nodes than lines.
+    /// Integrates on rings if rings need fewer nodes than lines.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         simd: S,
@@ -299,7 +302,8 @@ impl PointLaw<4> for OilLaw {
             };
             for first in (0..cos.len()).step_by(S::F64_LANES) {
                 let xi = radius * Lane::load(simd, &cos[first..]);
-                // The line has a node at each end.
+                // The ring intersects the line at two nodes, which are treated as the ends of the
+                // line.
                 let half_length = radius * Lane::load(simd, &sin[first..]);
                 let line = Chord::new(&slip, xi, one, half_length);
                 let ((b_0, b_1), square) = (line.across, line.square(&slip));

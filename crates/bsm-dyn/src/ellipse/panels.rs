@@ -1,4 +1,4 @@
-//! The panels of the long axis around the two lines of pure rolling, and the nodes in these panels.
+//! Panels of the long axis around the two lines of pure rolling, and the nodes in these panels.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14) to (T17).
 
@@ -11,25 +11,25 @@ use super::placement::Placement;
 use super::quadrature::Gauss;
 use super::slip::{EllipseSlip, Pole, clamp};
 
-/// Maximum number of panels of two ellipses: both sides of two poles of each. The limits of the
-/// panels fill whole vectors.
+/// Maximum number of panels of both ellipses: each ellipse has two poles with a panel on each side.
+/// The panel ends fill whole vectors.
 const MAX_PANELS: usize = BLOCK;
 
 /// Panels of the long axes of both ellipses. The panels of the first ellipse come first.
 pub(super) struct Panels<'a> {
-    /// Beginning and end of each panel: first as distances from the pole divided by its width, then
-    /// in the variable of (T17).
+    /// Ends of each panel: first as distances from the pole divided by the pole width, then in the
+    /// variable of (T17).
     ends: [[f64; 2]; MAX_PANELS],
-    /// Pole around which the panel is graded, and its nodes.
+    /// Pole around which the nodes of the panel are concentrated, and the nodes of the panel.
     parts: [(Pole<f64>, &'a Gauss); MAX_PANELS],
-    /// Range of the panels of each ellipse.
+    /// Index range of the panels of each ellipse.
     of: [Range<usize>; 2],
-    /// True for poles that split their panel.
+    /// Flags that mark the poles that split their panel, for each ellipse.
     pub(super) split: [[bool; 2]; 2],
 }
 
-/// Nodes on the long axis that are processed together: positions and weights on [0, 1], beginnings
-/// of their panels in the variable of (T17), lengths of the panels, and poles.
+/// A block of nodes on the long axis. The fields are positions and weights on [0, 1], start and
+/// length of the panel of each node in the variable of (T17), and position and width of its pole.
 #[derive(Default)]
 pub(super) struct Nodes {
     abscissa: Block,
@@ -40,14 +40,14 @@ pub(super) struct Nodes {
     width: Block,
 }
 
-/// The poles of both contacts and, if `near` is true, their `$\sinh^2\eta$`.
+/// Calculation of the poles of both contacts and, if `near` is true, of their `$\sinh^2\eta$`.
 struct PolesOfBoth<'a> {
     slips: &'a [EllipseSlip<f64>; 2],
     near: bool,
 }
 
 impl WithSimd for PolesOfBoth<'_> {
-    /// The first poles of both contacts, and the second poles.
+    /// First poles and second poles of both contacts.
     type Output = [(Pole<Block>, Block); 2];
 
     #[inline(always)]
@@ -79,7 +79,7 @@ impl WithSimd for PolesOfBoth<'_> {
 }
 
 impl<'a> Panels<'a> {
-    /// Creates the panels of both contacts side by side. Contacts that are done have no panels.
+    /// Creates the panels of both contacts side by side. Contacts with `done` set have no panels.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -87,8 +87,8 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // Coarse placements (on the way to a root) and frozen placements already determine which
-        // panels are split.
+        // For coarse placements (used on the way to a root) and frozen placements, it is already
+        // known which panels are split.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });
@@ -116,8 +116,8 @@ impl<'a> Panels<'a> {
         all
     }
 
-    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. Panels are
-    /// split at poles inside them.
+    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. A panel is
+    /// split at a pole inside it.
     #[inline(always)]
     fn add(&mut self, ellipse: usize, nodes: Placement<'a>, poles: [(Pole<f64>, f64); 2]) {
         let (rule, (frozen, _)) = (nodes.rule, nodes.lines());
@@ -139,14 +139,14 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Returns the nodes of an ellipse.
+    /// Returns an iterator over the nodes of an ellipse.
     pub(super) fn nodes(&self, ellipse: usize) -> PanelNodes<'_> {
         PanelNodes { all: self, left: self.of[ellipse].clone(), node: 0 }
     }
 }
 
-/// Iterator over the nodes of an ellipse, with the remaining panels and the next node of the first
-/// of them.
+/// Iterator over the nodes of an ellipse. It stores the remaining panels, and the next node of the
+/// first remaining panel.
 pub(super) struct PanelNodes<'a> {
     all: &'a Panels<'a>,
     left: Range<usize>,
@@ -154,7 +154,8 @@ pub(super) struct PanelNodes<'a> {
 }
 
 impl<'a> PanelNodes<'a> {
-    /// Returns the next few nodes. Positions after the last node repeat it with zero weight.
+    /// Returns the next block of nodes. After the last node, the block is filled with copies of
+    /// zero weight.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<Nodes> {
         if self.left.is_empty() {
@@ -175,7 +176,7 @@ impl<'a> PanelNodes<'a> {
         })
     }
 
-    /// Returns the next few nodes if a panel ends among them.
+    /// Returns the next block of nodes if a panel ends within the block.
     fn of_several_panels(&mut self) -> Nodes {
         let mut all = Nodes::default();
         let (mut panel, mut abscissa) = (self.panel(), 0.0);
@@ -206,7 +207,7 @@ impl<'a> PanelNodes<'a> {
 }
 
 impl Nodes {
-    /// Returns the positions of a few lines on the long axis from an index on, and their fractions
+    /// Returns the positions of the lines on the long axis from index `i` on, and their fractions
     /// of the load.
     #[inline(always)]
     pub(super) fn lines<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
@@ -218,8 +219,8 @@ impl Nodes {
     }
 }
 
-/// Returns the position of a line on the long axis and its fraction of the load, from a node in the
-/// variable of (T17) and its weight.
+/// Returns the position of a line on the long axis and its fraction of the load. The arguments are
+/// a node in the variable of (T17) and its weight.
 #[inline(always)]
 pub(super) fn line<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
@@ -230,7 +231,8 @@ pub(super) fn line<S: Simd, const N: usize>(
     line_at(pole, (grow, grow.recip()), weight)
 }
 
-/// Works like [`line`], but from the exponentials of the variable and of its negative.
+/// Returns the same values as [`line`], calculated from the exponential of the variable and its
+/// reciprocal.
 #[inline(always)]
 pub(super) fn line_at<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,

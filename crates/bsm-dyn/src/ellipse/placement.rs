@@ -1,5 +1,5 @@
-//! Number and position of the nodes for the sums over an ellipse. They follow from the slip, or are
-//! kept from a previous slip.
+//! Number and position of the nodes of the integration over an ellipse. The nodes depend on the
+//! slip, or are kept from a previous slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T18), (T19).
 
@@ -10,34 +10,35 @@ use bsm_simd::{BLOCK, Block};
 use super::quadrature::{Quadrature, UNRESOLVED};
 use super::slip::EllipseSlip;
 
-/// Numbers of nodes that are kept while the slip changes, so that the sums have no jumps. They are
-/// accurate near the slip for which they were determined.
+/// Node counts that are kept while the slip changes, so that the sums change smoothly. The sums are
+/// accurate near the slip for which the node counts were determined.
 #[derive(Debug, Clone)]
 pub(crate) enum FrozenRule {
-    /// Number of blocks of angles on half a ring, for an oil.
+    /// Number of blocks of angles on half a ring, for integration on rings.
     Rings(usize),
-    /// Flags of the poles that split their panel, and the nodes of all lines.
+    /// Flags that mark the poles that split their panel, and the nodes of all lines.
     Lines([bool; 2], Vec<InnerNodes>),
 }
 
-/// Nodes along a few neighboring lines.
+/// Nodes along a block of neighboring lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerNodes {
-    /// Number of nodes on each line; `None` if the spin poles of all lines are inside.
+    /// Number of nodes on each line; `None` if the spin poles of all lines in the block are inside
+    /// the ellipse.
     pub(super) count: Option<usize>,
-    /// 1 for each line whose spin pole is inside the ellipse, and 0 for other lines; `None` if
-    /// there is no such line.
+    /// Value 1 for each line whose spin pole is inside the ellipse, and 0 for other lines; `None`
+    /// if there is no such line.
     pub(super) inside: Option<Block>,
 }
 
 /// Nodes of a quadrature over an ellipse, determined by the slip or by a frozen rule. The first
-/// sums create the frozen rule.
+/// evaluation of the sums creates the frozen rule.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) frozen_rule: Option<&'a OnceCell<FrozenRule>>,
-    /// True on the way to a root with a constant coefficient: the sums have an accuracy of 1e-5,
-    /// and spin poles inside are not resolved.
+    /// True for evaluations that only lead to a starting value, with a constant coefficient. The
+    /// sums then have an accuracy of 1e-5, and spin poles inside the ellipse are not resolved.
     pub(crate) coarse: bool,
 }
 
@@ -46,8 +47,8 @@ impl<'a> Placement<'a> {
         self.frozen_rule?.get()
     }
 
-    /// Returns the flags of the poles that split their panel, and the nodes of the lines, if they
-    /// are known.
+    /// Returns the flags of the poles that split their panel, and the nodes of the lines, if a
+    /// frozen rule exists.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
@@ -60,7 +61,7 @@ impl<'a> Placement<'a> {
         self.frozen_rule.is_some_and(|rule| rule.get().is_none())
     }
 
-    /// Returns the nodes of neighboring lines with the given `$\sinh^2\eta$`.
+    /// Returns the nodes along neighboring lines with the given `$\sinh^2\eta$`.
     #[inline(always)]
     pub(super) fn along(&self, squares: &Block) -> InnerNodes {
         let rule = self.rule;
@@ -72,13 +73,13 @@ impl<'a> Placement<'a> {
             return InnerNodes { count: rule.count(least).or(Some(UNRESOLVED)), inside: None };
         }
         if rule.is_dry() {
-            // Nodes around a pole also resolve lines without a pole, and are used for all
-            // neighbors.
+            // Nodes that are concentrated at a spin pole are also accurate for lines without a spin
+            // pole, so they are used for the whole block.
             return InnerNodes { count: None, inside: Some([1.0; BLOCK]) };
         }
         let (mut inside, mut outside) = ([0.0; BLOCK], *squares);
         for (inside, square) in inside.iter_mut().zip(&mut outside) {
-            // A single NaN would make every sum NaN.
+            // NaN needs no special treatment here, because a single NaN makes every sum NaN.
             if *square < rule.least() {
                 (*inside, *square) = (1.0, f64::INFINITY);
             }
@@ -88,14 +89,15 @@ impl<'a> Placement<'a> {
         InnerNodes { count, inside: Some(inside) }
     }
 
-    /// Stores the frozen rule if none exists.
+    /// Stores the frozen rule if there is none yet.
     pub(super) fn freeze(&self, made: FrozenRule) {
         if let Some(rule) = self.frozen_rule {
             rule.get_or_init(|| made);
         }
     }
 
-    /// Returns the number of blocks of angles on half a ring, or zero if lines are used.
+    /// Returns the number of blocks of angles on half a ring, or zero if the integration uses
+    /// lines.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         match self.frozen() {
             Some(FrozenRule::Rings(blocks)) => *blocks,

@@ -1,4 +1,4 @@
-//! The power of friction over the ellipses of several contacts side by side.
+//! Friction power over the contact ellipses of several contacts side by side.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14) to (T20).
 
@@ -12,12 +12,12 @@ use super::placement::Placement;
 use super::slip::{EllipseSlip, clamp};
 use crate::contact::MixedFriction;
 
-/// Returns the friction power divided by `$f Q$` of several contacts side by side, and the mask of
-/// the contacts at which the quadrature resolves it without splitting panels. The results equal the
-/// sums of `Ellipse::friction`.
+/// Returns the friction power, divided by `$f Q$`, of several contacts side by side, and a mask of
+/// the contacts for which the quadrature is accurate without split panels. The results equal those
+/// of `Ellipse::friction`.
 ///
-/// The quadrature must have [`BLOCK`] nodes per panel, so that the lines of a panel are processed
-/// together there, too.
+/// The quadrature must have [`BLOCK`] nodes per panel, because `Ellipse::friction` then also
+/// processes the lines of a panel together.
 #[inline(always)]
 pub fn power_of_many<S: Simd, const N: usize>(
     rule: &Quadrature,
@@ -38,7 +38,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
             *of_node = line(pole, length * abscissa + from, length * part);
             square = square.min(slip.analyticity(of_node.0));
         }
-        // Panels of zero length have no weight, and poles at their ends do not split them.
+        // Panels of zero length contribute nothing, and poles at their ends do not split them.
         let within = low.lt(pole.at) & pole.at.lt(high);
         resolved = resolved & (!within | least.le(slip.analyticity(pole.at))) & least.le(square);
         power = add_power(rule, slip, &lines, square, power);
@@ -46,13 +46,13 @@ pub fn power_of_many<S: Simd, const N: usize>(
     (power, resolved)
 }
 
-/// Maximum number of contacts side by side.
+/// Maximum number of contacts that are processed side by side.
 const MANY: usize = 4 * BLOCK;
 
-/// Adds the friction power along the lines of a panel.
+/// Adds the friction power along the lines of one panel.
 ///
-/// * `lines`: positions on the long axis, and fractions of the load.
-/// * `square`: smallest `$\sinh^2\eta$` of the lines.
+/// * `lines`: positions of the lines on the long axis, and their fractions of the load.
+/// * `square`: smallest `$\sinh^2\eta$` of the lines (T18).
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
     rule: &Quadrature,
@@ -67,7 +67,7 @@ fn add_power<S: Simd, const N: usize>(
         most = most.max(inner.len());
     }
     for k in 0..most {
-        // Each contact has its own nodes along the lines, followed by zero weights.
+        // Each contact has its own nodes along the lines. Unused nodes have zero weights.
         let (mut abscissae, mut parts) = ([0.0; MANY], [0.0; MANY]);
         for (i, inner) in inner[..Lane::<S, N>::LEN].iter().enumerate() {
             if let Some((abscissa, part)) = inner.get(k) {
@@ -87,13 +87,13 @@ fn add_power<S: Simd, const N: usize>(
     power
 }
 
-/// Returns the friction powers at nut and screw of several points side by side, divided by `$Q$`,
-/// with their films and with a coefficient of one. The nodes of one point fill the vectors, so the
-/// points are processed one after the other.
+/// Returns the friction powers at nut and screw, divided by `$Q$`, for several points. The first
+/// result includes the oil films, and the second result has a coefficient of one. The nodes of one
+/// point fill the vectors, so the points are processed one after the other.
 ///
 /// * `laws`: friction laws of both contacts.
-/// * `wanted`: points to calculate. Other points are NaN.
-/// * `rules`: quadratures for an oil and for a constant coefficient.
+/// * `wanted`: mask of the points to calculate. The results for other points are NaN.
+/// * `rules`: quadrature rules for an oil and for a constant coefficient.
 #[inline(always)]
 pub fn lubricated_powers<S: Simd, const N: usize>(
     simd: S,

@@ -1,5 +1,5 @@
-//! Resolution of the friction integrals over an ellipse: nodes and weights on [0, 1] and on [-1,
-//! 1].
+//! Quadrature rules for the friction integrals over an ellipse: nodes and weights on [0, 1] and on
+//! [-1, 1].
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T19).
 
@@ -12,61 +12,64 @@ use gauss_quad::GaussLegendre;
 
 use super::slip::{EllipseSlip, Pole};
 
-/// Number of inner nodes of a line above which the spin pole counts as inside.
+/// Maximum number of nodes along a line. If a line needs more nodes, its spin pole is treated as
+/// inside the ellipse.
 pub(super) const MAX_INNER_NODES: usize = 24;
 
-/// Number of inner nodes of a line whose spin pole is inside, on the way to a root. It is small,
-/// because the root of these sums is only a starting point.
+/// Number of nodes along a line whose spin pole is inside the ellipse, in evaluations that only
+/// lead to a starting value.
 pub(super) const UNRESOLVED: usize = 8;
 
-/// Number of inner nodes with an oil above which the spin pole counts as inside. The nodes of an
-/// oil do not follow from the slip.
+/// Maximum number of nodes along a line for an oil. If a line needs more nodes, its spin pole is
+/// treated as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
-/// Maximum number of rings; with more rings, lines are more efficient for an oil.
+/// Maximum number of rings. If more rings were needed, integration along lines would be more
+/// efficient for an oil.
 pub(super) const MAX_RINGS: usize = 2 * BLOCK;
 
-/// Maximum number of blocks of angles on half a ring; with more blocks, lines are more efficient
-/// for an oil.
+/// Maximum number of blocks of angles on half a ring. If more blocks were needed, integration along
+/// lines would be more efficient for an oil.
 const MAX_BLOCKS: usize = 4;
 
-/// Returns the fraction of a ring that belongs to a node.
+/// Returns the fraction of a ring that each node represents.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
 pub(super) fn part_of_a_node(blocks: usize) -> f64 {
     0.5 / (blocks * BLOCK) as f64
 }
 
-/// Returns the cosines and sines at the centers of equal parts of half a circle.
+/// Returns the cosines and sines of the midpoints of equal parts of half a circle.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
 fn half_ring(parts: usize) -> [Vec<f64>; 2] {
     let angle = |k: usize| PI * (k as f64 + 0.5) / parts as f64;
     [(0..parts).map(|k| angle(k).cos()).collect(), (0..parts).map(|k| angle(k).sin()).collect()]
 }
 
-/// Resolution of the friction integral over an ellipse.
+/// Quadrature rule for the friction integrals over an ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
-    /// Gauss-Legendre nodes of a panel, and of each part of a split panel.
+    /// Gauss-Legendre nodes of a whole panel, and of each part of a split panel.
     pub(super) panel: Gauss,
     pub(super) part: Gauss,
-    /// Nodes on each side of a spin pole inside, along a line, and nodes on half a line for an oil.
+    /// Nodes along a line on each side of a spin pole inside the ellipse, and nodes along half a
+    /// line for an oil.
     pub(super) near: Gauss,
     pub(super) half: Gauss,
-    /// Cosines and sines of angles on half a ring for an oil, with [`BLOCK`] angles, twice as many
-    /// angles, and so on.
+    /// Cosines and sines of the angles on half a ring, for an oil. The entries have 1, 2, ...
+    /// blocks of [`BLOCK`] angles.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
-    /// Smallest `$\cosh\eta$` of a pole for which each number of angles is sufficient. It decreases
-    /// with the number.
+    /// Minimum `$\cosh\eta$` of a pole for which each number of angles is sufficient. It decreases
+    /// with the number of angles.
     ring_pole_distance: Vec<f64>,
-    /// Nodes and weights along a line, by their number (T19).
+    /// Nodes and weights along a line, indexed by their number (T19).
     pub(super) inner: &'static [Vec<(f64, f64)>],
-    /// Smallest `$\sinh^2\eta$` (T18) for which each number is sufficient. It decreases with the
-    /// number.
+    /// Minimum `$\sinh^2\eta$` (T18) for which each number of nodes is sufficient. It decreases
+    /// with the number of nodes.
     pub(super) pole_distance: Vec<f64>,
 }
 
-/// Quadratures of a few accuracies, with the coarser quadratures of their error estimates. Each
-/// quadrature is created on first use.
+/// Quadrature rules for several accuracies, each with the coarser rule for its error estimate. Each
+/// rule is created on first use.
 #[derive(Debug, Default)]
 pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 
@@ -106,14 +109,14 @@ pub(super) struct Gauss {
 }
 
 impl Gauss {
-    /// Creates the rule with the given number of nodes, at least one.
+    /// Creates the rule with the given number of nodes (at least one).
     fn of(nodes: usize) -> Self {
         let rule = GaussLegendre::new(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
         let (abscissae, weights) = rule.iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).unzip();
         Self { abscissae, weights }
     }
 
-    /// Returns the same number of nodes, concentrated at both ends.
+    /// Returns a rule with an equal number of nodes, which are concentrated at both ends.
     fn graded(&self) -> Self {
         // x² (3 − 2x), and its slope
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
@@ -126,7 +129,7 @@ impl Gauss {
         self.abscissae.len()
     }
 
-    /// Returns the next nodes and weights, if at least a whole block remains.
+    /// Returns the nodes and weights of the block that starts at `first`, if it is complete.
     pub(super) fn block(&self, first: usize) -> Option<(&Block, &Block)> {
         let abscissae = self.abscissae[first..].first_chunk()?;
         Some((abscissae, self.weights[first..].first_chunk()?))
@@ -143,7 +146,7 @@ impl Gauss {
     }
 }
 
-/// Returns the positions and weights of Gauss-Chebyshev quadrature of the second kind. The weights
+/// Returns the positions and weights of the Gauss-Chebyshev rule of the second kind. The weights
 /// add up to one.
 fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
     let steps = f64::from(nodes + 1);
@@ -155,29 +158,30 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Maximum number of nodes along a line in addition to those that its accuracy requires.
+/// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
 const MAX_MORE: usize = 1;
 
-/// Rules of [`chebyshev`] by their number of nodes. All quadratures share them, because their
-/// creation would take seven times as long as the rest of a quadrature.
+/// Rules of [`chebyshev`], indexed by their number of nodes. All quadrature rules share this table,
+/// because creating it takes seven times as long as creating the rest of a rule.
 static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
     LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
 
-/// Returns the number of nodes of a part of a split panel, for the number of a whole panel.
+/// Returns the number of nodes for each part of a split panel, from the number of nodes of a whole
+/// panel.
 fn part_of_panel(nodes: usize) -> usize {
     (3 * nodes).div_ceil(4)
 }
 
 impl Quadrature {
     /// Returns a quadrature rule for which the error of the friction wrench is about `accuracy`,
-    /// relative to the friction force. The number of nodes per panel is `$-2\log_{10}$` of the
-    /// accuracy.
+    /// relative to the friction force. The number of nodes per panel is `$-2\log_{10}\epsilon$`,
+    /// where `$\epsilon$` is the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// Returns a quadrature rule for an oil, whose friction coefficient has a transition along a
-    /// line: each half of a line has separate nodes, and lines with a spin pole nearby have many
+    /// Returns a quadrature rule for an oil, whose friction coefficient has a transition along each
+    /// line. Each half of a line has separate nodes, and lines with a nearby spin pole have many
     /// nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
@@ -192,7 +196,7 @@ impl Quadrature {
             near: Gauss::of(4 * rule.part.len()),
             half: Gauss::of(half.min(MAX_RINGS)),
             angles: (1..=MAX_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
-            // e^{−2 N η}, N angles on half a ring
+            // The error of N angles on half a ring is e^{−2 N η}.
             ring_pole_distance: (1..=MAX_BLOCKS)
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
@@ -201,15 +205,15 @@ impl Quadrature {
         }
     }
 
-    /// Returns the coarser quadrature for the error estimate of [`Self::of_oil`], with fewer nodes
-    /// in both directions.
+    /// Returns the coarser rule for the error estimate of [`Self::of_oil`]. It has fewer nodes in
+    /// both directions.
     pub(crate) fn check_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(nodes, (3 * nodes / 4).saturating_sub(2), 10.0 * accuracy)
     }
 
-    /// Returns the number of blocks of angles on half a ring that resolve a slip, or zero if its
-    /// poles are so close that lines around them are more efficient.
+    /// Returns the number of blocks of angles on half a ring that is sufficient for a slip. The
+    /// result is zero if the poles are so close that integration along lines is more efficient.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         let pole_distance = slip.poles().map(|Pole { at, width }| {
             // |z − 1| + |z + 1| = 2 cosh η of a pole z
@@ -223,40 +227,40 @@ impl Quadrature {
             .map_or(0, |index| index + 1)
     }
 
-    /// Returns the smallest `$\sinh^2\eta$` of a spin pole that does not count as inside.
+    /// Returns the minimum `$\sinh^2\eta$` of a spin pole that is treated as outside the ellipse.
     pub(super) fn least(&self) -> f64 {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Returns true for a constant coefficient.
+    /// Returns true if the rule is for a constant coefficient.
     pub(super) fn is_dry(&self) -> bool {
         self.angles.is_empty()
     }
 
-    /// Returns the number of nodes of a panel.
+    /// Returns the number of nodes per panel for an accuracy.
     fn nodes(accuracy: f64) -> usize {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a few digits, and one node at least"
         )]
-        // Powers of ten must not be affected by rounding.
+        // The subtraction ensures that rounding errors do not affect powers of ten.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
         nodes.max(1)
     }
 
-    /// Returns the coarser quadrature for the error estimate, with fewer nodes per panel and one
-    /// more node along each line. With the same number along the lines, it would have the same
+    /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, and one more
+    /// node along each line, because an equal number of nodes along the lines would give an equal
     /// error along the lines.
     pub(crate) fn check(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
 
-    /// Creates a quadrature with `nodes` per panel. A line has as many nodes as an error of
-    /// `tolerance` requires, and `more`, which is at most [`MAX_MORE`].
+    /// Creates a rule with `nodes` per panel. Along each line, it has as many nodes as an error of
+    /// `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
-        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
+        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are sufficient  (T19)
         let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
             if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }
@@ -273,10 +277,10 @@ impl Quadrature {
         }
     }
 
-    /// Returns the number of inner nodes of a line with the given `$\sinh^2\eta$`, or `None` if the
-    /// spin pole is so close that they do not suffice.
+    /// Returns the number of inner nodes for a line with the given `$\sinh^2\eta$`, or `None` if
+    /// the spin pole is so close that the maximum number is not sufficient.
     pub(super) fn count(&self, square: f64) -> Option<usize> {
-        // The limits decrease with the number, so that counting needs no branches.
+        // The limits decrease with the number of nodes, so a branch-free count gives the number.
         let number =
             self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
         (number < self.pole_distance.len()).then_some(number)

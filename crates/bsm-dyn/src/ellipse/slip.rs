@@ -1,33 +1,33 @@
-//! The slip over an ellipse, and its zeros.
+//! Slip over a contact ellipse, and the zeros of the slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T9), (T12), (T13), (T15), (T16), (T18).
 
 use bsm_kin::Real;
 use bsm_simd::{Lane, Simd};
 
-/// Poles farther from the center than this distance, in semi-axes, and poles that are wider, do not
-/// grade a panel.
+/// Limit of the distance of a pole from the center and of the width of a pole, divided by the
+/// semi-axis. A pole beyond this limit hardly affects the positions of the nodes.
 pub(super) const FAR_LIMIT: f64 = 8.0;
 
-/// Numbers below this limit are not used as divisors.
+/// Minimum magnitude of a divisor.
 const TINY: f64 = 1e-150;
 
-/// Slip at the points of an ellipse, as a function of the position on the long axis relative to the
+/// Slip over a contact ellipse, as a function of the position on the long axis divided by the
 /// semi-axis (T12), (T13).
 #[derive(Debug, Clone, Copy)]
 pub struct EllipseSlip<F> {
-    /// Coefficients of the slip along the groove.
+    /// Coefficients of the slip along the groove as a polynomial of the position.
     pub(super) longitudinal: [F; 3],
-    /// Ball radius, and drop of the surface at the end of the ellipse.
+    /// Ball radius, and drop of the contact surface at the end of the ellipse.
     pub(super) radius: F,
     pub(super) sagitta: F,
-    /// Angular velocity about the groove, and spin times the short semi-axis.
+    /// Angular velocity about the tangent, and spin multiplied by the short semi-axis.
     rolling_rate: F,
     pub(super) spin_speed: F,
     pub(super) creep: F,
 }
 
-/// Returns the drop of a deformed contact surface at a distance across the groove.
+/// Returns the drop of a deformed contact surface at a distance `across` from its center.
 #[inline(always)]
 pub(crate) fn surface_drop<F: Real>(across: F, pressed_radius: F) -> F {
     across * across * 0.5 / pressed_radius
@@ -39,21 +39,22 @@ pub(super) fn clamp<F: Real>(x: F, low: f64, high: f64) -> F {
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
 
-/// Returns half the length of the line at a position on the long axis, relative to the short
+/// Returns half the length of the line at a position on the long axis, divided by the short
 /// semi-axis.
 #[inline(always)]
 pub(super) fn half_length<F: Real>(xi: F) -> F {
     ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
 }
 
-/// Returns the number, or a small number if it is too small to be a divisor.
+/// Returns the number, or a small number if the magnitude is too small for a divisor.
 #[inline(always)]
 fn divisor<F: Real>(x: F) -> F {
     let tiny = x.constant(TINY);
     F::select(x.abs().lt(tiny), tiny, x)
 }
 
-/// A pole of the integrand along the long axis: its real part, and its distance from the axis.
+/// A complex pole of the integrand along the long axis: its real part, and its distance from the
+/// axis.
 #[derive(Clone, Copy)]
 pub(super) struct Pole<F> {
     pub(super) at: F,
@@ -61,7 +62,7 @@ pub(super) struct Pole<F> {
 }
 
 impl<F: Real> Pole<F> {
-    /// Returns the other pole where the mask is true.
+    /// Selects the pole `other` where the mask is true.
     #[inline(always)]
     fn or(self, mask: F::Mask, other: Self) -> Self {
         let width = F::select(mask, other.width, self.width);
@@ -70,7 +71,7 @@ impl<F: Real> Pole<F> {
 }
 
 impl<F: Real> EllipseSlip<F> {
-    /// Returns the slip of a contact in the axes of the contact.
+    /// Creates the slip of a contact in contact coordinates.
     ///
     /// * `semi_axes`: semi-axes across and along the groove.
     /// * `radii`: radii of the contact surface (E2) and of the ball.
@@ -91,33 +92,35 @@ impl<F: Real> EllipseSlip<F> {
         Self { longitudinal, radius, sagitta, rolling_rate, spin_speed: spin * b, creep }
     }
 
-    /// Returns the slip along the groove.
+    /// Returns the slip along the groove at a position on the long axis.
     #[inline(always)]
     pub(super) fn along(&self, xi: F) -> F {
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         (self.longitudinal[2] * xi + self.longitudinal[1]) * xi + self.longitudinal[0]
     }
 
-    /// Returns the coefficients of the slip across the groove, `$-(b_0 + b_1 s)$`.
+    /// Returns the coefficients `b_0` and `b_1` of the slip across the groove, `$-(b_0 + b_1 s)$`.
     #[inline(always)]
     pub(super) fn across(&self, xi: F) -> (F, F) {
         self.across_at(xi, half_length(xi))
     }
 
-    /// Works like [`across`](Self::across) for a line with the given [`half_length`].
+    /// Returns the same coefficients as [`across`](Self::across), for a line with the given
+    /// [`half_length`].
     #[inline(always)]
     pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
         (self.rolling_rate * self.height(xi), self.spin_speed * half_length)
     }
 
-    /// Returns the height over the ball center.
+    /// Returns the distance of the contact surface from the ball center along the contact normal.
     #[inline(always)]
     pub(super) fn height(&self, xi: F) -> F {
         self.radius - self.sagitta * (xi * xi)
     }
 
-    /// Returns `$\sinh^2\eta$` of the ellipse of analyticity of the line at `xi`.
+    /// Returns `$\sinh^2\eta$`, where `$\eta$` describes the ellipse of analyticity of the
+    /// integrand along the line at `xi`.
     #[inline(always)]
     pub(super) fn analyticity(&self, xi: F) -> F {
         let v_t = self.along(xi);
@@ -132,7 +135,7 @@ impl<F: Real> EllipseSlip<F> {
         up / divisor(down)
     }
 
-    /// Returns the poles that belong to the two lines of pure rolling, from left to right.
+    /// Returns the poles near the two lines of pure rolling, from left to right.
     #[inline(always)]
     pub(super) fn poles(&self) -> [Pole<F>; 2] {
         let [q_0, q_1, q_2] = self.longitudinal;
@@ -176,7 +179,7 @@ impl<F: Real> EllipseSlip<F> {
 }
 
 impl<F: Copy> EllipseSlip<F> {
-    /// Combines two slips number by number.
+    /// Combines the numbers of two slips pairwise.
     #[inline(always)]
     pub(super) fn zip<G: Copy, H>(
         &self,
@@ -206,11 +209,11 @@ impl EllipseSlip<f64> {
     }
 }
 
-/// Returns the speed of the ends of the longer ellipse, relative to `$r_b W$`, if the ball rotates
-/// relative to a raceway at `$W$`. The result is 1 for ellipses shorter than the ball (T9).
+/// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse if the ball
+/// rotates at `$W$` relative to a raceway. The result is at least 1 (T9).
 ///
-/// * `semi_axes`, `pressed_radius`: values across the grooves of nut and screw, relative to the
-///   ball radius.
+/// * `semi_axes`, `pressed_radius`: semi-axes and surface radii across the grooves of nut and
+///   screw, divided by the ball radius.
 pub(crate) fn slip_scale(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
     // max(1, a²/2R_c)                                                     (T9)
     let drops = [0, 1].map(|i| surface_drop(semi_axes[i], pressed_radius[i]));

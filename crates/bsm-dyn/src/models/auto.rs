@@ -1,7 +1,7 @@
-//! Choice of the fastest model whose error is small enough in the regime of the ball.
+//! Automatic choice of the fastest model that is accurate enough in the slip regime of the ball.
 //!
-//! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants were measured against
-//! the model `traction`; see the tests of `bsm-validate`.
+//! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants were fitted to results
+//! of the model `traction`; see the tests of `bsm-validate`.
 
 use bsm_kin::{Jet, Real};
 
@@ -15,23 +15,25 @@ use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
-/// A screw at an operating point, which is solved by the fastest model that is accurate enough.
+/// A screw at an operating point that is solved by the fastest model with sufficient accuracy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.
     pub at: ElasticPoint<D>,
-    /// Permitted error of the efficiency relative to the traction model, positive.
+    /// Permitted error of the efficiency relative to the traction model (dimensionless), positive.
     pub tolerance: f64,
 }
 
 impl Auto {
-    /// Solves with the fastest model that is valid in the regime of the ball and whose error bound
-    /// is at most the tolerance. If there is none, the most accurate traction model is used.
+    /// Solves with the fastest model that is valid in the slip regime of the ball and whose error
+    /// bound is at most the tolerance. If neither raceway control nor gross slip qualifies, the
+    /// traction model is solved with increasing accuracy until its error bound is at most the
+    /// tolerance or the highest accuracy is reached.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         self.solve_for_root(work).0
     }
 
-    /// Returns the solution, and the root of the traction model if this model was chosen.
+    /// Returns the solution, together with the root of the traction model if that model was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<SlipRoot>) {
         let contacts = match self.at.scaled() {
             Ok(contacts) => contacts,
@@ -41,7 +43,8 @@ impl Auto {
         let known = rolling_ball.and_then(|rolling_ball| {
             let onset_number = rolling_ball.skid(&contacts).onset_number()?;
             if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
-                // In partial skid, neither model is valid, whatever the bound of the model.
+                // In partial skid, neither raceway control nor gross slip is valid, even if its
+                // error bound is small.
                 return None;
             }
             let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;
@@ -84,7 +87,7 @@ impl Auto {
             }
             Err(none) => {
                 let solution = match known {
-                    // If the ball rolls, a rough result is better than none.
+                    // If the ball rolls, an inaccurate result is better than no result.
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
@@ -96,7 +99,8 @@ impl Auto {
                             &solved,
                         );
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
-                        // The error relative to a solution that does not exist is undefined.
+                        // If the traction model has no solution, the error relative to that
+                        // solution is undefined.
                         let exists = none.status() != Status::NoSolution;
                         let bound =
                             Some(errors.rolling).filter(|bound| exists && bound.is_finite());
@@ -109,7 +113,7 @@ impl Auto {
         }
     }
 
-    /// Returns a solution with its error bound, if it has one.
+    /// Returns the solution of the chosen model, with the error bound if there is one.
     fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
@@ -121,8 +125,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, from the model that is chosen for the
-    /// values.
+    /// Returns efficiency and torque with their derivatives. The model is chosen from the values of
+    /// the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -144,8 +148,8 @@ impl<const M: usize> Auto<Jet<M>> {
     }
 }
 
-/// Minimum cross slip (dimensionless, W10) at which the onset number is meaningful; below it, spin
-/// causes nearly all of the loss.
+/// Minimum cross slip (dimensionless, W10) at which the onset number is meaningful. Below this
+/// cross slip, spin causes nearly all of the loss.
 const MIN_CROSS_SLIP: f64 = 0.3;
 
 /// Error bounds of raceway control and of gross slip, for one point or for several points side by
@@ -154,21 +158,22 @@ const MIN_CROSS_SLIP: f64 = 0.3;
 pub struct ModelErrors<F = f64> {
     /// Onset number `$S$` (W11).
     pub onset_number: F,
-    /// Error bound of raceway control (A4). It is infinite if friction may rotate a contact beyond
-    /// the end of its flank (A9).
+    /// Error bound of raceway control (A4), infinite if friction may rotate a contact beyond the
+    /// end of its flank (A9).
     pub rolling: F,
-    /// Error bound of gross slip divided by the difference of both efficiencies (A5). It is
-    /// infinite if the bound has no meaning.
+    /// Error bound of gross slip divided by the difference between the efficiencies of raceway
+    /// control and gross slip (A5), infinite if the cross slip is too small.
     pub skidding: F,
-    /// The difference of the efficiencies, with the efficiency of a skidding ball without inertia.
+    /// Difference between the efficiency of the rolling ball and the efficiency of a skidding ball
+    /// without inertia.
     pub range: F,
 }
 
 impl<F: Real> ModelErrors<F> {
-    /// Returns the bounds for the results of a rolling ball.
+    /// Calculates the error bounds from the results for a rolling ball.
     ///
     /// * `back`: true if the load drives.
-    /// * `onset_number`, `cross_slip`: infinite or NaN if they have no meaning. In this case the
+    /// * `onset_number`, `cross_slip`: infinite or NaN if they are undefined. In this case the
     ///   bounds are infinite or NaN, too.
     /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
@@ -207,7 +212,8 @@ impl<F: Real> ModelErrors<F> {
 }
 
 impl ModelErrors {
-    /// Returns the bounds for a rolling ball, if its onset number and its cross slip are defined.
+    /// Calculates the error bounds for a rolling ball if its onset number and its cross slip are
+    /// defined.
     fn of_ball(ball: &ElasticContacts, rolling_ball: &SteadyState) -> Option<Self> {
         let (skid, back) = (rolling_ball.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];
@@ -222,14 +228,14 @@ impl ModelErrors {
         ))
     }
 
-    /// Returns the error bound of gross slip, which follows from the difference to the efficiency
-    /// of raceway control.
+    /// Returns the error bound of gross slip.
     pub fn skid_bound(&self, range: f64) -> f64 {
         self.skidding * range
     }
 
-    /// Returns raceway control or gross slip, if its bound is at most the tolerance. The bound of
-    /// gross slip must be recalculated with the efficiency of its solution.
+    /// Returns the choice of raceway control or gross slip if the error bound of the model is at
+    /// most the tolerance. After gross slip is solved, its error bound must be recalculated with
+    /// the efficiency of that solution.
     pub fn basis(&self, tolerance: f64) -> Option<Basis> {
         let Self { onset_number, rolling, range, .. } = *self;
         match SlipRegime::of(onset_number) {

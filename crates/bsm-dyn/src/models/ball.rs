@@ -1,5 +1,5 @@
-//! Parts that all models share: the operating point, the ball and its unknowns, and the form of a
-//! solution.
+//! Components that all models share: the operating point, the ball and its unknowns, and the
+//! structure of a solution.
 
 mod ball_contacts;
 pub(crate) mod ball_unknowns;

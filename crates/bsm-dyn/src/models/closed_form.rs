@@ -1,5 +1,5 @@
-//! Lin's closed form: efficiency, slip directions, optimum and self-locking as functions of the
-//! angles alone.
+//! Lin's closed-form model: efficiency, slip directions, optimum and self-locking as functions of
+//! lead angle and contact angle.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
@@ -10,7 +10,7 @@ use crate::models::ball::{
     BallState, Direction, Model, Performance, Solution, SteadyState, Transmission,
 };
 
-/// Size and load of a screw, which a model without inertia needs for the torque but not for the
+/// Size and load of a screw. Models without inertia need them for the torque, but not for the
 /// efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScrewSize<D = f64> {
@@ -18,11 +18,11 @@ pub struct ScrewSize<D = f64> {
     pub pitch_radius: D,
     /// Load on the balls.
     pub load: Load<D>,
-    /// Relative speed `$W$` \[rad/s\], if it is known. It is needed for the powers.
+    /// Relative speed `$W$` \[rad/s\], if known; required for the powers.
     pub relative_speed: Option<D>,
 }
 
-/// Returns true if the screw can be turned.
+/// Returns true if the screw can be turned, that is, if it is not self-locking.
 ///
 /// * `back`: true if the load drives.
 /// * `load_ratio`: normal load divided by axial load per ball.
@@ -33,8 +33,8 @@ pub fn turns<F: Real>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
 }
 
 impl<F: Real> ScrewSize<F> {
-    /// Returns the torque of the screw without friction and the torque on the screw; NaN if the
-    /// screw cannot be turned.
+    /// Returns the torque of the frictionless screw and the torque of the screw with friction. Both
+    /// are NaN if the screw cannot be turned.
     ///
     /// * `back`: true if the load drives.
     /// * `tan_a`: tangent of the lead angle.
@@ -46,7 +46,7 @@ impl<F: Real> ScrewSize<F> {
     }
 }
 
-/// Returns efficiency and torque of a model that is given by its efficiency and the ratio of normal load to axial load.
+/// Calculates efficiency and torque from the efficiency and the ratio of normal load to axial load.
 pub(crate) fn performance<D: Scalar>(
     efficiency: D,
     load_ratio: D,
@@ -59,8 +59,8 @@ pub(crate) fn performance<D: Scalar>(
     Performance { efficiency, screw_torque: size.map(torque) }
 }
 
-/// Returns the results of a model that is given by its efficiency and the ratio of normal load to
-/// axial load. Torque and loads are NaN if the screw cannot be turned.
+/// Calculates the steady state from the efficiency and the ratio of normal load to axial load.
+/// Torque and loads are NaN if the screw cannot be turned.
 ///
 /// * `back`: true if the load drives.
 /// * `tan_a`: tangent of the lead angle.
@@ -93,7 +93,8 @@ pub fn transmitted<F: Real>(
     SteadyState::new(&ball, transmission)
 }
 
-/// Returns the results of [`transmitted`] for a single point, without torque and loads if the screw cannot be turned.
+/// Returns the result of [`transmitted`] for a single point. If the screw cannot be turned, torque
+/// and loads are `None`.
 pub(crate) fn answer(
     ball: &BallState,
     (efficiency, self_locking): (f64, bool),
@@ -113,14 +114,14 @@ pub struct ClosedForm<D = f64> {
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
     pub friction: Coulomb<D>,
-    /// Direction of drive.
+    /// Direction of the drive.
     pub direction: Direction,
     /// Size and load, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
 impl<D: Scalar> ClosedForm<D> {
-    /// Returns the efficiency, and the torque if size and load are given.
+    /// Returns the efficiency, and also the torque if size and load are given.
     pub(crate) fn transmitted(&self) -> Performance<D> {
         let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
         let (efficiency, ratio) = (sines.efficiency(back, f), sines.load_ratio(back, f));
@@ -129,7 +130,7 @@ impl<D: Scalar> ClosedForm<D> {
 }
 
 impl ClosedForm {
-    /// Evaluates the closed form, which has a value at every point.
+    /// Evaluates the closed form, which gives an efficiency for all valid inputs.
     pub fn solve(&self) -> Solution {
         let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
         let mut ball = BallState::at_angle(self.angles.contact);
@@ -154,9 +155,10 @@ mod tests {
     use super::*;
     use crate::contact::{Wrench, axial_force, efficiency, torque};
 
-    /// Efficiency of Lin's example (dimensionless), from decimal arithmetic with 40 digits.
+    /// Efficiency of Lin's example (dimensionless), calculated in decimal arithmetic with 40
+    /// digits.
     const ETA_LIN: f64 = 0.860_111_653_874_581_8;
-    /// Both directions of drive.
+    /// Both directions of the drive.
     const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
     #[test]
@@ -166,7 +168,7 @@ mod tests {
         assert_relative_eq!(eta, ETA_LIN, max_relative = 1e-14);
     }
 
-    /// The load was formerly infinite exactly at the limit of self-locking.
+    /// In an earlier version, the load was infinite exactly at the limit of self-locking.
     #[test]
     fn torque_and_load_are_finite_at_the_limit_of_self_locking() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
@@ -183,22 +185,22 @@ mod tests {
         let torque = solution.solved().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;
         for value in [torque, load].into_iter().flatten() {
-            // One unit in the last place away from the limit, the load is still a number, although
-            // a large one.
+            // Here the friction is one rounding error away from the limit, so torque and load are
+            // large but finite.
             assert!(value.is_finite() && value > 0.0, "{solution:?}");
         }
     }
 
-    /// The ends of Fig 5 of the paper, across and along the groove, agree with a hand calculation.
+    /// The end points of Fig. 5 of the paper (slip across and along the groove) agree with a hand
+    /// calculation.
     #[test]
     fn slip_across_the_groove_costs_less_than_along_it() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
-        // The hand calculation is (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)),
-        // with six digits.
+        // Hand calculation with six digits: (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 −
+        // 0.707107)).
         assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
-        // The hand calculation is (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 /
-        // 0.176327).
+        // Hand calculation: (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
         assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
     }
 
@@ -214,26 +216,27 @@ mod tests {
     }
 
     proptest! {
-        /// Back-driving is driving with negative friction: η_lr(f) = 1/η_rl(−f).
+        /// The efficiency of back-driving is the reciprocal of the drive efficiency with negative
+        /// friction: η_lr(f) = 1/η_rl(−f).
         #[test]
-        fn directions_mirror_in_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+        fn back_driving_equals_driving_with_negative_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
             let back = angles.efficiency(Direction::LinearToRotary, f);
             let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
-            // Away from the pole of the mirrored formula, the results differ only by rounding
-            // errors.
+            // Only rounding errors distinguish the results, except near the pole of the mirrored
+            // formula, which is excluded.
             prop_assume!(mirrored.abs() < 1e3);
             prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
         }
 
-        /// The angle of the wedge (C16) is φ with sinφ = cosα sinβ.
+        /// The equivalent wedge (C16) has the angle φ with sinφ = cosα sinβ.
         #[test]
-        fn efficiency_equals_the_efficiency_of_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+        fn efficiency_equals_wedge_efficiency(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
             let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
             let forward = (phi - rho).tan() / phi.tan();
             let back = phi.tan() / (phi + rho).tan();
-            // The arcsine loses digits near π/2.
+            // The tolerance allows for the loss of digits in the arcsine near π/2.
             let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (1.0 + y.abs());
             prop_assert!(close(angles.efficiency(Direction::RotaryToLinear, f), forward));
             prop_assert!(close(angles.efficiency(Direction::LinearToRotary, f), back));
@@ -249,13 +252,13 @@ mod tests {
                 prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
                 prop_assert_eq!(f >= angles.locking_friction(direction), eta < 0.0);
                 let border = angles.locking_friction(direction);
-                // The tolerance allows for rounding errors of terms of the order of the friction
-                // coefficient at the limit.
+                // At the limit of self-locking, rounding errors are proportional to the friction
+                // coefficient.
                 prop_assert!(angles.efficiency(direction, border).abs() <= 1e-12 * border.max(1.0));
             }
         }
 
-        /// Self-locking begins or ends at the limit angle.
+        /// The screw is self-locking on one side of the limit angle, and not on the other side.
         #[test]
         fn self_locking_changes_at_the_limit_angle(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
             let locks = |d, contact: f64| Angles { lead: a, contact }.self_locking(d, f);
@@ -273,10 +276,10 @@ mod tests {
             }
         }
 
-        /// In the slip direction of (C5), Eq 11 agrees with the closed form for balls of any size,
-        /// and its numerator vanishes where the driven side is self-locking.
+        /// For the slip direction of (C5), Eq 11 agrees with the closed form for balls of any size,
+        /// and the numerator of Eq 11 vanishes at the limit of self-locking.
         #[test]
-        fn efficiency_at_the_slip_angle_of_the_closed_form_agrees_with_the_closed_form(
+        fn efficiency_formulas_agree_at_the_closed_form_slip_angle(
             a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
         ) {
             let angles = Angles { lead: a, contact: b };
@@ -284,7 +287,8 @@ mod tests {
                 let psi = angles.screw_slip_angle(direction);
                 let at = angles.efficiency_at(direction, f, size, psi);
                 let eta = angles.efficiency(direction, f);
-                // Rounding errors are amplified at self-locking, where both efficiencies vanish.
+                // Rounding errors are amplified near self-locking, where both efficiencies approach
+                // zero.
                 prop_assert!((at - eta).abs() <= 1e-11 * (1.0 + eta.abs()), "{at} {eta}");
             }
             let border = b.sin() / angles.slip_factor();
@@ -293,14 +297,16 @@ mod tests {
             prop_assert!(force.abs() <= 1e-12 && torque > 1.0, "{force} {torque}");
         }
 
-        /// The lead angle for a contact angle and the contact angle for a lead angle are inverse
-        /// functions.
+        /// The optimal contact angle as a function of the lead angle is the inverse of the optimal
+        /// lead angle as a function of the contact angle. The same applies to the limit angles of
+        /// self-locking.
         #[test]
         fn optimal_and_limit_angles_are_inverse_functions(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
             for direction in BOTH {
                 if let Some(best) = Optimum::of(direction, a, f) {
                     let lead = Optimum::lead_angle(direction, best.contact_angle, f);
-                    // Near α = 0 the cosine has only half of the digits.
+                    // Near α = 0, the lead angle is calculated from a cosine, which loses half of
+                    // the digits.
                     prop_assert!(lead.is_some_and(|lead| (lead - a).abs() < 1e-12 / a), "{lead:?} {a}");
                 }
                 let border = Angles::locking_contact_angle(direction, a, f);
@@ -311,16 +317,17 @@ mod tests {
             }
         }
 
-        /// The optimum in closed form is better than neighboring angles, has the stated efficiency,
+        /// The closed-form optimum is better than neighboring angles, has the stated efficiency,
         /// and satisfies the published conditions (15) and (18).
         #[test]
-        fn optimum_in_closed_form_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
+        fn closed_form_optimum_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {
                 let Some(best) = Optimum::of(direction, a, f) else { continue };
                 let at = |contact| Angles { lead: a, contact };
                 let eta = at(best.contact_angle).efficiency(direction, f);
                 prop_assert!((eta - best.efficiency).abs() <= 1e-13, "{eta} {}", best.efficiency);
-                // η is symmetric in y to second order and constant to 1e-9 at a distance of 1e-4.
+                // Near the optimum, η is constant to second order; at a distance of 1e-4, it
+                // changes by about 1e-9.
                 for step in [-1e-4, 1e-4] {
                     prop_assert!(at(best.contact_angle + step).efficiency(direction, f) <= eta + 1e-15);
                 }
@@ -334,10 +341,11 @@ mod tests {
             }
         }
 
-        /// With these loads and slip directions, the forces at both contacts transmit the axial
-        /// load and require the torque that corresponds to the efficiency, for a ball of any size.
+        /// With the loads and slip directions of the closed form, the contact forces transmit the
+        /// axial load and require the torque that corresponds to the efficiency, for a ball of any
+        /// size.
         #[test]
-        fn efficiency_agrees_with_the_forces(
+        fn efficiency_agrees_with_the_contact_forces(
             a in 0.02..0.8_f64, b in 0.2..1.4_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
         ) {
             let angles = Angles { lead: a, contact: b };

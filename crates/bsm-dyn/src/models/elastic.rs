@@ -1,5 +1,5 @@
-//! The elastic model: gross slip on elastic contacts, with saturated friction at the contact centers and contact angles that
-//! depend on load and speed.
+//! The elastic model: gross slip on elastic contacts. Friction is saturated at the contact centers,
+//! and contact angles depend on load and speed.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S6), (S11).
 
@@ -28,28 +28,28 @@ use crate::models::ball::{
     SolveInfo, SteadyState, Workspace, domain_error, equations, friction_power, weight,
 };
 
-/// Minimum ratio of inertia to friction (dimensionless) at which rounding errors of the loads do not affect the derivatives of
-/// the slip.
+/// Minimum ratio of inertia force to friction force (dimensionless). Above this ratio, rounding
+/// errors of the loads do not affect the derivatives of the slip.
 const MIN_INERTIA: f64 = 1e-5;
 
 /// Inputs of the elastic model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<D = f64> {
-    /// The screw at its operating point. Friction must be positive.
+    /// The screw at its operating point. The friction coefficient must be positive.
     pub at: ElasticPoint<D>,
 }
 
-/// Memory that the solves of the elastic model reuse.
+/// Reusable memory for solving elastic models.
 #[derive(Default)]
 pub struct ElasticWorkspace(Workspace);
 
-/// Contacts, motion, slips and wrenches for given unknowns.
+/// Contacts, motion, slips and wrenches that correspond to given unknowns.
 #[derive(Debug)]
 struct GrossSlipState<D> {
     loaded: BallLoads<D>,
     /// Motion relative to the nut.
     to_nut: Motion<D>,
-    /// Absolute precession `$P/W$`.
+    /// Absolute precession rate `$P/W$`.
     precession: D,
     /// Slip velocities at nut and screw.
     slip: [Vector3<D>; 2],
@@ -62,11 +62,12 @@ struct GrossSlipState<D> {
 struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {
-    /// Returns the state for given unknowns.
+    /// Returns the state that corresponds to given unknowns.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost, or if friction or the gyroscopic moment has no direction.
+    /// [`EvalError`] if a contact is lost, or if the direction of friction or of the gyroscopic
+    /// moment is undefined.
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
         cost::evaluated();
         let contacts = self.0;
@@ -99,7 +100,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
-        // The component along the normal is zero except for rounding errors.
+        // The component along the contact normal is zero except for rounding errors.
         let slip_screw = screw.transverse * at_screw.dot(&screw.transverse) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
         let friction = D::from(contacts.directed_friction());
@@ -118,10 +119,11 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     ///
     /// # Errors
     ///
-    /// The errors of [`state`](Self::state).
+    /// Returns the errors of [`state`](Self::state).
     fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         let (contacts, state) = (self.0, self.state(y)?);
-        // The nut speed, which is along k, is omitted because it causes no gyroscopic moment except for rounding errors.
+        // The nut speed is along k and causes no gyroscopic moment, so it is omitted to avoid
+        // rounding errors.
         let motion = Motion { precession: state.precession, ..state.to_nut };
         Ok(contacts.balance(&state.loaded, &motion, &state.wrench))
     }
@@ -138,21 +140,22 @@ pub(crate) struct GrossSlip {
 }
 
 impl GrossSlip {
-    /// Returns contacts and motion relative to the nut.
+    /// Returns the contacts, and the motion relative to the nut.
     pub(crate) fn state(&self) -> (&BallLoads<f64>, &Motion<f64>) {
         (&self.state.loaded, &self.state.to_nut)
     }
 
-    /// Returns the number of Newton steps of all solves.
+    /// Returns the total number of Newton steps.
     pub(crate) fn steps(&self) -> usize {
         self.steps
     }
 
-    /// Returns a root on the curve of force balance that serves as a starting point, mostly the first root.
+    /// Returns a root on the curve of force balance that serves as a starting value. Usually this
+    /// is the first root.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no root was found.
+    /// [`NoAnswer`] if no root is found.
     pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let (y, steps) = root(contacts, true)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
@@ -163,7 +166,7 @@ impl GrossSlip {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, or if no root was found.
+    /// [`NoAnswer`] if there is no root, or if no root is found.
     pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
@@ -171,14 +174,14 @@ impl GrossSlip {
     }
 }
 
-/// Unknowns, number of Newton steps of all solves, and residual.
+/// Unknowns at a root, total number of Newton steps, and residual.
 type ElasticRoot = ([f64; BALL], usize, f64);
 
-/// Returns the first root on the curve of force balance in the unknowns (S1).
+/// Returns the first root on the curve of force balance, expressed in the unknowns (S1).
 ///
 /// # Errors
 ///
-/// [`NoAnswer`] if there is no root, or if no root was found.
+/// [`NoAnswer`] if there is no root, or if no root is found.
 fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
@@ -188,20 +191,21 @@ fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoo
     Err(NoAnswer::not_converged(Reason::from(report)))
 }
 
-/// Returns the ratio of [`MIN_INERTIA`] to the ratio of inertia to friction of a root.
+/// Returns the factor by which the inertia must be multiplied so that the ratio of inertia force to
+/// friction force at a root equals [`MIN_INERTIA`].
 fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
     let rate = root[PRECESSION] + contacts.scaled.nut_speed;
     MIN_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
-/// Returns the weights of the equations near `y`, the reciprocals of their largest terms. The weights are finite even if the
-/// ball stops circling, P → 0.
+/// Returns the weights of the equations near `y`, which are the reciprocals of their largest terms.
+/// The weights are finite even if the ball stops orbiting (P → 0).
 fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
-    // The gyroscopic moment I P ω of the rolling ball is the only term of the moment about the mean
-    // normal.
+    // In the moment balance about the mean normal, the gyroscopic moment I P ω of the rolling ball
+    // is the only term.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
@@ -235,7 +239,7 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, if no root was found, or if its powers do not balance.
+    /// [`NoAnswer`] if there is no root, if no root is found, or if the powers do not balance.
     pub(crate) fn solved(
         &self,
         contacts: &ElasticContacts,

@@ -1,5 +1,5 @@
-//! One ball with up to four contacts in the gothic arches of nut and screw, with friction in its
-//! balance.
+//! One ball with up to four contacts in the gothic arches of nut and screw. Its force balance
+//! includes friction.
 //!
 //! Friction across the grooves moves the ball sideways. If the axial play is small, the ball then
 //! touches the far flank of one groove, which is the third contact.
@@ -34,20 +34,20 @@ use crate::models::ball::{
 /// A ball in gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
-    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) uses the load of its
-    /// [`AxialCondition`] instead of the load of this point.
+    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) takes the load from its
+    /// [`AxialCondition`], not from this operating point.
     pub at: ElasticPoint<D>,
-    /// Fit of the ball in its grooves.
+    /// Fit of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks (− flanks), positive.
     pub far_friction: Coulomb<D>,
-    /// Quadrature error divided by the friction force (dimensionless), positive.
+    /// Permitted quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
     /// Creep speed divided by `$r_b |W|$` (dimensionless), positive.
     pub creep: f64,
 }
 
-/// Memory of the solves, which can be reused.
+/// Reusable memory for solving the models of a ball in gothic arches.
 #[derive(Default)]
 pub struct GothicWorkspace {
     traction: TractionWorkspace,
@@ -59,7 +59,7 @@ pub struct GothicWorkspace {
 /// A loaded contact of a ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankContact {
-    /// Contact angle \[rad\], which is positive at both flanks, load, slip and ellipse.
+    /// Contact angle \[rad\] (positive at both flanks), load, slip and contact ellipse.
     pub state: ContactState,
     /// Friction power \[W\].
     pub power: f64,
@@ -68,9 +68,10 @@ pub struct FlankContact {
 /// A ball in gothic arches in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicState {
-    /// Loaded contacts in the order nut +, nut −, screw +, screw −; `None` for a gap.
+    /// Loaded contacts in the order nut +, nut −, screw +, screw −. `None` is an unloaded contact
+    /// (gap).
     pub contacts: [Option<FlankContact>; FLANKS],
-    /// Approaches of the four contacts \[m\], negative for a gap.
+    /// Approaches of the four contacts \[m\]; a negative approach is a gap.
     pub approaches: [f64; FLANKS],
     /// Absolute motion in the Frenet-Serret triad \[rad/s\].
     pub motion: Motion<f64>,
@@ -80,25 +81,25 @@ pub struct GothicState {
     pub relative_speed: f64,
     /// Axial force of the nut on the ball \[N\].
     pub axial_force: f64,
-    /// Axial displacement of the nut from the middle \[m\].
+    /// Axial displacement of the nut from its middle position \[m\].
     pub axial_displacement: f64,
     /// Axial displacement at which the + flanks touch the ball \[m\].
     pub first_touch: f64,
     /// Torque on the screw \[N·m\].
     pub screw_torque: f64,
-    /// Ratio of output power to input power; `None` without an axial force on the + flanks.
+    /// Ratio of output power to input power; `None` if the + flanks carry no axial force.
     pub efficiency: Option<f64>,
     /// Transmitted powers \[W\].
     pub power: Power,
     /// Relative error of the power balance (B10).
     pub power_balance: f64,
-    /// Number of Newton steps and residual.
+    /// Number of Newton steps, and residual.
     pub info: SolveInfo,
-    /// Position and motion, as a starting value of another solve.
+    /// Position and motion of the ball, used as the starting value of another solve.
     root: Root,
 }
 
-/// Position \[m\] and motion relative to the nut divided by `$|W|$`.
+/// Position of ball and nut \[m\], and motion of the ball relative to the nut, divided by `$|W|$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Root {
     place: [f64; PLACE],
@@ -106,14 +107,15 @@ struct Root {
 }
 
 impl Root {
-    /// Returns the root of the screw turned end for end, on the other flanks and with reversed
-    /// speeds.
+    /// Returns the root for the screw turned end for end, in which the other flanks carry the load
+    /// and the speeds are reversed.
     fn turned(&self) -> Self {
         let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.place, self.motion);
         Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
     }
 
-    /// Returns the unknowns of the balance, with lengths divided by `length` \[m\].
+    /// Returns the unknowns of the force and moment balance, with lengths divided by `length`
+    /// \[m\].
     fn unknowns(&self, length: f64) -> [f64; UNKNOWNS] {
         from_fn(|i| match i {
             0..PLACE => self.place[i] / length,
@@ -122,35 +124,39 @@ impl Root {
     }
 }
 
-/// Minimum creep speed at the start of a continuation, divided by `$r_b|W|$`. The creep speed is
-/// far above all slips, so that friction is linear and Newton's method converges from any start.
+/// Minimum creep speed at the start of a continuation, divided by `$r_b|W|$`. At this creep speed,
+/// which far exceeds all slip speeds, friction is linear and Newton's method converges from any
+/// start.
 const FIRST_CREEP: f64 = 30.0;
 
-/// Scaled residual tolerance of the roots along a continuation, equal to the accuracy of its
-/// quadrature.
+/// Scaled residual tolerance of the roots along a continuation, equal to the accuracy of the
+/// quadrature used there.
 const PATH_RESIDUAL: f64 = 1e-6;
 
-/// Scaled residual up to which steps keep the Jacobian. Above it, trials include the Jacobian,
-/// because few steps are rejected and sums with derivatives cost little more than sums without.
+/// Scaled residual below which Newton steps keep the Jacobian. Above it, the Jacobian is calculated
+/// with every trial step, because few steps are rejected and the quadrature costs little more with
+/// derivatives than without.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
-/// Maximum number of Newton steps from one start, after which the next start is tried. Nine of ten
-/// balls need at most 11 steps in total.
+/// Maximum number of Newton steps from one starting value, after which the next starting value is
+/// tried. For nine of ten balls, at most 11 steps are needed in total.
 const MAX_STEPS: usize = 25;
 
 /// Residual tolerance and residual goal of a root.
 const ROOT: [f64; 2] = [1e-10, 1e-12];
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
-/// without numerical factors, for which a third contact is assumed to stop the spin first. For 200
-/// random balls, 0.2 needs the fewest Newton steps.
+/// both without numerical factors. Above this ratio, the search first assumes that the third
+/// contact stops the spin. For 200 random balls, 0.2 needs the fewest Newton steps.
 const SPIN_STOP_RATIO: f64 = 0.2;
 
-/// Ratio of axial force to largest load up to which an axial force counts as a rounding error.
+/// Maximum ratio of axial force to largest normal load at which the axial force is treated as a
+/// rounding error.
 const AXIAL_FORCE_TOL: f64 = 1e-9;
 
 impl<D: Scalar> GothicBall<D> {
-    /// Returns the operating point of the ball on two contacts, with the geometry at first contact.
+    /// Returns the operating point of the ball on two contacts, with the contact angle at first
+    /// contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
         self.at.fitted(self.fit.radial_gap, self.fit.oversize)
     }
@@ -166,8 +172,8 @@ impl GothicBall {
     /// Solves for the steady motion of the ball (AC5), (AC6).
     ///
     /// Newton's method starts from the state `near`, if given, and then from the ball on two
-    /// contacts. If neither converges, the root is followed from the ball at rest while the creep
-    /// speed is lowered.
+    /// contacts. If neither converges, a continuation follows the root from the ball at rest while
+    /// the creep speed is lowered.
     ///
     /// # Errors
     ///
@@ -188,7 +194,7 @@ impl GothicBall {
         };
         self.search(&grooves, condition, &at_rest, work, |start, traction| match start {
             Start::Near => near.map(|near| near.root),
-            // Oversize balls are loaded by all flanks at rest.
+            // All flanks load an oversize ball at rest, so there is no state with two contacts.
             Start::TwoContacts if self.fit.oversize > 0.0 => None,
             Start::TwoContacts if force < 0.0 => {
                 let turned = self.back_driven();
@@ -204,15 +210,16 @@ impl GothicBall {
 
     /// Returns the axial play \[m\] below which friction presses the ball on two contacts against a
     /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
-    /// at any play, and `None` if two contacts cannot carry the axial force \[N\].
+    /// even without play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         threshold_play(&grooves, &two_contacts)
     }
 
-    /// Returns the axial play \[m\] for which the gap at the far flank is as small as without play
-    /// and without friction (AC10), or `None` if two contacts cannot carry the axial force \[N\].
+    /// Returns the axial play \[m\] at which friction leaves the same gap at the far flank as there
+    /// is without play and without friction (AC10), or `None` if two contacts cannot carry the
+    /// axial force \[N\].
     pub fn play_against_push(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -226,7 +233,7 @@ impl GothicBall {
         Some(play.max(0.0))
     }
 
-    /// Returns an error if the ball has no friction or no relative speed.
+    /// Checks that the ball has friction and that nut and screw have a relative speed.
     fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
@@ -238,8 +245,8 @@ impl GothicBall {
         Ok(())
     }
 
-    /// Finds the root from the first start that converges or, if no start converges, by lowering
-    /// the creep speed.
+    /// Finds the root from the first starting value that converges. If no starting value converges,
+    /// the root is found by lowering the creep speed.
     fn search(
         &self,
         grooves: &Grooves,
@@ -284,7 +291,7 @@ impl GothicBall {
         Ok(grooves.first_touch() / grooves.cos_lead)
     }
 
-    /// Returns the axial force of the nut without friction \[N\] for a displacement beyond first
+    /// Returns the axial force of the nut without friction \[N\] at a displacement beyond first
     /// contact \[m\].
     ///
     /// # Errors
@@ -302,7 +309,7 @@ impl GothicBall {
     }
 
     /// Returns the axial displacement of the nut beyond first contact \[m\] under an axial force
-    /// \[N\], without friction.
+    /// \[N\] without friction.
     ///
     /// # Errors
     ///
@@ -317,8 +324,8 @@ impl GothicBall {
         Ok((place[2] - grooves.first_touch()) / grooves.cos_lead)
     }
 
-    /// Returns the ball with reversed speeds, which is the ball of the other nut of a pair mirrored
-    /// onto the + flanks.
+    /// Returns the ball with reversed speeds. This is the ball of the other nut of a preloaded
+    /// pair, mirrored so that its + flanks are loaded.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -327,8 +334,8 @@ impl GothicBall {
         ball
     }
 
-    /// Returns the steady state on two contacts under an axial force per ball \[N\], or `None` if
-    /// there is none.
+    /// Returns the steady state of a ball on two contacts under an axial force per ball \[N\], or
+    /// `None` if there is no steady state.
     fn two_contacts(&self, axial: f64, work: &mut TractionWorkspace) -> Option<SteadyState> {
         if axial <= 0.0 {
             return None;
@@ -340,7 +347,7 @@ impl GothicBall {
         traction.solve(work).solved().copied()
     }
 
-    /// Returns position and motion of a ball on two contacts.
+    /// Returns position and motion of the ball for a steady state on two contacts.
     fn root_of(&self, grooves: &Grooves, found: &SteadyState) -> Option<Root> {
         let [nut, screw] = [&found.ball.nut, &found.ball.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
@@ -366,7 +373,7 @@ impl GothicBall {
     ) -> Balance<'a> {
         let point = &self.at.point;
         let speed = point.drive.relative_speed();
-        // The precession rate is about half the speed of the screw.
+        // The precession rate of the ball is about half the speed of the screw.
         let centrifugal = point.ball.mass * point.helix.radius * (0.5 * speed).powi(2);
         let (load, approach) = grooves.largest(at_rest);
         Balance {
@@ -459,7 +466,7 @@ impl GothicState {
         self.contacts.iter().flatten().map(|contact| contact.power).sum()
     }
 
-    /// Returns true if a far flank (flank −) carries load.
+    /// Returns true if a far flank (− flank) carries load.
     pub fn far_flank_carries(&self) -> bool {
         self.contacts[1].is_some() || self.contacts[3].is_some()
     }
@@ -470,8 +477,8 @@ impl GothicState {
         -self.approaches[1].max(self.approaches[3])
     }
 
-    /// Returns the contact at the far flank with the larger load, or `None` if no far flank carries
-    /// load.
+    /// Returns the contact with the more heavily loaded far flank, or `None` if no far flank
+    /// carries load.
     pub fn far_contact(&self) -> Option<ThirdContact> {
         let loads = self.loads();
         let far = if loads[1] >= loads[3] { 1 } else { 3 };
@@ -486,15 +493,15 @@ impl GothicState {
 }
 
 impl GothicBall {
-    /// Solves for all balls, each under an equal share of the load.
+    /// Solves for the steady state of all balls, which share the load equally.
     ///
     /// If the far flanks carry no load, the result equals the result of the traction model.
     pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
         Solution::new(Model::Traction, self.steady(work).map(|(steady, _)| steady))
     }
 
-    /// Returns the steady state of all balls, and the root of the balance if a far flank carries
-    /// load.
+    /// Returns the steady state of all balls, together with the root of the balance if a far flank
+    /// carries load.
     fn steady(&self, work: &mut GothicWorkspace) -> Result<(SteadyState, Option<Root>), NoAnswer> {
         self.check()?;
         let load = self.at.point.load;
@@ -576,7 +583,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
-    /// Returns efficiency and torque at a root with a third contact.
+    /// Returns efficiency and torque with their derivatives at a root with a third contact.
     fn third_contact_slopes(
         &self,
         ball: &GothicBall,
@@ -627,36 +634,37 @@ impl<const M: usize> GothicBall<Jet<M>> {
     }
 }
 
-/// A start of Newton's method.
+/// A starting value of Newton's method.
 #[derive(Clone, Copy)]
 enum Start {
-    /// State near the root, if it is given.
+    /// State near the root, if the caller provides it.
     Near,
-    /// Ball on two contacts, if this state exists.
+    /// Steady state of the ball on two contacts, if it exists.
     TwoContacts,
 }
 
-/// Search for the root from successive starts.
+/// Search for the root from successive starting values.
 struct Search<'a> {
     balance: Balance<'a>,
-    /// Quadrature of the first steps.
+    /// Quadrature rule for the first Newton steps.
     coarse: &'a Quadrature,
-    /// Quadrature whose sums are smooth enough for continuation.
+    /// Quadrature rule whose sums are smooth enough for continuation.
     smooth: &'a Quadrature,
     newton: &'a mut Workspace<UNKNOWNS>,
     steps: usize,
 }
 
-/// A root of the balance.
+/// A root of the force and moment balance.
 struct Found {
     unknowns: [f64; UNKNOWNS],
     residual: f64,
-    /// Fixed numbers of nodes of the balance.
+    /// Node counts of the quadrature, which stay fixed near the root.
     rules: FrozenRules,
 }
 
 impl Search<'_> {
-    /// Returns the root that Newton's method finds from a start, or `None`.
+    /// Returns the root to which Newton's method converges from a starting value, or `None` if it
+    /// does not converge.
     fn from(&mut self, start: &Root) -> Option<Found> {
         let y = start.unknowns(self.balance.units.1);
         let coarse = Balance { quadrature: self.coarse, ..self.balance };
@@ -670,14 +678,15 @@ impl Search<'_> {
         found.ok()
     }
 
-    /// Returns two starting values from a ball on two contacts, or `None` if no position balances
-    /// its forces.
+    /// Returns two starting values derived from a ball on two contacts, or `None` if there is no
+    /// position with balanced forces.
     ///
-    /// The position balances the normal loads of all flanks with the friction of the two contacts.
-    /// One starting value has the motion on two contacts, and the other has the motion of a ball
-    /// whose third contact stops its spin. The more likely one comes first.
+    /// In both starting values, the position balances the normal loads of all flanks with the
+    /// friction of the two contacts. One starting value has the motion of the ball on two contacts;
+    /// the other has the motion of a ball whose third contact stops its spin. The more likely
+    /// starting value comes first.
     ///
-    /// * `diagonal`: diagonal that carries the ball, 0 for the + flanks and 1 for the − flanks.
+    /// * `diagonal`: pair of loaded flanks, 0 for the + flanks and 1 for the − flanks.
     fn settled(
         &self,
         start: &Root,
@@ -689,8 +698,8 @@ impl Search<'_> {
         let settled = Root { place, ..*start };
         let rolling =
             Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
-        // The friction moments about n are the moment of the far flanks and the spin moment of the
-        // loaded flanks.
+        // Two friction moments act about n: the moment of the far flanks, and the spin moment of
+        // the loaded flanks.
         let flank = |i: usize| {
             let approach = grooves.flank(i, &place).approach;
             (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)
@@ -703,7 +712,7 @@ impl Search<'_> {
     }
 
     /// Returns the position at which the normal loads balance the friction of the selected flanks
-    /// of a start, or `None` if it is not found.
+    /// at a starting value, or `None` if it is not found.
     fn settled_place(
         &self,
         start: &Root,
@@ -716,7 +725,8 @@ impl Search<'_> {
         grooves.settled(condition, &forces, (&start.place, units), newton).ok()
     }
 
-    /// Returns the root near `y`, with the numbers of nodes fixed at their values for `y`.
+    /// Returns the root near `y`. The node counts of the quadrature stay fixed at their values for
+    /// `y`.
     fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, NoAnswer> {
         let rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&rules), ..self.balance };
@@ -724,9 +734,9 @@ impl Search<'_> {
         Ok(Found { unknowns, residual, rules })
     }
 
-    /// Returns the root of a balance near `y` and its scaled residual.
+    /// Returns the root of `balance` near `y` and its scaled residual.
     ///
-    /// * `[residual_tol, residual_goal]`: residual tolerance and residual goal.
+    /// * `[residual_tol, residual_goal]`: tolerance and goal of the scaled residual.
     fn solved(
         &mut self,
         balance: &Balance<'_>,
@@ -744,27 +754,27 @@ impl Search<'_> {
         Ok((y, report.residual))
     }
 
-    /// Returns the root that is found from the ball at rest by lowering the creep speed.
+    /// Finds the root from the ball at rest by lowering the creep speed.
     fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
         let smooth = Balance { quadrature: self.smooth, ..self.balance };
-        // The path may be lost because of jumps in the sums of the smooth quadrature; the second
-        // attempt uses the requested quadrature.
+        // The continuation may fail because of jumps in the sums of the smooth quadrature rule. The
+        // second attempt uses the requested quadrature rule.
         self.followed(&smooth, at_rest).or_else(|_| {
             let balance = self.balance;
             self.followed(&balance, at_rest)
         })
     }
 
-    /// Returns the root at the end of a continuation in which the creep speed is lowered to the
-    /// creep speed of the balance.
+    /// Lowers the creep speed in a continuation to the creep speed of the balance, and returns the
+    /// root at its end.
     fn followed(
         &mut self,
         balance: &Balance<'_>,
         at_rest: &[f64; PLACE],
     ) -> Result<Found, NoAnswer> {
         let sign = balance.at.point.drive.relative_speed().signum();
-        // The ball precesses at half the speed of the screw and rolls about b, because the raceways
-        // of nut and screw are on opposite sides of the ball.
+        // At the start, the ball precesses at half the speed of the screw and rolls about b,
+        // because the raceways of nut and screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];
         let mut y = from_fn(|i| match i {
             0..PLACE => at_rest[i] / balance.units.1,

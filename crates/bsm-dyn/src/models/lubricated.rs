@@ -1,4 +1,4 @@
-//! Friction of the lubricant in the raceway-control model and in the traction model.
+//! Lubricated contacts in the raceway-control model and in the traction model.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
 

@@ -1,4 +1,4 @@
-//! A lubricated ball that friction may press against a far flank.
+//! A lubricated ball in gothic arches, which friction may press against a far flank.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC11) and (AC12).
 
@@ -19,21 +19,21 @@ use crate::models::workspace::ModelWorkspace;
 pub struct LubricatedArch<D = f64> {
     /// Lubricated ball on two contacts.
     pub ball: LubricatedBall<D>,
-    /// Fit of the ball in its grooves.
+    /// Fit of the ball in the gothic arches.
     pub fit: ArchFit<D>,
-    /// Friction coefficient at the far flanks. Defaults to the mean coefficient of the loaded
-    /// contacts.
+    /// Friction coefficient at the far flanks. Defaults to the mean friction coefficient of the
+    /// loaded contacts.
     pub far_friction: Option<D>,
 }
 
 impl LubricatedArch {
     /// Solves for the lubricated ball on two contacts and adds the power loss due to a third
-    /// contact.
+    /// contact, if there is one.
     ///
-    /// The additional loss is calculated with dry friction. The loaded contacts have the mean
-    /// coefficient of the lubricated contacts, and so does the third contact unless
-    /// [`far_friction`](Self::far_friction) is given. In the raceway-control model, friction does
-    /// not move the ball, so that there is no third contact.
+    /// The additional power loss is calculated with dry friction. The loaded contacts have the mean
+    /// friction coefficient of the lubricated contacts; the third contact has the same coefficient
+    /// unless [`far_friction`](Self::far_friction) is given. In the raceway-control model, friction
+    /// does not move the ball, so there is no third contact.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solution = self.ball.solve(work);
         let LubricatedModel::Traction(case) = self.ball.model else { return solution };
@@ -99,7 +99,8 @@ impl LubricatedArch {
 }
 
 impl<const M: usize> LubricatedArch<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, for balls without a third contact.
+    /// Returns efficiency and torque with their derivatives. Balls with a third contact are
+    /// rejected.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -110,7 +111,7 @@ impl<const M: usize> LubricatedArch<Jet<M>> {
                 error: EvalError {
                     quantity: "axial play [m]",
                     value: self.fit.axial_play.re,
-                    requirement: "above the threshold play: with a lubricant, derivatives are calculated for two contacts",
+                    requirement: "above the threshold play; with a lubricant, derivatives are available only for two contacts",
                 },
             }));
         }

@@ -1,5 +1,5 @@
-//! Contact state of a ball after a small permanent deformation: elastic and permanent approach in the geometry of the groove
-//! arcs.
+//! Contact state of a ball after a small permanent deformation. The elastic and permanent
+//! approaches change the geometry of the groove arcs.
 //!
 //! Theory: `docs/theory/14-jamming.md`, equations (M1) to (M4).
 
@@ -11,7 +11,7 @@ use bsm_newton::{Convergence, EvalError, Options, Scales, solve};
 use crate::contact::{Curvatures, Hertz};
 use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
 
-/// Contact state with permanent deformation. Pairs contain the values at nut and screw.
+/// Contact state that includes permanent deformation. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PermanentSet {
     /// Normal loads \[N\].
@@ -31,17 +31,18 @@ pub struct PermanentSet {
 const FIRST_YIELD: f64 = 1.60;
 
 impl ElasticPoint {
-    /// Returns the contact state with the permanent approach (H12) in addition to the elastic approach (M1) to (M3).
+    /// Calculates the contact state if the permanent approach (H12) is added to the elastic
+    /// approach (M1) to (M3).
     ///
     /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at nut and screw, from a model without permanent
     ///   approach.
     ///
-    /// Assumes: friction and inertia forces on the ball do not change.
+    /// Assumes: friction and inertia forces on the ball stay unchanged.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`], [`Reason::Newton`], [`Reason::Refused`] if a contact is lost, and
-    /// [`Reason::BallLeavesFlank`].
+    /// [`Reason::CurvaturesNotHertzian`], [`Reason::Newton`], [`Reason::Refused`] if a contact is
+    /// lost, or [`Reason::BallLeavesFlank`].
     pub fn permanent_set(
         &self,
         loads: [f64; 2],
@@ -84,7 +85,8 @@ impl ElasticPoint {
 /// Number of unknowns of [`RadialClosure`].
 const CLOSURE: usize = 1;
 
-/// Radial closure of the triangle of arc centers. The unknown is the cotangent of the contact angle at the screw.
+/// Radial closure of the triangle that is formed by the arc centers and the ball center. The
+/// unknown is the cotangent of the contact angle at the screw.
 struct RadialClosure {
     axial: [f64; 2],
     radial: f64,
@@ -114,7 +116,7 @@ impl RadialClosure {
         Err(EvalError {
             quantity: "normal load of a contact [N]",
             value: least,
-            requirement: "positive: the contact is lost",
+            requirement: "positive; otherwise the contact is lost",
         })
     }
 
@@ -141,9 +143,10 @@ impl RadialClosure {
 
 equations!(RadialClosure, CLOSURE, RadialClosure::residual, ["radial closure of the groove arcs"]);
 
-/// Returns the ratio of the maximum pressure to the pressure at which the softer of two bodies first yields (M4).
+/// Returns the ratio of the maximum pressure to the pressure at which the softer of the two bodies
+/// first yields (M4).
 ///
-/// * `max_pressure`: `$p_{max}$`.
+/// * `max_pressure`: maximum pressure `$p_{max}$`.
 /// * `strengths`: yield strengths of both bodies, in the unit of `max_pressure`.
 pub fn yield_ratio(max_pressure: f64, strengths: (f64, f64)) -> f64 {
     // p_max / (1.60 min(σ₁, σ₂))                                          (M4)
@@ -185,8 +188,8 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// The permanent approach vanishes under a light load, for models with and without friction in
-    /// the balance.
+    /// Under a light load, the permanent approach is negligible, both in models whose force balance
+    /// includes friction and in models whose force balance does not.
     #[test]
     fn state_under_a_light_load_agrees_with_the_elastic_model() {
         let screw = screw(44.0);
@@ -198,8 +201,8 @@ mod tests {
         ] {
             let (loads, angles) = state(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();
-            // The permanent approach is 1e-5 of the elastic approach here, and 1e-8 of the distance of
-            // the arc centers, on which the angles depend.
+            // Here the permanent approach is 1e-5 times the elastic approach. It is 1e-8 times the
+            // distance between the arc centers, which determines the contact angles.
             for i in 0..2 {
                 assert!(deformed.permanent[i] < 2e-5 * deformed.elastic[i], "{deformed:?}");
                 assert_relative_eq!(deformed.loads[i], loads[i], max_relative = 1e-7);
@@ -214,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn permanent_deformation_increases_the_contact_angles_and_keeps_the_balance() {
+    fn permanent_deformation_increases_contact_angles_and_preserves_the_force_balance() {
         let screw = screw(24e3);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
@@ -225,15 +228,15 @@ mod tests {
             assert_relative_eq!(axial, loads[i] * angles[i].sin(), max_relative = 1e-13);
         }
         let radial = |q: [f64; 2], b: [f64; 2]| q[0] * b[0].cos() - q[1] * b[1].cos();
-        // The loads of 700 N have rounding errors of 1e-13 N each.
+        // Each load is about 700 N and has a rounding error of about 1e-13 N.
         let change = radial(deformed.loads, deformed.angles) - radial(loads, angles);
         assert!(change.abs() < 1e-11, "{change}");
     }
 
-    /// Eq 17 of Dong et al. (2020), with its radical corrected (J6), holds for a ball whose contact
+    /// Eq 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose contact
     /// angles differ by half a degree due to inertia.
     #[test]
-    fn corrected_radical_yields_the_difference_of_the_contact_angles() {
+    fn corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
@@ -247,7 +250,8 @@ mod tests {
         let difference = deformed.angles[1] - deformed.angles[0];
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
-        // The lengths close the triangle, whose height follows from the unloaded angle.
+        // The arc distances close the triangle, whose height is determined by the unloaded contact
+        // angle.
         let radial_distance = (nut + screw_offset) * screw.point.contact_angle.cos();
         assert_relative_eq!(l_a * cos_a + l_b * cos_b, radial_distance, max_relative = 1e-14);
     }

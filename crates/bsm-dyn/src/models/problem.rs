@@ -1,4 +1,4 @@
-//! One operating point with the inputs of one model.
+//! One operating point together with the inputs of one model.
 
 use bsm_kin::Jet;
 
@@ -30,18 +30,19 @@ pub enum Problem<D = f64> {
     Elastic(Elastic<D>),
     /// Inputs of [`Model::Traction`](crate::Model::Traction).
     Traction(Traction<D>),
-    /// Inputs of [`Model::Traction`](crate::Model::Traction) with a play of the gothic arches.
+    /// Inputs of [`Model::Traction`](crate::Model::Traction) for gothic arches with a given axial
+    /// play.
     GothicArch(GothicBall<D>),
-    /// Inputs of the choice by error bounds.
+    /// Inputs of the automatic choice of model.
     Auto(Auto<D>),
     /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
     Lubricated(LubricatedBall<D>),
-    /// Inputs of a lubricated model with a play of the gothic arches.
+    /// Inputs of a lubricated model for gothic arches with a given axial play.
     LubricatedArch(LubricatedArch<D>),
 }
 
 impl Problem {
-    /// Solves the problem. The memory `work` is reused from point to point.
+    /// Solves the problem. The memory `work` can be reused for the next point.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         match self {
             Self::ClosedForm(p) => p.solve(),
@@ -57,7 +58,8 @@ impl Problem {
         }
     }
 
-    /// Returns the uncertainty interval of the lubricated loss at a solution; `None` without a lubricant.
+    /// Returns the uncertainty interval of the power loss in lubricated contacts at a solution;
+    /// `None` without a lubricant.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         match self {
             Self::Lubricated(problem) => problem.band(solved, work),
@@ -68,20 +70,21 @@ impl Problem {
 }
 
 impl<const M: usize> Problem<Jet<M>> {
-    /// Solves the problem of the values, and returns efficiency and torque with their derivatives
-    /// with respect to the `M` variables of the inputs.
+    /// Solves the problem, and returns efficiency and torque with their derivatives with respect to
+    /// the `M` variables of the inputs.
     ///
     /// ```math
     /// \frac{dy}{dp} = \frac{\partial y}{\partial p}
     ///   - \frac{\partial y}{\partial x} J^{-1} \frac{\partial F}{\partial p}
     /// ```
     ///
-    /// The model and accuracy that [`Auto`](crate::model::Auto) chooses, the controlling raceway and the direction of drive are kept
-    /// constant. At a point where one of them changes, the derivatives are one-sided.
+    /// The controlling raceway, the direction of the drive, and the model and accuracy that
+    /// [`Auto`](crate::model::Auto) chooses are kept constant. At a point where one of them
+    /// changes, the derivatives are one-sided.
     ///
     /// # Errors
     ///
-    /// Status and reason if there is no solution.
+    /// Returns the status and the reason if there is no solution.
     pub fn sensitivities(
         &self,
         work: &mut ModelWorkspace,

@@ -1,4 +1,5 @@
-//! Two contacts without inertia: slip in the normal plane, and rolling resistance.
+//! Quasi-static model of a ball with two contacts and no inertia, with slip in the normal plane and
+//! rolling resistance.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
@@ -21,26 +22,26 @@ pub struct QuasiStatic<D = f64> {
     pub size_ratio: D,
     /// Ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b \ge 0$`.
     pub rolling_ratio: D,
-    /// The body that turns, to which the torque refers.
+    /// Body that rotates; the torque acts on this body.
     pub driven: DrivenBody,
-    /// Direction of drive.
+    /// Direction of the drive.
     pub direction: Direction,
-    /// Size and load, if the torque is requested.
+    /// Size and load of the screw, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
-/// The body that turns.
+/// The body that rotates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrivenBody {
-    /// Only the screw turns.
+    /// Only the screw rotates.
     Screw,
-    /// Only the nut turns.
+    /// Only the nut rotates.
     Nut,
-    /// Screw and nut turn, which these equations do not cover.
+    /// Both screw and nut rotate. The quasi-static equations do not cover this case.
     Both,
 }
 
-/// The two contacts of the balance. Friction terms are negative if the load drives.
+/// The two contacts in the force balance. The friction terms are negative if the load drives.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
     /// Sines and cosines of lead angle and contact angle.
@@ -51,7 +52,7 @@ pub struct TwoContacts<D: Real> {
     pub rolling_ratio: D,
     /// Ratio of ball radius to pitch circle radius `$r_b/r_m$`.
     pub size_ratio: D,
-    /// True if the nut turns instead of the screw.
+    /// True if the nut rotates instead of the screw.
     pub nut_turns: D::Mask,
 }
 
@@ -71,7 +72,7 @@ impl<D: Real> TwoContacts<D> {
         rolling_tangent(self.rolling_ratio, self.sines.sin_b)
     }
 
-    /// Returns the efficiency from rotary to linear motion (Q1) to (Q3).
+    /// Returns the efficiency for conversion of rotary to linear motion (Q1) to (Q3).
     ///
     /// ```math
     /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}
@@ -79,8 +80,8 @@ impl<D: Real> TwoContacts<D> {
     /// \tan\rho = \frac{f_r}{r_b\sin\beta}
     /// ```
     ///
-    /// with upper sign and `$\epsilon = 0$` for a turning screw, lower sign and
-    /// `$\epsilon = 2\cos\beta$` for a turning nut.
+    /// with the upper sign and `$\epsilon = 0$` if the screw rotates, and the lower sign and
+    /// `$\epsilon = 2\cos\beta$` if the nut rotates.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
     #[inline(always)]
@@ -95,7 +96,7 @@ impl<D: Real> TwoContacts<D> {
         -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
     }
 
-    /// Returns the efficiency in the direction of drive.
+    /// Returns the efficiency in the direction of the drive.
     ///
     /// * `back`: true if the load drives.
     #[inline(always)]
@@ -104,7 +105,8 @@ impl<D: Real> TwoContacts<D> {
         D::select(back, forward.recip(), forward)
     }
 
-    /// Returns the ratio of normal load to axial load per ball (Q4); not positive if friction holds any axial load.
+    /// Returns the ratio of normal load to axial load per ball (Q4), which is not positive if
+    /// friction alone can hold any axial load.
     #[inline(always)]
     pub fn load_ratio(&self) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
@@ -114,7 +116,7 @@ impl<D: Real> TwoContacts<D> {
 }
 
 impl<D: Scalar> QuasiStatic<D> {
-    /// Returns the contacts with signed friction.
+    /// Creates the two contacts, with the sign of friction for the direction of the drive.
     fn contacts(&self) -> TwoContacts<D> {
         let sign = self.direction.sign();
         TwoContacts {
@@ -126,16 +128,18 @@ impl<D: Scalar> QuasiStatic<D> {
         }
     }
 
-    /// Returns the efficiency in the direction of drive. Back-driving reverses the sign of every friction term.
+    /// Returns the efficiency in the direction of the drive. Back-driving reverses the sign of
+    /// every friction term.
     pub fn efficiency(&self) -> D {
         self.contacts().efficiency(self.direction.is_back())
     }
 
-    /// Returns the load ratio of the contacts.
+    /// Returns the ratio of normal load to axial load per ball, after checking that the equations
+    /// apply.
     ///
     /// # Errors
     ///
-    /// [`Reason::DualDrive`], [`Reason::FrictionHoldsLoad`].
+    /// [`Reason::DualDrive`] or [`Reason::FrictionHoldsLoad`].
     fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
         if self.driven == DrivenBody::Both {
             return Err(NoAnswer::invalid(Reason::DualDrive));
@@ -148,16 +152,16 @@ impl<D: Scalar> QuasiStatic<D> {
         Ok(ratio)
     }
 
-    /// Checks that the contacts have a balance of forces.
+    /// Checks that the force balance of the contacts has a solution.
     ///
     /// # Errors
     ///
-    /// [`Reason::DualDrive`], [`Reason::FrictionHoldsLoad`].
+    /// [`Reason::DualDrive`] or [`Reason::FrictionHoldsLoad`].
     pub(crate) fn require_balance(&self) -> Result<(), NoAnswer> {
         self.load_ratio(&self.contacts()).map(drop)
     }
 
-    /// Returns the efficiency, and the torque if size and load are given.
+    /// Returns the efficiency, and also the torque if size and load are given.
     pub(crate) fn transmitted(&self) -> Performance<D> {
         let contacts = self.contacts();
         let efficiency = contacts.efficiency(self.direction.is_back());
@@ -167,7 +171,7 @@ impl<D: Scalar> QuasiStatic<D> {
 }
 
 impl QuasiStatic {
-    /// Evaluates the equations.
+    /// Evaluates the equations of the model.
     pub fn solve(&self) -> Solution {
         let contacts = self.contacts();
         let ratio = match self.load_ratio(&contacts) {
@@ -178,7 +182,8 @@ impl QuasiStatic {
         let ball = BallState::at_angle(self.angles.contact);
         let lead = (self.direction, contacts.sines.tan_a());
         let solved = answer(&ball, (eta, eta <= 0.0), ratio, self.size, lead);
-        // The solution is built in place, because copying it would take as long as the formulas.
+        // The solution is built in place, because copying it would take as long as evaluating the
+        // formulas.
         Solution::new(Model::QuasiStatic, Ok(solved))
     }
 }
@@ -206,7 +211,7 @@ mod tests {
     /// Hand calculation for the screw: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
     #[test]
     fn lins_example_agrees_with_hand_calculation() {
-        // The hand calculation has six digits.
+        // The hand calculation was done with six digits.
         assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
         // Hand calculation for the nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 ×
         // 0.886942).
@@ -215,7 +220,8 @@ mod tests {
     }
 
     proptest! {
-        /// Numerator and denominator formerly became negative together, and the efficiency exceeded one.
+        /// In an earlier version, numerator and denominator became negative together, and the
+        /// efficiency exceeded one.
         #[test]
         fn efficiency_never_exceeds_one(
             lead in 0.001..1.5_f64, contact in 0.01..1.56_f64, friction in 0.0..1.0_f64,
@@ -247,10 +253,10 @@ mod tests {
         }
     }
 
-    /// Rolling resistance alone acts like a wedge of angle ρ' with
-    /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
+    /// Rolling resistance without sliding friction acts like a wedge with the friction angle ρ',
+    /// where `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
     #[test]
-    fn efficiency_with_rolling_resistance_alone_equals_the_efficiency_of_a_wedge() {
+    fn rolling_resistance_alone_acts_like_a_wedge() {
         let rolling = QuasiStatic { friction: Coulomb(0.0), rolling_ratio: 2.3e-3, ..LIN };
         let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
         let rho = (2.3e-3 / contact.sin().powi(2)).atan();
@@ -262,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn dual_drive_is_refused() {
+    fn dual_drive_is_rejected() {
         let solution = QuasiStatic { driven: DrivenBody::Both, ..LIN }.solve();
         assert_eq!(solution.status(), crate::Status::InvalidInput);
         assert_eq!(solution.self_locking(), None);

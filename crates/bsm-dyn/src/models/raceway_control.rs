@@ -1,5 +1,5 @@
-//! Raceway control: elastic contacts without friction in the balance of forces, rolling kinematics, and friction power from
-//! the remaining slip.
+//! Raceway control: elastic contacts, a force balance without friction, rolling kinematics, and
+//! friction power calculated from the remaining slip.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
@@ -30,16 +30,16 @@ use crate::models::ball::{
 pub struct RacewayControl<D = f64> {
     /// The screw at its operating point.
     pub at: ElasticPoint<D>,
-    /// The controlling raceway; `None` decides by (W7).
+    /// The controlling raceway; `None` selects the raceway by criterion (W7).
     pub control: Option<Control>,
 }
 
-/// Memory that the solves of raceway control reuse.
+/// Reusable memory for solving raceway-control models.
 pub struct RacewayWorkspace {
     newton: Workspace<STATIC>,
-    /// Quadrature of values.
+    /// Quadrature for values.
     quadrature: Quadrature,
-    /// Quadrature of derivatives.
+    /// Quadrature for derivatives.
     sensitivity_quadrature: Quadrature,
 }
 
@@ -53,7 +53,7 @@ impl Default for RacewayWorkspace {
     }
 }
 
-/// Returns the torque on the screw of rolling balls (W8) \[N·m\].
+/// Returns the torque on the screw for rolling balls (W8) \[N·m\].
 ///
 /// * `ideal`: torque of the frictionless screw \[N·m\].
 /// * `friction_power`: scaled friction power, divided by `$W$`.
@@ -79,14 +79,15 @@ pub(crate) struct RollingBall {
     pub(crate) steps: usize,
     /// Scaled residual of the static balance.
     residual: f64,
-    /// True if the direct solve has excluded other rolling balls.
+    /// True if Newton's method from equal contact angles has excluded other rolling balls.
     is_unique: bool,
 }
 
 impl RollingBall {
-    /// Returns the ball with the first root of the static balance and the rolling motion of the controlling raceway.
+    /// Finds the ball at the first root of the static balance, with the rolling motion for its
+    /// controlling raceway.
     ///
-    /// * `control`: controlling raceway; `None` selects the raceway by (W7).
+    /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     ///
     /// # Errors
     ///
@@ -96,7 +97,7 @@ impl RollingBall {
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, NoAnswer> {
-        // The direct solve runs Newton's method from equal contact angles.
+        // The first attempt is Newton's method from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
         if direct.found {
             let control = if direct.by_nut { Control::Nut } else { Control::Screw };
@@ -104,16 +105,17 @@ impl RollingBall {
             return Ok(Self { is_unique: direct.unique, ..ball });
         }
 
-        // The fallback finds the first root by bracketing, for a given raceway or for both
-        // raceways.
+        // If the first attempt fails, the first root is found by bracketing, either for the given
+        // raceway or for both raceways.
         match control {
             Some(raceway) => Self::controlled(contacts, raceway, newton),
             None => Self::selected(contacts, newton),
         }
     }
 
-    /// Returns the ball whose controlling raceway is selected by (W7) at the first root with nut control. If nut control has no
-    /// root, the screw controls, provided that (W7) selects the screw at the first root with screw control.
+    /// Finds the ball whose controlling raceway is selected by (W7). The selection uses the first
+    /// root with nut control. If there is no root with nut control, the screw controls, provided
+    /// that (W7) selects the screw at the first root with screw control.
     fn selected(
         contacts: &ElasticContacts,
         newton: &mut Workspace<STATIC>,
@@ -132,7 +134,7 @@ impl RollingBall {
         }
     }
 
-    /// Returns the ball with the first root for a given controlling raceway.
+    /// Finds the ball at the first root for a given controlling raceway.
     fn controlled(
         contacts: &ElasticContacts,
         control: Control,
@@ -142,14 +144,14 @@ impl RollingBall {
         Ok(Self::at(&balance, balance.first_root(newton)?))
     }
 
-    /// Returns the ball of a root.
+    /// Creates the ball at a root of the static balance.
     fn at(balance: &Balance<'_>, StaticRoot { unknowns, steps, residual }: StaticRoot) -> Self {
         let (loaded, control) = (balance.loaded(&unknowns), balance.control);
         let to_nut = balance.rolling(&loaded);
         Self { control, unknowns, loaded, to_nut, steps, residual, is_unique: false }
     }
 
-    /// Returns the contacts at nut and screw.
+    /// Returns the loaded contacts at nut and screw.
     fn sides(&self, contacts: &ElasticContacts) -> [LoadedContact<f64>; 2] {
         let BallLoads { loads, angles, .. } = &self.loaded;
         from_fn(|i| {
@@ -158,15 +160,16 @@ impl RollingBall {
         })
     }
 
-    /// Returns true if (W7), evaluated for this ball, selects its controlling raceway.
+    /// Returns true if criterion (W7), evaluated for this ball, selects the controlling raceway of
+    /// this ball.
     fn is_consistent(&self, contacts: &ElasticContacts) -> bool {
         let excess = RacewayBall::from(contacts).nut_excess(&self.sides(contacts));
         (excess > 0.0) == (self.control == Control::Nut)
     }
 
-    /// Returns other balls that satisfy the same equations: balls with the same controlling raceway whose contact angles differ
-    /// by more, and the screw-controlled ball if (W7) selects the nut at the nut-controlled ball and the screw at the
-    /// screw-controlled ball.
+    /// Finds other balls that satisfy the same equations. These are balls with the same controlling
+    /// raceway and a larger difference of the contact angles, and the screw-controlled ball if each
+    /// raceway satisfies (W7) when it controls.
     fn alternatives(
         &self,
         contacts: &ElasticContacts,
@@ -191,15 +194,16 @@ impl RollingBall {
         alternatives
     }
 
-    /// Returns true if (W7) selects the same raceway at the ball that the other raceway controls, and no other roots exist.
+    /// Returns true if (W7) selects the same raceway no matter which raceway controls, and no other
+    /// roots exist.
     fn is_clear(&self, contacts: &ElasticContacts) -> bool {
         let (ball, sides) = (RacewayBall::from(contacts), self.sides(contacts));
         Control::ALL.iter().all(|raceway| Balance::new(contacts, *raceway).is_unique())
             && ball.is_control_clear(&sides, ball.nut_excess(&sides))
     }
 
-    /// Returns an estimate of the nut-controlled ball, accurate to two digits, which exists even if the centrifugal force is too
-    /// large for raceway control.
+    /// Estimates the nut-controlled ball to two digits. The estimate exists even if the centrifugal
+    /// force is too large for raceway control.
     ///
     /// # Errors
     ///
@@ -215,7 +219,7 @@ impl RollingBall {
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual, is_unique: false })
     }
 
-    /// Returns skid numbers, cost of the solve and controlling raceway.
+    /// Returns the skid numbers, information about the solve, and the controlling raceway.
     pub(crate) fn solve_info(
         &self,
         contacts: &ElasticContacts,
@@ -224,7 +228,7 @@ impl RollingBall {
         (self.skid(contacts), info, ControllingRaceway { raceway: self.control, consistent: None })
     }
 
-    /// Returns skid number (W9) and cross slip (W10).
+    /// Returns the skid number (W9) and the cross slip (W10).
     pub(crate) fn skid(&self, contacts: &ElasticContacts) -> SkidNumbers {
         let (ball, sides) = (&contacts.scaled, self.sides(contacts));
         let motion = RollingMotion::of(ball, self.control == Control::Nut, &sides);
@@ -234,19 +238,23 @@ impl RollingBall {
 }
 
 impl RacewayControl {
-    /// Accuracy of the quadrature over the ellipse (dimensionless). A finer rule changes the loss by up to 0.2 % and the
-    /// efficiency by 4e-5 (largest change of 30 random screws; see the tests), which is far below the error of the model.
+    /// Accuracy of the quadrature over the contact ellipse (dimensionless). A finer quadrature rule
+    /// changes the loss by up to 0.2 % and the efficiency by up to 4e-5 for 30 random screws (see
+    /// the tests). Both changes are far below the model error.
     pub const ACCURACY: f64 = 1e-4;
 
-    /// Accuracy of the quadrature for derivatives (dimensionless). The nodes have no derivatives, which causes an error of up
-    /// to 2e-3 of the loss with [`ACCURACY`](Self::ACCURACY), and less than 1e-6 of the loss here (see the tests).
+    /// Accuracy of the quadrature for derivatives (dimensionless). Because the derivatives do not
+    /// include the motion of the nodes, they have an error of up to 2e-3 of the loss with
+    /// [`ACCURACY`](Self::ACCURACY), but of less than 1e-6 of the loss with this accuracy (see the
+    /// tests).
     const SENSITIVITY_ACCURACY: f64 = 1e-10;
 
-    /// Creep speed of (E4) divided by `$r_b |W|$`. It is small relative to the slip due to the lead, `$\sin\alpha/2$`.
+    /// Creep speed of (E4), divided by `$r_b |W|$`. It is small compared with the slip due to the
+    /// lead, `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
 
-    /// Solves for loads and contact angles, calculates the rolling motion, and integrates the friction power of the remaining
-    /// slip.
+    /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
+    /// friction power of the remaining slip.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|contacts| {
             let rolling_ball = memory.rolling_ball(&contacts, self.control)?;
@@ -258,8 +266,8 @@ impl RacewayControl {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns the torque of the frictionless screw and the torque on the screw \[N·m\], from the scaled friction power divided by
-    /// `$W$`.
+    /// Returns the torque of the frictionless screw and the torque on the screw \[N·m\], calculated
+    /// from the scaled friction power divided by `$W$`.
     pub(crate) fn rolling_torques(&self, friction_power: D) -> (D, D) {
         let ideal = self.point.ideal_torque();
         let (radius, axial) = (self.point.ball.radius, self.point.load.axial);
@@ -267,7 +275,7 @@ impl<D: Scalar> ElasticPoint<D> {
         (ideal, torque)
     }
 
-    /// Converts scaled powers, divided by `$W$`, to the powers of all balls \[W\].
+    /// Converts scaled powers (divided by `$W$`) to the powers of all balls \[W\].
     pub(crate) fn in_watts(&self, powers: [D; 2]) -> [D; 2] {
         let point = &self.point;
         powers.map(|p| p * point.ball.radius * point.load.axial * point.drive.relative_speed())
@@ -275,7 +283,7 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl RacewayWorkspace {
-    /// Solves for the rolling ball; see [`RollingBall::of`].
+    /// Finds the rolling ball; see [`RollingBall::of`].
     pub(crate) fn rolling_ball(
         &mut self,
         contacts: &ElasticContacts,
@@ -284,11 +292,11 @@ impl RacewayWorkspace {
         RollingBall::of(contacts, control, &mut self.newton)
     }
 
-    /// Returns the steady state of a rolling ball.
+    /// Calculates the steady state of a rolling ball.
     ///
     /// # Errors
     ///
-    /// [`crate::Reason::BallLeavesFlank`].
+    /// [`crate::Reason::BallLeavesFlank`] if a contact angle is beyond its flank.
     pub(crate) fn solved(
         &self,
         screw: &ElasticPoint,
@@ -314,7 +322,8 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball supplemented by other solutions.
+    /// Returns the steady state of a rolling ball, supplemented with the number of other solutions
+    /// and with the efficiency that differs most.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -376,7 +385,7 @@ mod tests {
         contact.slip.expect("a motion")
     }
 
-    /// The reference values were calculated independently to four digits, with nut control.
+    /// The reference efficiencies were calculated independently to four digits, with nut control.
     #[test]
     fn lin_screw_has_the_reference_efficiencies() {
         for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
@@ -386,7 +395,8 @@ mod tests {
         }
     }
 
-    /// The quadrature error of the efficiency is 7e-7 at Lin's load, and 1.1e-5 at 5 kN with a larger ellipse.
+    /// The quadrature error of the efficiency is 7e-7 at Lin's load. It is 1.1e-5 at 5 kN, where
+    /// the ellipse is larger.
     #[test]
     fn quadrature_error_of_the_efficiency_is_below_2e_5() {
         let fine = Quadrature::of(1e-12);
@@ -401,7 +411,7 @@ mod tests {
         }
     }
 
-    /// Returns a feed screw with its lead angle as a variable.
+    /// Returns a feed screw whose lead angle is a variable of the derivatives.
     fn feed_screw<D: Scalar>(lead_angle: D) -> RacewayControl<D> {
         let steel = Material { youngs_modulus: D::from(207e9), poisson_ratio: D::from(0.3) };
         let ball = Ball::<f64>::of_density(3.175e-3, 7800.0);
@@ -423,10 +433,10 @@ mod tests {
         }
     }
 
-    /// With the coarse rule, derivatives formerly had errors of up to 2e-3 of the loss, because the motion of the nodes was
-    /// missing.
+    /// In an earlier version, derivatives with the coarse quadrature rule had errors of up to 2e-3
+    /// of the loss, because they did not include the motion of the nodes.
     #[test]
-    fn sensitivities_agree_with_differences_of_the_exact_integral() {
+    fn efficiency_derivative_agrees_with_finite_differences() {
         let lead_angle = 4.1_f64.to_radians();
         let memory = || RacewayWorkspace {
             quadrature: Quadrature::of(RacewayControl::SENSITIVITY_ACCURACY),
@@ -437,8 +447,8 @@ mod tests {
         let exact = feed_screw(Jet::<1>::variable(lead_angle, 0))
             .sensitivities(&mut RacewayWorkspace::default());
         let exact = exact.expect("a solution").efficiency.eps[0];
-        // With a step of 1e-4, curvature causes an error of 1e-8, rounding an error of 1e-9, and
-        // the solve an error of less than 1e-6.
+        // With a step of 1e-4, the curvature of the efficiency causes an error of 1e-8, rounding
+        // causes an error of 1e-9, and the solve causes an error of less than 1e-6.
         let step = 1e-4 * lead_angle;
         let difference =
             (efficiency(lead_angle + step) - efficiency(lead_angle - step)) / (2.0 * step);
@@ -464,9 +474,10 @@ mod tests {
     }
 
     proptest! {
-        /// The printed forces balance, both contact centers roll, and the spin at one raceway is zero.
+        /// The forces in the result balance, both contact centers roll along the groove, and the
+        /// spin at one raceway is zero.
         #[test]
-        fn ball_is_in_balance_and_rolls(
+        fn forces_on_the_ball_balance_and_the_ball_rolls(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
@@ -481,7 +492,8 @@ mod tests {
             prop_assert!((q_a * a.cos() - q_b * b.cos() - centrifugal).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() - q_b * b.sin()).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() * lead.to_radians().cos() - axial).abs() <= 1e-9 * axial);
-            // The remaining slip is due to the lead, and both contacts share it.
+            // Both contacts share the slip due to the lead; there is no other slip at the contact
+            // centers.
             let w = case.point.drive.relative_speed().abs();
             let shared = 0.5 * case.point.ball.radius * w * lead.to_radians().sin();
             prop_assert!((slip(o.ball.nut).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
@@ -493,7 +505,7 @@ mod tests {
         }
     }
 
-    /// Without friction, the efficiency is one.
+    /// A screw without friction has an efficiency of one.
     #[test]
     fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {
@@ -504,7 +516,7 @@ mod tests {
         assert_relative_eq!(o.transmission.efficiency, 1.0);
     }
 
-    /// Speed presses the ball against the nut.
+    /// The centrifugal force presses the ball against the nut.
     #[test]
     fn load_increases_both_contact_angles_and_speed_separates_them() {
         let angles = |axial, rpm| {
@@ -514,20 +526,21 @@ mod tests {
         let (slow, loaded, fast) = (angles(100.0, 1.0), angles(2000.0, 1.0), angles(100.0, 8000.0));
         assert!(loaded.0 > slow.0 && loaded.1 > slow.1);
         assert!(fast.0 < slow.0 && fast.1 > slow.1);
-        // Without inertia, two forces act on the ball, so that both contact angles are equal.
+        // Without inertia, only two forces act on the ball, so both contact angles are equal.
         assert_relative_eq!(slow.0, slow.1, max_relative = 1e-6);
     }
 
-    /// If the selection of the controlling raceway is clear, it is the same at both balls. Near a tie, both raceways or none may
-    /// control.
+    /// If the selection of the controlling raceway is clear, (W7) selects the same raceway for the
+    /// nut-controlled ball and for the screw-controlled ball. Near a tie, each of the two balls, or
+    /// neither of them, may satisfy (W7).
     #[test]
-    fn clear_control_is_the_same_for_both_balls() {
+    fn clear_selection_is_equal_for_nut_and_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
             let mut screw = extreme(&mut rng);
-            // Half of the points have equal conformities and are close to a tie.
+            // Every second point has equal conformities, which is close to a tie.
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;
             }

@@ -1,5 +1,5 @@
-//! The rigid model: the published steady-state equations with three point contacts, equal and fixed contact angles, and
-//! saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
+//! The rigid model: published steady-state equations with three point contacts, equal and fixed
+//! contact angles, and saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
@@ -28,7 +28,7 @@ use crate::models::ball::{
     Slip, Solution, SolveInfo, SteadyState, equations, friction_angle,
 };
 
-/// Inputs of the rigid model. All three contacts have the contact angle of the point.
+/// Inputs of the rigid model. All three contacts have the contact angle of the operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rigid<D = f64> {
     /// Geometry, friction, speeds and load.
@@ -44,33 +44,35 @@ pub struct RigidRoot {
     pub unloaded_flank_load: f64,
     /// Ratio of the load at B to the axial load per ball `$Q_B/F_a$`.
     pub screw_load: f64,
-    /// Precession relative to the nut `$p = (P - \Omega_n)/W$`.
+    /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub p: f64,
-    /// Component `$u$` of `$(\omega - \Omega_n k)/W$` along the tangent.
+    /// Component `$u$` of the scaled angular velocity `$(\omega - \Omega_n k)/W$` along the
+    /// tangent.
     pub u: f64,
-    /// Component `$\tau$` of `$(\omega - \Omega_n k)/W$` along `$e_x$`.
+    /// Component `$\tau$` of the scaled angular velocity `$(\omega - \Omega_n k)/W$` along `$e_x$`.
     pub tau: f64,
-    /// Spin moment `$s = I P\sigma/(r_b F_a)$` with the spin `$\sigma$` about the common normal.
+    /// Spin moment `$s = I P\sigma/(r_b F_a)$`, where `$\sigma$` is the spin about the common
+    /// normal.
     pub s: f64,
-    /// Number of sweeps, or of Newton steps that refine a root of the continuation.
+    /// Number of sweeps, or number of Newton steps that refined a root of the continuation.
     pub steps: usize,
     /// Largest scaled residual of the equations.
     pub residual: f64,
 }
 
-/// The rigid equations of one point for [`bsm_newton::solve`].
+/// The rigid equations at one operating point, for use with [`bsm_newton::solve`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidSystem {
     /// Weights of the equations. The weights of the unknowns are one.
     pub weights: [f64; BALL],
-    /// Starting point of Newton's method, the first-order solution.
+    /// Starting value of Newton's method, which is the first-order solution.
     pub start: [f64; BALL],
     equations: RigidEquations<f64>,
 }
 
 impl RigidSystem {
-    /// Returns the equations of a point in units of ball radius, axial load per ball and relative speed; `None` without
-    /// friction or relative speed.
+    /// Creates the equations at an operating point in scaled units (ball radius, axial load per
+    /// ball, relative speed). Returns `None` without friction or without relative speed.
     pub fn of(case: &Rigid) -> Option<Self> {
         let ball = case.ball().ok()?;
         let first = ball.first_order();
@@ -78,11 +80,11 @@ impl RigidSystem {
         Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
     }
 
-    /// Returns the residuals of the seven equations (R8) in any scalar.
+    /// Returns the residuals of the seven equations (R8) in any scalar type.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if friction or the gyroscopic moment has no direction.
+    /// [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     pub fn evaluate<D: Over<f64>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         self.equations.residual(y)
     }
@@ -95,7 +97,8 @@ impl RigidSystem {
 equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
 
 impl<D: Scalar> Rigid<D> {
-    /// Returns the point in units of ball radius, axial load per ball and relative speed.
+    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
+    /// speed.
     ///
     /// # Errors
     ///
@@ -110,19 +113,22 @@ impl<D: Scalar> Rigid<D> {
 }
 
 impl Rigid {
-    /// Returns the first-order solution, which also tells whether a root exists; `None` without friction or relative speed.
+    /// Returns the first-order solution, which also indicates whether a root exists. Returns `None`
+    /// without friction or without relative speed.
     pub fn first_order(&self) -> Option<FirstOrder> {
         self.ball().ok().map(|ball| ball.first_order())
     }
 
-    /// Returns the smallest lead angle above the lead angle of this point at which the equations have a root \[rad\].
+    /// Returns the smallest lead angle above the lead angle of this operating point at which the
+    /// equations have a root \[rad\].
     ///
-    /// Returns `None` if the point itself has a root, if no such lead angle was found, or without friction or relative speed.
+    /// Returns `None` if the operating point itself has a root, if no such lead angle is found, or
+    /// without friction or relative speed.
     pub fn critical_lead_angle(&self) -> Option<f64> {
         root::critical_lead_angle(&self.ball().ok()?)
     }
 
-    /// Returns the root in the unknowns (R2).
+    /// Finds the root in the unknowns (R2).
     ///
     /// # Errors
     ///
@@ -141,8 +147,9 @@ impl Rigid {
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }
 
-    /// Solves for the steady motion of the ball and follows its branch for other solutions, which [`solve`](Self::solve)
-    /// reports only if it has to follow the branch anyway.
+    /// Solves for the steady motion of the ball and follows the whole branch to find other
+    /// solutions. [`solve`](Self::solve) reports other solutions only if it has to follow the
+    /// branch anyway.
     pub fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
         let root = self.ball().and_then(|ball| Ok((ball, root::find_all(&ball, work)?)));
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
@@ -166,10 +173,11 @@ impl Rigid {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns the steady state of a motion in SI units.
+    /// Converts a motion to a steady state in SI units.
     ///
     /// * `contact_angle`: contact angle \[rad\].
-    /// * `directions`: true if the directions of friction are requested, each of which requires an arctangent.
+    /// * `directions`: true if the directions of friction are requested. Each direction requires an
+    ///   arctangent.
     #[inline(always)]
     pub fn solved(
         &self,

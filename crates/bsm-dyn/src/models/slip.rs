@@ -1,5 +1,5 @@
-//! Slip of a solved ball at its contacts, by published and by exact formulas, and the friction power of each part of the
-//! slip.
+//! Slip of a solved ball at its contacts, calculated with published and with exact formulas, and
+//! the friction power of each component of the slip.
 //!
 //! Theory: `docs/theory/13-slip.md`, equations (X1) to (X16).
 
@@ -23,31 +23,31 @@ pub struct SteadyBall<D> {
     pub radius: D,
     /// Speeds of screw and nut.
     pub drive: Drive<D>,
-    /// Absolute motion, components in the Frenet-Serret triad `(t, n, b)`.
+    /// Absolute motion in the Frenet-Serret triad `(t, n, b)`.
     pub motion: Motion<D>,
 }
 
-/// A contact of the ball.
+/// A contact of the ball, given by its location and contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSite<D> {
-    /// Position of the contact.
+    /// Location of the contact: nut, unloaded flank of the nut, or screw.
     pub site: Site,
     /// Contact angle \[rad\].
     pub angle: D,
 }
 
-/// Friction power at a contact, divided among the parts of the slip \[W\] (X12).
+/// Friction power at a contact, divided among the components of the slip \[W\] (X12).
 ///
-/// The parts of the slip add up to the whole slip at every point, and so do the powers. The power
-/// of a part may be negative, because friction is opposite to the whole slip and not to each of its
-/// parts.
+/// The components of the slip add up to the total slip at every point, and their powers add up to
+/// the total power. The power of a component may be negative, because friction opposes the total
+/// slip, not each component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipPower<D> {
-    /// Power of the slip at the contact center, which all points share.
+    /// Power of the slip at the contact center, which is common to all points of the contact.
     pub center: D,
     /// Power of the spin about the contact normal.
     pub spin: D,
-    /// Power due to the curvature of the contact surface under a rolling ball (Heathcote slip).
+    /// Power due to the curvature of the contact surface (Heathcote slip).
     pub curvature: D,
 }
 
@@ -58,10 +58,10 @@ impl<D: Scalar> SlipPower<D> {
     }
 }
 
-/// The points of a contact at which the ball slides.
+/// Region of a contact in which the ball slides.
 #[derive(Debug, Clone, Copy)]
 pub enum Sliding<'a, D> {
-    /// Only the contact center (F1).
+    /// Only the contact center: point contact (F1).
     Point,
     /// The whole contact ellipse (E4).
     Ellipse {
@@ -71,7 +71,7 @@ pub enum Sliding<'a, D> {
         pressed_radius: f64,
         /// Creep speed `$v_e$` \[m/s\], positive.
         creep: f64,
-        /// Quadrature nodes over the ellipse.
+        /// Quadrature rule for the integration over the ellipse.
         quadrature: &'a Quadrature,
     },
 }
@@ -82,9 +82,9 @@ fn norm<D: Scalar>(v: &Vector3<D>) -> D {
 }
 
 impl<D: Scalar> SteadyBall<D> {
-    /// Returns a ball that rolls at both contacts and does not spin at the controlling raceway.
-    /// This is raceway control at given contact angles at nut and screw \[rad\], without a balance
-    /// of forces (W3) to (W6).
+    /// Creates a ball that rolls at both contacts and does not spin at the controlling raceway.
+    /// This is raceway control without a force balance, for given contact angles at nut and screw
+    /// \[rad\] (W3) to (W6).
     pub fn rolling(
         control: Control,
         helix: Helix<D>,
@@ -107,7 +107,7 @@ impl<D: Scalar> SteadyBall<D> {
         BallFrame::turned(self.helix.lead_angle, D::from(0.0))
     }
 
-    /// Returns the speed of the body at a contact \[rad/s\].
+    /// Returns the speed of the contacting body \[rad/s\].
     fn body_speed(&self, site: Site) -> D {
         match site {
             Site::Nut | Site::NutUnloaded => self.drive.nut_speed,
@@ -115,50 +115,50 @@ impl<D: Scalar> SteadyBall<D> {
         }
     }
 
-    /// Returns the unit vectors of a contact, as components in `(t, n, b)`.
+    /// Returns the unit vectors of a contact in `(t, n, b)` components.
     pub fn contact(&self, touch: &ContactSite<D>) -> Contact<D> {
         Contact::new(touch.site, touch.angle, &self.frame())
     }
 
-    /// Returns the motion relative to the body of a contact.
+    /// Returns the motion relative to the contacting body.
     pub fn relative_to(&self, site: Site) -> Motion<D> {
         self.motion.relative_to(self.body_speed(site), &self.frame())
     }
 
-    /// Returns the motion relative to the nut, as the published formulas use it:
-    /// `$\omega_m = P - \Omega_n$` and `$\omega' = \omega - \Omega_n k$`.
+    /// Returns the motion relative to the nut, which the published formulas use: `$\omega_m = P -
+    /// \Omega_n$` and `$\omega' = \omega - \Omega_n k$`.
     fn against_nut(&self) -> Motion<D> {
         self.relative_to(Site::Nut)
     }
 
-    /// Returns the velocity of the ball's surface relative to the body at the contact center (K13)
-    /// \[m/s\].
+    /// Returns the velocity of the ball surface relative to the contacting body at the contact
+    /// center (K13) \[m/s\].
     pub fn slip_velocity(&self, touch: &ContactSite<D>) -> Vector3<D> {
         let point = self.contact(touch).point(self.radius);
         self.relative_to(touch.site).slip_velocity(self.helix.arc_length_per_radian(), &point)
     }
 
-    /// Returns the differential slip, the slip speed at the contact center (X1) \[m/s\].
+    /// Returns the differential slip, which is the slip speed at the contact center (X1) \[m/s\].
     ///
-    /// Source: Xu and Tang (2015), Eqs 1-2. The published and the exact form are equal.
+    /// Source: Xu and Tang (2015), Eqs 1-2. The published formula equals the exact formula.
     pub fn differential_slip(&self, touch: &ContactSite<D>) -> D {
         // |V_i|, V_i = v_i(−r_b N)                                        (X1)
         norm(&self.slip_velocity(touch))
     }
 
-    /// Returns the slip speed at the contact center of a ball at rest in the nut \[m/s\].
+    /// Returns the slip speed at the contact center for a ball at rest relative to the nut \[m/s\].
     pub fn stopped_slip(&self, touch: &ContactSite<D>) -> D {
         let speed = self.drive.nut_speed;
         let motion = Motion { precession: speed, omega: self.frame().k * speed };
         Self { motion, ..*self }.differential_slip(touch)
     }
 
-    /// Returns the gyroscopic angles of the axis about which the ball rotates relative to the nut
-    /// \[rad\]: from the plane of `$t$` and `$b$` toward `$-n$`, and within this plane from `$-b$`
-    /// toward `$t$` (X4), (X14).
+    /// Returns the gyroscopic angles \[rad\] of the axis about which the ball rotates relative to
+    /// the nut. The first angle is measured from the plane of `$t$` and `$b$` toward `$-n$`, the
+    /// second angle within this plane from `$-b$` toward `$t$` (X4), (X14).
     ///
-    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`; raceway control of bearings uses the
-    /// same angles.
+    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`. The raceway-control theory of bearings
+    /// uses the same angles.
     pub fn gyroscopic_angles(&self) -> [D; 2] {
         let omega = self.against_nut().omega;
         // sinγ = −ω'_n/|ω'|                                               (X4)
@@ -168,8 +168,9 @@ impl<D: Scalar> SteadyBall<D> {
         [angle, omega.x.atan2(-omega.z)]
     }
 
-    /// Returns the moment about the tangent that rotates the angular velocity of the ball together
-    /// with the triad \[N·m\]. The friction of all contacts supplies this moment (X16).
+    /// Returns the moment about the tangent that is needed to turn the angular velocity vector of
+    /// the ball together with the triad \[N·m\]. The friction of all contacts provides this moment
+    /// (X16).
     ///
     /// * `inertia`: moment of inertia of the ball about a diameter \[kg·m²\].
     ///
@@ -180,7 +181,7 @@ impl<D: Scalar> SteadyBall<D> {
         self.frame().k.cross(&omega).x * (inertia * precession)
     }
 
-    /// Returns the slip between neighboring balls by the published formula (X2) \[m/s\].
+    /// Returns the slip between neighboring balls according to the published formula (X2) \[m/s\].
     ///
     /// Source: Xu and Tang (2015), Eq 4.
     pub fn ball_slip_published(&self) -> D {
@@ -189,11 +190,11 @@ impl<D: Scalar> SteadyBall<D> {
         self.radius * magnitude(norm(&omega) - precession)
     }
 
-    /// Returns the relative speed of the surfaces of neighboring balls where they touch (X3)
+    /// Returns the relative speed of the surfaces of neighboring balls at their contact point (X3)
     /// \[m/s\].
     ///
-    /// Assumes: the neighbor is in the direction of the tangent and has the same angular velocity.
-    /// The rotation of its triad by `$2 r_b/d$` has only a second-order effect.
+    /// Assumes: the neighboring ball is in the direction of the tangent and has the same angular
+    /// velocity. The rotation of the triad by `$2 r_b/d$` has only a second-order effect.
     pub fn ball_slip(&self) -> D {
         let Motion { precession, omega } = self.motion;
         let in_carrier = omega - self.frame().k * precession;
@@ -201,13 +202,13 @@ impl<D: Scalar> SteadyBall<D> {
         self.radius * 2.0 * norm(&in_carrier.cross(&BallFrame::tangent()))
     }
 
-    /// Returns the spin (gyroscopic) slip by the published formula (X5) \[m/s\].
+    /// Returns the spin (gyroscopic) slip according to the published formula (X5) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\] of the other contact in the printed formula, or of the
-    ///   contact itself in the corrected formula.
+    /// * `angle`: contact angle \[rad\]. For the printed formula, this is the contact angle of the
+    ///   other contact; for the corrected formula, it is the angle of the contact itself.
     ///
-    /// Source: Xu and Tang (2015), Eqs 5-6. The formula uses the motion relative to the nut at both
-    /// contacts.
+    /// Source: Xu and Tang (2015), Eqs 5-6. At both contacts, the formula uses the motion relative
+    /// to the nut.
     pub fn spin_slip_published(&self, angle: D) -> D {
         let rate = norm(&self.against_nut().omega);
         let [gamma, _] = self.gyroscopic_angles();
@@ -221,13 +222,13 @@ impl<D: Scalar> SteadyBall<D> {
         self.relative_to(touch.site).spin(&self.contact(touch))
     }
 
-    /// Returns the orbit slip by the published formula (X7), (X8) \[m/s\].
+    /// Returns the orbit slip according to the published formula (X7), (X8) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\] of the other contact in the printed formula, or of the
-    ///   contact itself in the corrected formula.
+    /// * `angle`: contact angle \[rad\]. For the printed formula, this is the contact angle of the
+    ///   other contact; for the corrected formula, it is the angle of the contact itself.
     ///
-    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: the printed lever arms have
-    /// an additional root, with which the result is not a speed.
+    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: the printed lever arms
+    /// contain an additional square root, so that the result is not a speed.
     pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
         let (sin, cos) = angle.sin_cos();
         let (r_b, r_m) = (self.radius, self.helix.radius);
@@ -239,15 +240,15 @@ impl<D: Scalar> SteadyBall<D> {
         lever * magnitude(rate * self.helix.lead_angle.cos() * sin)
     }
 
-    /// Returns the orbital part of the spin (X9) \[rad/s\]. The rest is the rotation of the ball
-    /// relative to the triad that travels with it.
+    /// Returns the orbital component of the spin (X9) \[rad/s\]. The remaining spin is the rotation
+    /// of the ball relative to the triad that travels with it.
     pub fn orbit_spin(&self, touch: &ContactSite<D>) -> D {
         let rate = self.relative_to(touch.site).precession;
         // (ω − Ω_i k)·N = (ω − P k)·N + (P − Ω_i) k·N                     (X9)
         rate * self.frame().k.dot(&self.contact(touch).normal)
     }
 
-    /// Returns the mean speed of both surfaces through the contact (X10) \[m/s\].
+    /// Returns the mean speed at which both surfaces move through the contact (X10) \[m/s\].
     pub fn rolling_speed(&self, touch: &ContactSite<D>) -> D {
         let Motion { precession, omega } = self.motion;
         let point = self.contact(touch).point(self.radius);
@@ -256,15 +257,16 @@ impl<D: Scalar> SteadyBall<D> {
         norm(&(ball - self.slip_velocity(touch) * D::from(0.5)))
     }
 
-    /// Returns the slip speed at the contact center divided by the rolling speed; 2 if one surface
-    /// is at rest.
+    /// Returns the slip speed at the contact center divided by the rolling speed. The ratio is 2 if
+    /// one surface is at rest.
     pub fn slide_roll_ratio(&self, touch: &ContactSite<D>) -> D {
         self.differential_slip(touch) / self.rolling_speed(touch)
     }
 
-    /// Returns the friction power at a contact, divided among the parts of the slip (X11), (X12).
+    /// Returns the friction power at a contact, divided among the components of the slip (X11),
+    /// (X12).
     ///
-    /// * `friction`: wrench of friction on the ball about its center, in `(t, n, b)`.
+    /// * `friction`: wrench of friction on the ball about the ball center, in `(t, n, b)`.
     pub fn power(&self, touch: &ContactSite<D>, friction: &Wrench<D>) -> SlipPower<D> {
         let contact = self.contact(touch);
         let omega = self.relative_to(touch.site).omega;
@@ -287,7 +289,7 @@ impl<D: Scalar> SteadyBall<D> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if the direction of friction is undefined at a point.
+    /// [`EvalError`] if the direction of friction is undefined at a point of the contact.
     pub fn friction(
         &self,
         touch: &ContactSite<D>,
@@ -314,7 +316,7 @@ impl<D: Scalar> SteadyBall<D> {
 }
 
 impl SteadyBall<f64> {
-    /// Returns the slip at the points of a contact ellipse \[m/s\].
+    /// Returns the distribution of slip over a contact ellipse \[m/s\].
     ///
     /// * `semi_axes`: semi-axes across and along the groove \[m\].
     /// * `pressed_radius`: radius of the contact surface (E2) \[m\].
@@ -333,7 +335,7 @@ impl SteadyBall<f64> {
     }
 }
 
-/// Returns the slip speed due to spin at the end of the contact ellipse, where it is largest (X6)
+/// Returns the maximum slip speed due to spin, which occurs at the ends of the contact ellipse (X6)
 /// \[m/s\].
 pub fn rim_speed<D: Scalar>(spin: D, semi_axis: D) -> D {
     // V_s = |ω_spin| a                                                    (X6)

@@ -1,4 +1,4 @@
-//! A ball at rest without friction, for a given displacement of the grooves.
+//! A ball at rest without friction, for a given displacement of the grooves relative to each other.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J10) to (J14).
 
@@ -10,11 +10,11 @@ use crate::models::ball::{ElasticPoint, Reason};
 /// A ball between one flank of the nut and one flank of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticBall<D = f64> {
-    /// Distance of the groove arc centers at first contact `$l_{A0} + l_{B0}$` \[m\].
+    /// Distance `$l_{A0} + l_{B0}$` between the groove arc centers at first contact \[m\].
     pub distance: D,
     /// Sine and cosine of the unloaded contact angle `$\beta_0$`.
     pub unloaded: [D; 2],
-    /// Hertz stiffness of both contacts in series `$K$` \[N/m^1.5\].
+    /// Hertz stiffness `$K$` of both contacts in series \[N/m^1.5\].
     pub stiffness: D,
 }
 
@@ -22,24 +22,27 @@ pub struct StaticBall<D = f64> {
 /// principal normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GrooveForces<D = f64> {
-    /// Normal load at both contacts \[N\]; zero if the ball is loose.
+    /// Normal load at both contacts \[N\]; zero if the ball has clearance.
     pub load: D,
-    /// Contact angle at both contacts \[rad\]; zero if the ball is loose.
+    /// Contact angle at both contacts \[rad\]; zero if the ball has clearance.
     pub angle: D,
     /// Elastic energy `$V$` \[J\].
     pub energy: D,
-    /// Force on the groove of the nut that holds the displacement `$\partial V/\partial w$` \[N\].
+    /// Force on the groove of the nut that maintains the displacement, `$\partial V/\partial w$`
+    /// \[N\].
     pub force: [D; 2],
-    /// Stiffness, the derivative of the force with respect to the displacement `$\partial^2 V/\partial w^2$` \[N/m\].
+    /// Stiffness, the derivative of the force with respect to the displacement, `$\partial^2
+    /// V/\partial w^2$` \[N/m\].
     pub slope: [[D; 2]; 2],
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns the ball at rest between the grooves of this screw.
+    /// Returns the ball at rest between the grooves at this operating point.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`].
+    /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
+    /// groove than along it.
     pub fn pressed_ball(&self) -> Result<StaticBall<D>, Reason> {
         let [nut, screw] = self.hertz()?.map(|hertz| hertz.compliance);
         let [l_a, l_b] = self.grooves().map(|groove| groove.offset(self.point.ball.radius));
@@ -51,9 +54,10 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl<D: Scalar> StaticBall<D> {
-    /// Returns the forces for a displacement of the groove of the nut relative to the groove of the screw (J10) to (J13).
+    /// Returns load, energy and forces for a displacement of the nut groove relative to the screw
+    /// groove (J10) to (J13).
     ///
-    /// The energy is convex in the displacement.
+    /// The energy is a convex function of the displacement.
     ///
     /// * `displacement`: components along the binormal and along the principal normal \[m\].
     /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
@@ -92,31 +96,32 @@ impl<D: Scalar> StaticBall<D> {
 }
 
 impl StaticBall {
-    /// Returns the displacement of the nut along the screw axis \[m\] and the forces under an axial load (J14). This is the
-    /// ball of a nut whose balls share the load equally.
+    /// Returns the displacement of the nut along the screw axis \[m\] and the forces under an axial
+    /// load (J14), for a nut whose balls share the load equally.
     ///
-    /// * `axial`: axial load of one ball \[N\].
+    /// * `axial`: axial load per ball \[N\].
     /// * `lead_angle`: lead angle \[rad\].
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no displacement carries the load.
+    /// [`EvalError`] if no displacement can carry the load.
     pub fn under(&self, axial: f64, lead_angle: f64) -> Result<(f64, GrooveForces), EvalError> {
         let domain_error = EvalError {
             quantity: "axial load of a ball [N]",
             value: axial,
-            requirement: "positive, and such as the groove flanks can carry",
+            requirement: "positive and small enough for the groove flanks to carry",
         };
         if axial.is_nan() || axial <= 0.0 {
             return Err(domain_error);
         }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
-        // A ball that kept the unloaded contact angle would need a larger displacement.
+        // The displacement at the unloaded contact angle is an upper limit.
         let max_displacement =
             (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         let signs = [f64::NEG_INFINITY, f64::INFINITY];
-        // After a Newton step of 1e-9, the relative error is of the order of its square.
+        // After a Newton step of 1e-9, the relative error is of the order of the square of the
+        // step.
         let bracket = Bracket {
             start: Some(max_displacement),
             x_tol: 1e-9,
@@ -147,10 +152,10 @@ mod tests {
         of_a_nut(axial, 98.0, speed)
     }
 
-    /// The reference values are an independent solution of a nut with 98 equally loaded balls under 6340 N (case P01), with
-    /// all digits that it states.
+    /// The reference values are all digits of an independent solution for a nut with 98 equally
+    /// loaded balls under 6340 N (case P01).
     #[test]
-    fn equal_sharing_has_the_reference_values() {
+    fn ball_under_an_equal_load_share_matches_the_reference() {
         let screw = screw(6340.0, 1.0);
         let ball = screw.pressed_ball().unwrap();
         let (u, pressing) = ball.under(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();
@@ -173,7 +178,7 @@ mod tests {
             let ball = screw.pressed_ball().unwrap();
             let lead = screw.point.helix.lead_angle;
             let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
-            // The residual of the rolling balance is 1e-13.
+            // The residual of the static balance of the rolling ball is 1e-13.
             let nut = solved.ball.nut;
             assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);
             assert_relative_eq!(pressing.load, nut.load.unwrap(), max_relative = 1e-12);
@@ -187,13 +192,13 @@ mod tests {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
-        // An oversize of the same amount closes the gap.
+        // An oversize of the ball by the same amount closes the gap.
         assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
         assert!(ball.under(-1.0, 0.1).is_err());
     }
 
     proptest! {
-        /// The derivatives are calculated with jets.
+        /// The reference derivatives are calculated with jets.
         #[test]
         fn force_and_stiffness_are_derivatives_of_the_energy(
             along_b in -1e-5..5e-5_f64, along_n in -1e-5..5e-5_f64, oversize in 0.0..5e-6_f64,
@@ -212,14 +217,14 @@ mod tests {
             let size = exact.force[0].hypot(exact.force[1]);
             let stiff = exact.slope[0][0] + exact.slope[1][1];
             for i in 0..2 {
-                // The same operations are rounded in another order.
+                // Both calculations perform the same operations and differ only by rounding errors.
                 prop_assert!((moved.energy.eps[i] - exact.force[i]).abs() <= 1e-12 * size);
                 for k in 0..2 {
                     let error = moved.force[i].eps[k] - exact.slope[i][k];
                     prop_assert!(error.abs() <= 1e-11 * stiff, "{error}");
                 }
             }
-            // The energy is convex, so no direction of displacement softens the ball.
+            // The energy is convex, so the stiffness matrix is positive semidefinite.
             let [[a, b], [_, c]] = exact.slope;
             prop_assert!(a > 0.0 && a * c - b * b >= -1e-12 * a * c);
         }

@@ -1,4 +1,5 @@
-//! Traction model: friction integrated over the contact ellipses, from rolling to gross slip.
+//! Traction model: friction is integrated over the contact ellipses, which covers the whole range
+//! from rolling to gross slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
@@ -31,24 +32,25 @@ use crate::models::raceway_control::{RollingBall, STATIC};
 pub struct Traction<D = f64> {
     /// Screw at its operating point; the friction coefficient must be positive.
     pub at: ElasticPoint<D>,
-    /// Quadrature error divided by the friction force (dimensionless), positive.
+    /// Permitted quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
     /// Creep speed `$v_e$` divided by `$r_b |W|$` (dimensionless), positive.
     pub creep: f64,
 }
 
 impl Traction {
-    /// Default accuracy; the quadrature error of the efficiency is then at most 1e-7.
+    /// Default accuracy of the quadrature. The resulting quadrature error of the efficiency is at
+    /// most 1e-7.
     pub const ACCURACY: f64 = 1e-8;
-    /// Accuracies that are tried in this order until the error bound is small enough. A first
-    /// accuracy of 1e-4 does not pay off, because its stated error exceeds 0.01 for one in six
-    /// balls in partial skid.
+    /// Accuracies of the quadrature that are tried in this order until the error bound is small
+    /// enough. Starting with an accuracy of 1e-4 does not pay off, because its error bound exceeds
+    /// 0.01 for one in six balls in partial skid.
     pub const ACCURACIES: [f64; 2] = [1e-6, Self::ACCURACY];
     /// Default creep speed, which changes the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
 }
 
-/// Memory of the solves, which can be reused.
+/// Reusable memory for solving traction models.
 #[derive(Default)]
 pub struct TractionWorkspace {
     statics: Workspace<STATIC>,
@@ -60,8 +62,8 @@ impl Traction {
     /// Solves for the steady motion of the ball.
     ///
     /// The root is found with a coarse quadrature and refined with the quadrature of the requested
-    /// accuracy. If either step fails, the root is searched with the quadrature of
-    /// [`Self::ACCURACY`]; this search decides whether a root exists.
+    /// accuracy. If either step fails, a search with a finer quadrature, which includes
+    /// continuation, decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let contacts = self.at.scaled()?;
@@ -72,12 +74,13 @@ impl Traction {
         Solution::new(Model::Traction, found)
     }
 
-    /// Solves with successively finer quadratures until the error bound of the efficiency is at
-    /// most `tolerance`, and returns the root, its accuracy and the error bound.
+    /// Solves with increasingly accurate quadratures until the error bound of the efficiency is at
+    /// most `tolerance`. Returns the root, the accuracy of its quadrature and the error bound.
     ///
-    /// The error bound includes the error due to the creep speed. If refinement to a finer
-    /// quadrature fails, the last root is returned, with the whole loss as its error. If the first
-    /// quadrature cannot refine a root of the search, a finer quadrature starts from this root.
+    /// The error bound includes the effect of the creep speed. If refinement with a more accurate
+    /// quadrature fails, the last root is returned, and its error bound is the whole power loss. If
+    /// a root of the search cannot be refined with the first quadrature, it is the starting value
+    /// for the next quadrature.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
@@ -121,8 +124,8 @@ impl Traction {
         Ok((found, case.accuracy, error))
     }
 
-    /// Returns the root and its steady state, starting from the root `from` of another accuracy if
-    /// it is given.
+    /// Finds the root and its steady state. If `from` is given, this root of a different quadrature
+    /// is the starting value.
     fn found(
         &self,
         Start { contacts, rolling_ball }: &Start<'_>,
@@ -181,19 +184,22 @@ impl Traction {
     }
 }
 
-/// An operating point with its rolling ball, which is the starting value for every quadrature.
+/// An operating point together with its rolling ball, which is the starting value for every
+/// quadrature.
 pub(crate) struct Start<'a> {
     contacts: &'a ElasticContacts,
     rolling_ball: RollingBall,
 }
 
 impl<'a> Start<'a> {
-    /// Creates a start from a rolling ball, or from a guess if there is no rolling ball.
+    /// Creates the starting value from a rolling ball, or from an estimate if there is no rolling
+    /// ball.
     pub(crate) fn new(
         contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
     ) -> Result<Self, NoAnswer> {
-        // If the centrifugal force is too large for a guess, the ball without inertia is used.
+        // If the centrifugal force is too large for this estimate, the ball without inertia is
+        // used.
         let guess = || {
             RollingBall::guess(contacts)
                 .or_else(|_| RollingBall::guess(&contacts.with_inertia(0.0)))
@@ -205,21 +211,22 @@ impl<'a> Start<'a> {
     }
 }
 
-/// A root and its steady state.
+/// A root together with its steady state.
 pub(crate) struct SlipResult {
     pub(crate) solved: SteadyState,
     pub(crate) root: SlipRoot,
-    /// Bound of the quadrature error of the efficiency (T25) (dimensionless).
+    /// Error bound of the efficiency due to quadrature (T25) (dimensionless).
     error: f64,
-    /// Bound of the relative error of the friction power due to the creep speed (A8).
+    /// Error bound of the friction power due to the creep speed, relative to the friction power
+    /// (A8).
     by_creep: f64,
 }
 
-/// Failure to find a root at a given accuracy.
+/// Failure to find a root with a given accuracy.
 #[derive(Debug)]
 struct NotFound {
     why: NoAnswer,
-    /// Root of the search that could not be refined to this accuracy, if there is one.
+    /// Root of the search, if it was found but could not be refined with this accuracy.
     near: Option<Box<SlipRoot>>,
     /// Number of Newton steps of the search.
     steps: usize,

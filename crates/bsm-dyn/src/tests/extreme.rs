@@ -1,4 +1,5 @@
-//! Random points for tests: in practical ranges, in extreme ranges, and of a nut.
+//! Random operating points for tests in practical and in extreme ranges, and the operating point of
+//! a reference nut.
 
 use std::f64::consts::PI;
 
@@ -8,7 +9,8 @@ use rand::{Rng, RngExt};
 
 use crate::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
 
-/// Returns a screw in practical ranges, as in the benchmarks. The rigid model usually has a root.
+/// Returns a random screw in practical ranges, as in the benchmarks. For most of these screws, the
+/// rigid model has a root.
 pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     let radius = 24.3e-3;
     let speed = rng.random_range(50.0..6000.0) * PI / 30.0;
@@ -29,8 +31,8 @@ pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     }
 }
 
-/// Returns a screw in extreme ranges. Speeds, loads, sizes, moduli, friction and density are
-/// uniform in their logarithms.
+/// Returns a random screw in extreme ranges. The logarithms of speeds, loads, sizes, moduli,
+/// friction coefficient and density are uniformly distributed.
 pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
@@ -61,8 +63,8 @@ pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
     }
 }
 
-/// Returns the screw of the independent nut solutions: 40 x 10 mm with balls of 6.35 mm. The speed
-/// is in rad/s.
+/// Returns the screw of the independent reference solutions for a nut: 40 x 10 mm with balls of
+/// 6.35 mm. The speed is in rad/s.
 pub(crate) fn of_a_nut(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
     let radius = 20.668e-3;
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };

@@ -1,4 +1,4 @@
-//! Tests of the elastic models: limits, failures, and campaigns over random screws.
+//! Tests of the elastic models: limiting cases, failures, and campaigns over random screws.
 
 mod campaign;
 mod limits;

@@ -1,5 +1,5 @@
-//! Solves random points of extreme ranges in every model, as a short version of `just extremes`.
-//! Nothing panics, converged solutions are consistent, and general identities hold.
+//! Solves random points in extreme ranges with every model, as a short version of `just extremes`.
+//! No model may panic, converged solutions must be consistent, and general identities must hold.
 
 use std::f64::consts::PI;
 
@@ -17,11 +17,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::elastic::screws::{lin, with};
 
-/// Number of inputs that are set to extreme values, one at a time.
+/// Number of inputs that are set to extreme values one at a time.
 const INPUTS: usize = 12;
 
-/// Returns screws in extreme ranges. Speeds, loads, sizes and elastic moduli vary over orders of
-/// magnitude.
+/// Returns random screws in extreme ranges. Speeds, loads, sizes and elastic moduli vary over
+/// orders of magnitude.
 fn extreme_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
@@ -65,8 +65,8 @@ fn raceway_control(screw: ElasticPoint, control: Option<Control>) -> Problem {
     Problem::RacewayControl(RacewayControl { at: screw, control })
 }
 
-/// Checks that a converged solution is consistent. Returns true if the point has a solution, or
-/// evidence that none exists.
+/// Checks that a converged solution is consistent. Returns true if the point has a solution or if
+/// there is evidence that no solution exists.
 fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
     let o = match &solution.answer {
         Ok(solved) => solved,
@@ -75,7 +75,7 @@ fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
     let words = format!("{o:?}");
     let mut tokens = words.split(|c: char| !c.is_alphanumeric());
     assert!(!tokens.any(|token| ["NaN", "inf"].contains(&token)), "{screw:?} {words}");
-    // The closed form has no equations with a residual.
+    // The closed form does not solve equations and has no residual.
     let closed = solution.model == Model::ClosedForm;
     assert!(o.info.map_or(closed, |info| info.residual <= 1e-10), "{screw:?} {words}");
     assert!(o.transmission.power_balance.unwrap_or(0.0).abs() <= 1e-9, "{screw:?} {words}");
@@ -86,15 +86,16 @@ fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
     true
 }
 
-/// Returns the number of points, among `count`, with neither a solution nor evidence that none
-/// exists.
+/// Solves `count` points and returns the number of points with neither a solution nor evidence that
+/// no solution exists.
 fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize {
     let mut work = ModelWorkspace::default();
     let solve = |screw: ElasticPoint| is_consistent(&screw, &problem(screw).solve(&mut work));
     extreme_screws(1994).take(count).map(solve).filter(|answered| !answered).count()
 }
 
-/// Every point has a root or evidence that none exists, for each choice of the controlling raceway.
+/// For each choice of the controlling raceway, every point has a root or evidence that no root
+/// exists.
 #[test]
 fn raceway_control_solves_every_point_or_excludes_a_solution() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
@@ -104,14 +105,14 @@ fn raceway_control_solves_every_point_or_excludes_a_solution() {
 
 #[test]
 fn rigid_results_at_extreme_points_are_consistent() {
-    // About 0.25 % of the points are known to fail, because the continuation is lost at extreme
+    // About 0.25 % of the points are known to fail, because the continuation fails at extreme
     // inertia or friction.
     assert!(unanswered(4000, |screw| rigid(&screw)) <= 20);
 }
 
 #[test]
 fn elastic_solutions_at_extreme_points_are_consistent() {
-    // About 0.1 % of the points are known to fail, because friction almost holds the load.
+    // About 0.1 % of the points are known to fail, because friction nearly holds the load.
     assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 
@@ -120,16 +121,16 @@ fn traction_solutions_at_extreme_points_are_consistent() {
     let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
     let count = campaign(300);
     let unanswered = unanswered(count, traction);
-    // The points that are known to fail have inertia forces far above load and friction, so that a
-    // path is lost or a root is inaccurate due to rounding.
+    // At the points that are known to fail, the inertia forces far exceed load and friction. Either
+    // path tracking fails, or a root is inaccurate due to rounding errors.
     assert!(unanswered <= 1 + count / 150, "{unanswered}");
 }
 
-/// An audit found that elastic gave no result within 30 s for a contact angle of 1e-307 deg, whose
-/// cotangent is infinite. Each input in turn is set to extreme values, up to the smallest and the
-/// largest positive numbers.
+/// An audit found that the elastic model returned no result within 30 s for a contact angle of
+/// 1e-307 deg, whose cotangent is infinite. The test sets one input at a time to extreme values, up
+/// to the smallest and the largest positive numbers.
 #[test]
-fn every_model_ends_in_time_at_extreme_inputs() {
+fn every_model_returns_in_time_at_extreme_inputs() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
     let absurd = move |input: usize, value: f64| {
         let mut screw = lin(10.0, 45.0, 2000.0, 100.0);
@@ -161,11 +162,12 @@ fn every_model_ends_in_time_at_extreme_inputs() {
         for (model, problem) in problems(absurd(input, value)).into_iter().enumerate() {
             let (done, answer) = std::sync::mpsc::channel();
             std::thread::spawn(move || {
-                // The receiver no longer exists if the result comes too late.
+                // Sending fails if the result comes too late, because the receiver no longer
+                // exists.
                 let _ = done.send(problem.solve(&mut ModelWorkspace::default()));
             });
-            // The slowest solve takes a quarter of a second, or about twenty times as long in a
-            // debug build, and other tests run at the same time.
+            // The slowest solve takes a quarter of a second, and about twenty times as long in a
+            // debug build. Other tests run at the same time.
             let answer = answer.recv_timeout(std::time::Duration::from_secs(60));
             let solution = answer.unwrap_or_else(|e| panic!("{input} {value:e} {model}: {e}"));
             let answered = solution.efficiency().is_some_and(f64::is_finite);
@@ -178,21 +180,21 @@ fn every_model_ends_in_time_at_extreme_inputs() {
     }
 }
 
-/// The error bound is finite even if saturated friction would lock the screw.
+/// The error bound is finite even if the screw would be self-locking with saturated friction.
 #[test]
 fn auto_solutions_at_extreme_points_are_consistent() {
     unanswered(campaign(300), |screw| Problem::Auto(Auto { at: screw, tolerance: 1e-2 }));
 }
 
-/// Results do not depend on the units of length, force and time: equal ratios give the same
-/// efficiency.
+/// Results do not depend on the units of length, force and time: inputs with equal ratios give the
+/// same efficiency.
 #[test]
 fn results_do_not_depend_on_units() {
     let mut work = ModelWorkspace::default();
     let (mut compared, mut differ) = ([0; 3], [0; 3]);
     for screw in extreme_screws(7).take(1000) {
-        // Lengths are multiplied by 4, elastic moduli by 8, and times by 1/2. Powers of two do not
-        // change rounding.
+        // Lengths are multiplied by 4, elastic moduli by 8, and times by 1/2. Multiplication by
+        // powers of two does not change rounding.
         let other = with(screw, |ElasticPoint { point, material, .. }| {
             point.helix.radius *= 4.0;
             point.ball.radius *= 4.0;
@@ -211,20 +213,21 @@ fn results_do_not_depend_on_units() {
         for (model, (one, two)) in pairs.into_iter().enumerate() {
             let (one, two) = (one.solve(&mut work), two.solve(&mut work));
             differ[model] += usize::from(one.status() != two.status());
-            // Cube roots round differently.
+            // The efficiencies may differ slightly because cube roots are rounded differently.
             if let Some((a, b)) = one.efficiency().zip(two.efficiency()) {
                 assert_relative_eq!(a, b, max_relative = 1e-6, epsilon = 1e-6);
                 compared[model] += 1;
             }
         }
     }
-    // Points at the limit of a tolerance may change their status, but none is known.
+    // The status could change at points near the limit of a tolerance, but no such point is known.
     assert_eq!(differ, [0; 3]);
     assert!(compared.into_iter().all(|count| count > 500), "{compared:?}");
 }
 
-/// Friction does not affect the balance of a rolling ball, so back-driving has the same loss as
-/// driving: `1/η − 1 = 1 − η'`. In the closed form, back-driving equals driving with `-f`.
+/// Friction does not affect the force balance of a rolling ball, so back-driving has the same loss
+/// as driving: `1/η − 1 = 1 − η'`. In the closed form, back-driving is equivalent to driving with
+/// the friction coefficient `-f`.
 #[test]
 fn driving_and_back_driving_have_equal_losses() {
     let mut work = ModelWorkspace::default();
@@ -239,7 +242,7 @@ fn driving_and_back_driving_have_equal_losses() {
             let forward = screw.point.drive.relative_speed() > 0.0;
             let (driving, driven) = if forward { (one, other) } else { (other, one) };
             let (lost, loss) = (driving.recip() - 1.0, 1.0 - driven);
-            // The differences cancel if the loss is very small.
+            // The absolute tolerance allows for cancellation if the loss is very small.
             assert_relative_eq!(lost, loss, max_relative = 1e-9, epsilon = 1e-12);
             tried += 1;
         }
@@ -252,8 +255,8 @@ fn driving_and_back_driving_have_equal_losses() {
     assert!(tried > 1000, "{tried}");
 }
 
-/// Without inertia, saturated friction equals the closed form: for rigid contacts at the given
-/// contact angle, and for elastic contacts at the loaded angle.
+/// Without inertia, the results with saturated friction equal the closed form: for rigid contacts
+/// at the given contact angle, and for elastic contacts at the loaded contact angle.
 #[test]
 fn saturated_friction_without_inertia_equals_the_closed_form() {
     let mut work = ModelWorkspace::default();
@@ -262,7 +265,7 @@ fn saturated_friction_without_inertia_equals_the_closed_form() {
         let Drive { screw_speed, nut_speed } = screw.point.drive;
         let speed = screw.point.drive.relative_speed();
         let fastest = screw_speed.abs().max(nut_speed.abs());
-        // The inertia force at the speed of the faster part is 1e-8 of the friction force.
+        // At the speed of the faster part, the inertia force is 1e-8 times the friction force.
         let mass = 1e-8 * screw.point.friction.0 * screw.point.load.axial
             / (screw.point.helix.radius * fastest.powi(2));
         let screw = with(screw, |screw| screw.point.ball.mass = mass);
@@ -275,7 +278,7 @@ fn saturated_friction_without_inertia_equals_the_closed_form() {
             let contact = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
             let angles = Angles { lead: screw.point.helix.lead_angle, contact };
             let closed = angles.efficiency(direction, screw.point.friction.0);
-            // The error is of first order in the ratio of inertia to friction.
+            // The error is proportional to the ratio of inertia force to friction force.
             assert_relative_eq!(eta, closed, max_relative = 1e-7, epsilon = 1e-7);
             tried[i] += 1;
         }
@@ -283,9 +286,8 @@ fn saturated_friction_without_inertia_equals_the_closed_form() {
     assert!(tried.iter().all(|tried| *tried > 800), "{tried:?}");
 }
 
-/// In a fine sweep of the speed, the contact angles of a ball with nut control change in small
-/// steps until the flanks cannot hold the ball any more. At higher speeds, the flanks never hold
-/// it.
+/// With nut control, the contact angles change in small steps when the speed increases, until the
+/// flanks can no longer hold the ball. At higher speeds, the flanks never hold the ball again.
 #[test]
 fn contact_angles_change_continuously_with_speed() {
     let mut work = ModelWorkspace::default();
@@ -305,8 +307,8 @@ fn contact_angles_change_continuously_with_speed() {
                 Status::Converged => {
                     assert!(!left, "{screw:?} {inertia}");
                     let angle = solution.contact(Site::Nut).expect("a contact").angle;
-                    // The inertia ratio changes by 1 % per step. At a fold the angle would jump by
-                    // tenths of a radian.
+                    // The inertia ratio changes by about 1 % per step. A fold would cause a jump of
+                    // the contact angle by tenths of a radian.
                     let step = before.map_or(0.0, |before| before - angle);
                     assert!((-1e-9..0.03).contains(&step), "{screw:?} {inertia} {step}");
                     before = Some(angle);

@@ -1,4 +1,5 @@
-//! Formulas over lanes equal formulas over numbers, except for rounding, on every instruction set.
+//! On every instruction set, formulas evaluated with lanes give the same results as formulas
+//! evaluated with single numbers, except for rounding errors.
 
 use bsm_dyn::{
     Material,
@@ -11,14 +12,14 @@ use bsm_simd::{BLOCK, Block, Lane, Simd, WithSimd};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Number of inputs of a point: pitch radius, lead angle, contact angle, conformity, Young's
-/// moduli, Poisson's ratio, friction coefficient, rolling ratio.
+/// Number of inputs per point: pitch circle radius, lead angle, contact angle, conformity, two
+/// Young's moduli, Poisson's ratio, friction coefficient, and rolling ratio.
 const INPUTS: usize = 9;
-/// Number of results of a point.
+/// Number of results per point.
 const OUTPUTS: usize = 13;
 
-/// Calculates all formulas of a point whose ball has radius 1. `flags` states whether the load
-/// drives, and whether the nut turns.
+/// Evaluates all formulas for a point whose ball has radius 1. `flags` states whether the load
+/// drives, and whether the nut rotates.
 #[inline(always)]
 fn formulas<D: Real>(
     x: [D; INPUTS],
@@ -62,7 +63,7 @@ fn formulas<D: Real>(
 #[derive(Clone, Copy)]
 struct Points {
     inputs: [Block; INPUTS],
-    /// Sines and cosines of both angles.
+    /// Sines and cosines of lead angle and contact angle.
     sines: [Block; 4],
     member: Raceway,
     flags: [bool; 2],
@@ -93,7 +94,7 @@ impl WithSimd for Points {
 }
 
 #[test]
-fn formulas_over_lanes_match_those_over_numbers() {
+fn lane_formulas_match_scalar_formulas() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
     for round in 0..500 {
         let mut points = Points {
@@ -131,9 +132,9 @@ fn formulas_over_lanes_match_those_over_numbers() {
                 let sines = Sines { sin_a, cos_a, sin_b, cos_b };
                 let expected = formulas(inputs.map(|x| x[i]), sines, member, flags);
                 for (number, (found, expected)) in found.iter().zip(expected).enumerate() {
-                    // The cube root of lanes differs from the cube root of numbers by at most four
-                    // units, 9e-16, and the compliance adds three rounding errors. The rest of the
-                    // arithmetic is identical.
+                    // The cube root of a lane differs from the cube root of a number by at most
+                    // four units in the last place (9e-16), and the compliance adds three rounding
+                    // errors. All other arithmetic is identical.
                     let close = (found[i] - expected).abs() <= 1.5e-15 * expected.abs();
                     assert!(close, "{arch:?}: {number}: {} {expected}", found[i]);
                 }

@@ -1,4 +1,4 @@
-//! Limits, failures and campaigns of the models.
+//! Limiting cases, failures and campaigns of the models.
 
 mod elastic;
 mod extremes;

@@ -1,4 +1,4 @@
-//! Tests of the rigid model: identities, limits, invariances and expected failures.
+//! Tests of the rigid model: identities, limiting cases, invariances and expected failures.
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 use crate::elastic::screws;
 
-/// Returns the case of Lin: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
+/// Returns Lin's operating point: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
 fn lin() -> OperatingPoint {
     screws::lin(10.0, 45.0, 2000.0, 2113.0).point
 }
@@ -32,7 +32,7 @@ fn reason(case: &OperatingPoint) -> (Status, Reason) {
 }
 
 /// The root satisfies the published equations as printed, in (t, n, b) and SI units. The test
-/// writes out forces and moments again, and calculates friction from the slip velocities.
+/// calculates forces and moments independently of the model, and friction from the slip velocities.
 #[test]
 fn root_satisfies_the_published_equations() {
     for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
@@ -63,18 +63,19 @@ fn root_satisfies_the_published_equations() {
         }
         let centripetal = case.ball.mass * r_m * motion.precession.powi(2);
         let gyroscopic = frame.k.cross(&motion.omega) * (case.ball.inertia() * motion.precession);
-        // In these axes, the contribution of spin to the slip at A and B cancels only up to
-        // rounding. It is up to 1e4 times the slip, so the tolerance is 1e-11 instead of 1e-15.
+        // In these coordinates, the spin terms in the slip at A and B cancel only up to rounding
+        // errors. The spin terms are up to 1e4 times the slip, so the tolerance is 1e-11 instead of
+        // 1e-15.
         assert!((force - Vector3::y() * centripetal).norm() <= 1e-11 * f_a);
         assert!((moment - gyroscopic).norm() <= 1e-11 * r_b * f_a);
         assert_relative_eq!(nut_force.dot(&frame.k), f_a, max_relative = 1e-13);
     }
 }
 
-/// If the load is large compared with inertia, the result is the closed form in both directions.
-/// The error is proportional to the inertia ratio.
+/// If the load is large compared with the inertia forces, the result equals the closed form in both
+/// directions. The error is proportional to the inertia ratio.
 #[test]
-fn small_inertia_gives_the_closed_form() {
+fn rigid_model_approaches_the_closed_form_at_small_inertia() {
     for (speed, direction) in
         [(209.4, Direction::RotaryToLinear), (-209.4, Direction::LinearToRotary)]
     {
@@ -88,14 +89,14 @@ fn small_inertia_gives_the_closed_form() {
         let error = |axial| (solved(&at(axial)).transmission.efficiency - closed).abs();
         let (coarse, fine) = (error(1e3), error(1e5));
         assert!(coarse < 1e-4, "{coarse}");
-        // The error is of first order in the inertia ratio: a hundred times the load has a
-        // hundredth of the error.
+        // The error is proportional to the inertia ratio, so a load that is 100 times as large
+        // gives an error that is 100 times as small.
         assert_relative_eq!(coarse / fine, 100.0, max_relative = 0.02);
         assert!(error(1e8) < 1e-9);
     }
 }
 
-/// The published bound is 7.08 degrees, for small inertia at f = 0.075 and β = 45°.
+/// The published critical lead angle is 7.08 degrees, for small inertia at f = 0.075 and β = 45°.
 #[test]
 fn no_solution_below_the_critical_lead_angle() {
     let at = |degrees: f64| OperatingPoint {
@@ -106,11 +107,11 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
     let critical = Rigid { point: at(5.0) }.critical_lead_angle().expect("critical angle");
-    // The small-inertia value has three digits; at this load, inertia changes the fourth digit.
+    // The published value has three digits. At this load, inertia affects only the fourth digit.
     assert_relative_eq!(critical.to_degrees(), 7.08, epsilon = 5e-3);
 
-    // At the critical lead angle the slip at A vanishes. A root exists just above it and not just
-    // below it.
+    // At the critical lead angle, the slip at A vanishes. A root exists just above the critical
+    // lead angle, but not just below it.
     let above = solved(&at(critical.to_degrees() + 1e-6));
     assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
     assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
@@ -118,10 +119,10 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 
-/// A review found that at 0.005 rpm, rounding errors of the loads determined the slip at A, and
-/// existence changed 43 times in a sweep across its limit.
+/// In an earlier version, rounding errors of the loads determined the slip at A at 0.005 rpm. In a
+/// sweep of the lead angle across the critical lead angle, roots appeared and disappeared 43 times.
 #[test]
-fn slow_screws_have_one_border_of_existence() {
+fn slow_screws_have_a_single_critical_lead_angle() {
     let mut work = RigidWorkspace::default();
     for rpm in [1e-3, 5e-3, 0.02, 0.05, 0.2, 1.0, 20.0] {
         let speed = rpm * std::f64::consts::PI / 30.0;
@@ -135,8 +136,8 @@ fn slow_screws_have_one_border_of_existence() {
             .collect();
         let border = found.iter().position(Option::is_some).expect("a root at 7.15 deg");
         assert!(border > 0 && found[border..].iter().all(Option::is_some), "{rpm} rpm");
-        // The slip at A increases linearly from zero, except for the curvature within this short
-        // range.
+        // Within this short range, the slip at A increases linearly from zero, apart from a small
+        // curvature.
         let u: Vec<_> = found[border..].iter().flatten().map(|root| root.u).collect();
         let slope = (u[u.len() - 1] - u[0]) / f64::from(u32::try_from(u.len() - 1).unwrap());
         for pair in u.windows(2) {
@@ -145,9 +146,9 @@ fn slow_screws_have_one_border_of_existence() {
     }
 }
 
-/// A review found that numbers that overflow caused a panic.
+/// In an earlier version, overflowing numbers caused a panic.
 #[test]
-fn numbers_beyond_double_precision_are_refused() {
+fn inputs_beyond_double_precision_are_rejected() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
         let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
         let case = OperatingPoint { drive, load: Load { axial, balls: 1.0 }, ..lin() };
@@ -157,10 +158,10 @@ fn numbers_beyond_double_precision_are_refused() {
     }
 }
 
-/// A review found that self-locking and tension on the unloaded flank were reported for points of
-/// large inertia, for which the first order is not valid.
+/// An earlier version reported self-locking, or tension on the unloaded flank, for points with
+/// large inertia, for which the first-order solution is not valid.
 #[test]
-fn the_first_order_does_not_exclude_large_inertia() {
+fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     let rpm = std::f64::consts::PI / 30.0;
     let locking = OperatingPoint {
         helix: Helix { radius: 42.9601e-3, lead_angle: 59.60875_f64.to_radians() },
@@ -180,21 +181,23 @@ fn the_first_order_does_not_exclude_large_inertia() {
         drive: Drive { screw_speed: -8561.84345 * rpm, nut_speed: 4745.78072 * rpm },
         load: Load { axial: 10.483_234_1, balls: 1.0 },
     };
-    // A screw that locks at rest has a root at this inertia, but none that is connected to small inertia.
+    // This screw is self-locking at rest. At this inertia it has a root, but the root is not
+    // connected to small inertia.
     let none = Rigid { point: locking }
         .solve(&mut RigidWorkspace::default())
         .answer
         .expect_err("an isolated root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
-    // This point has no root either, but the first order alone does not exclude a root.
+    // This operating point has no root either, but the first-order solution alone does not exclude
+    // a root.
     let none =
         Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).answer.expect_err("no root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 
-/// Each expected failure states its reason.
+/// Each expected failure has the expected reason.
 #[test]
-fn failures_state_their_reason() {
+fn expected_failures_have_the_expected_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
     assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
     let ideal = OperatingPoint { friction: Coulomb(0.0), ..lin() };
@@ -209,7 +212,8 @@ fn failures_state_their_reason() {
         Some(true)
     );
 
-    // With a steep contact, large friction and back-driving, A' would have to pull.
+    // With a steep contact angle, large friction and back-driving, contact A' would have to act in
+    // tension.
     let steep = OperatingPoint {
         contact_angle: 79.0_f64.to_radians(),
         helix: Helix { lead_angle: 40.0_f64.to_radians(), ..lin().helix },
@@ -222,10 +226,10 @@ fn failures_state_their_reason() {
     assert!(matches!(why, Reason::UnloadedFlankWouldPull { .. }), "{why:?}");
 }
 
-/// If friction holds the load against back-driving, the closed form has a negative efficiency, and
-/// the full equations have no root: the ball would roll on the nut.
+/// If friction holds the load against back-driving, the efficiency of the closed form is negative,
+/// and the full equations have no root because the ball would roll on the nut.
 #[test]
-fn a_screw_that_locks_against_its_load_has_no_root() {
+fn screw_that_locks_against_its_load_has_no_root() {
     let case = OperatingPoint {
         contact_angle: 70.0_f64.to_radians(),
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
@@ -241,7 +245,7 @@ fn a_screw_that_locks_against_its_load_has_no_root() {
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
 }
 
-/// From inertia ratios of 3e4 down to 3e-12 a root with balanced powers is found, and the
+/// For inertia ratios from 3e4 down to 3e-12, the model finds a root with balanced powers, and the
 /// efficiency changes smoothly from one limit to the other.
 #[test]
 fn efficiency_is_continuous_from_large_to_small_inertia() {
@@ -252,15 +256,15 @@ fn efficiency_is_continuous_from_large_to_small_inertia() {
         let (eta, balance) =
             (o.transmission.efficiency, o.transmission.power_balance.expect("a balance of forces"));
         assert!(balance.abs() <= 1e-9, "{axial}: {balance}");
-        // The steepest part rises by 0.05 in a step of a tenth of a decade.
+        // In the steepest part, the efficiency rises by 0.05 in a step of a tenth of a decade.
         assert!(last.is_nan() || (eta - last).abs() < 0.06, "{axial}: {eta} after {last}");
         assert!((0.642..0.8602).contains(&eta), "{axial}: {eta}");
         last = eta;
     }
 }
 
-/// If the rounding error of the inertia forces at the speed of the screw exceeds the load, the
-/// result is the limit of large inertia from the previous test.
+/// If the rounding error of the inertia forces at the screw speed exceeds the load, the result
+/// equals the limit for large inertia from the previous test.
 #[test]
 fn extreme_inertia_gives_the_limit_of_large_inertia() {
     for exponent in -160..-40 {
@@ -297,21 +301,21 @@ fn case() -> impl Strategy<Value = OperatingPoint> {
 }
 
 proptest! {
-    /// The powers balance, and the residual is small, whenever the model converges.
+    /// Whenever the model converges, the powers balance and the residual is small.
     #[test]
-    fn power_balances(case in case()) {
+    fn powers_balance_at_every_root(case in case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
             let o = solution.solved().expect("converged");
-            // The tolerance allows for rounding of the friction power of A', a product of 1e-4 and
-            // 1e4.
+            // The tolerance allows for the rounding error of the friction power at A', which is the
+            // product of a load of 1e-4 and a speed of 1e4.
             prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
             prop_assert!(o.info.is_some_and(|info| info.residual <= 1e-10), "{:?}", o);
         }
     }
 
-    /// Invariance: a screw of another size, density and load, with the same inertia ratio, has the
+    /// Invariance: a screw of different size, density and load with an equal inertia ratio has the
     /// same efficiency and load ratios.
     #[test]
     fn scaled_screws_have_equal_solutions(case in case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
@@ -331,7 +335,8 @@ proptest! {
         }
     }
 
-    /// Invariance: Z balls under Z times the load have the same motion and Z times the torque.
+    /// Invariance: Z balls under Z times the load have the same motion as one ball, and Z times the
+    /// torque.
     #[test]
     fn torque_scales_with_load_and_number_of_balls(case in case(), balls in 2_u8..80) {
         let z = f64::from(balls);
@@ -341,7 +346,7 @@ proptest! {
         prop_assert_eq!(one.status(), other.status());
         let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
         if let (Some(t), Some(t_z)) = (torque(&one), torque(&other)) {
-            // F_a may differ in its last bit.
+            // The axial load per ball may differ in its last bit.
             prop_assert!((t * z - t_z).abs() <= 1e-11 * t_z.abs());
         }
     }

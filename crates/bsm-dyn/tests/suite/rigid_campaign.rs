@@ -1,4 +1,4 @@
-//! Campaigns over ten thousand random cases each: every case converges or has no solution.
+//! Campaigns over ten thousand random cases each. Every case must converge or have no solution.
 
 use bsm_dyn::{
     Ball, Coulomb, Load, OperatingPoint, Status,
@@ -9,20 +9,20 @@ use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Counts of a campaign.
+/// Counts of the outcomes of a campaign.
 #[derive(Debug, Default)]
 struct Tally {
     converged: usize,
     no_solution: usize,
     not_converged: usize,
-    /// Number of roots that the first order excludes.
+    /// Number of roots that the first-order solution excludes.
     against: usize,
-    /// Number of cases without a root although the first order predicts one.
+    /// Number of cases without a root although the first-order solution predicts a root.
     refuted: usize,
-    /// Largest relative margin by which the first order excludes an existing root, divided by
-    /// min(1, inertia/friction).
+    /// Largest relative margin by which the first-order solution excludes an existing root, divided
+    /// by min(1, inertia/friction).
     farthest: f64,
-    /// Smallest ratio of inertia to friction among the points that did not converge.
+    /// Smallest ratio of inertia force to friction force among the points that did not converge.
     calmest: f64,
     most_steps: usize,
     more_than_twelve: usize,
@@ -69,8 +69,8 @@ impl Tally {
     }
 }
 
-/// Solves random cases in the ranges for which the rigid model is specified. `pitch` draws the
-/// pitch radius.
+/// Solves random cases in the ranges for which the rigid model is specified. `pitch` returns a
+/// random pitch circle radius.
 fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut work = RigidWorkspace::default();
@@ -104,36 +104,36 @@ fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
     assert!(tally.more_than_twelve * 100 < tally.converged, "{tally:#?}");
-    // Sweeps end at rounding errors or at 1e-12 of a direction.
+    // Sweeps stop at rounding errors, or if the friction directions change by less than 1e-12.
     assert!(tally.worst_balance <= 1e-11 && tally.worst_residual <= 1e-11, "{tally:#?}");
-    agrees_with_the_first_order(&tally);
+    assert_agreement_with_the_first_order_solution(&tally);
 }
 
-/// The pitch circles range from 8 to 100 mm in diameter.
+/// The pitch circle diameters range from 8 to 100 mm.
 #[test]
 fn screws_with_catalog_pitch_circles_converge_or_have_no_solution() {
     let tally = campaign(10_000, 2026, |rng| rng.random_range(4e-3..50e-3));
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
     // Larger balls at 6000 rpm and 20 N have inertia ratios of up to 30, for which the starting
-    // point is far from the root.
+    // value is far from the root.
     assert!(tally.more_than_twelve * 25 < tally.converged, "{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
-    agrees_with_the_first_order(&tally);
+    assert_agreement_with_the_first_order_solution(&tally);
 }
 
-/// Checks that roots exist where the first order predicts them, except for a band around the limit
-/// of existence that is as wide as the error of the first order. The solver relies on a width of
-/// 0.1 when it excludes a root.
-fn agrees_with_the_first_order(tally: &Tally) {
+/// Checks that roots exist where the first-order solution predicts them. A band around the limit of
+/// existence, as wide as the error of the first-order solution, is excluded. The solver relies on a
+/// band width of 0.1 when it excludes a root.
+fn assert_agreement_with_the_first_order_solution(tally: &Tally) {
     assert!(tally.against + tally.refuted <= 20, "{tally:#?}");
     assert!(tally.farthest <= 0.08, "{tally:#?}");
     assert!(tally.no_solution > 1000 && tally.converged > 8000, "{tally:#?}");
 }
 
-/// The ranges are far beyond practice: both parts turn at 1e-3 to 1e5 rpm, with 1e-3 to 1e6 N per
-/// ball, balls of 0.5 to 40 mm and friction coefficients of 1e-4 to 1. Almost every case converges
-/// or has no solution.
+/// The ranges are far beyond practice: both parts rotate at 1e-3 to 1e5 rpm, with 1e-3 to 1e6 N per
+/// ball, balls of 0.5 to 40 mm and friction coefficients of 1e-4 to 1. Almost every case must
+/// converge or have no solution.
 #[test]
 fn nearly_all_extreme_screws_converge_or_have_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -156,7 +156,8 @@ fn nearly_all_extreme_screws_converge_or_have_no_solution() {
     }
     println!("{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
-    // The continuation loses one nut drive at an overwhelming inertia, next to a slip that reverses.
+    // The continuation fails for one nut drive with extremely large inertia, close to a point at
+    // which a slip reverses.
     assert!(tally.not_converged <= 1, "{tally:#?}");
     assert!(tally.converged > 7000 && tally.no_solution > 2000, "{tally:#?}");
 }

@@ -1,4 +1,4 @@
-//! Tests of one ball that is pushed by its neighbors (theory 20).
+//! Tests of a single ball that is pushed by its neighbors (see chapter 20 of the theory).
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -12,7 +12,7 @@ use bsm_kin::{Drive, Helix};
 /// Friction coefficient between balls.
 const BALLS: f64 = 0.1;
 
-/// Returns the ball of the reference cases.
+/// Returns the operating point of the reference cases.
 fn ball(screw_rpm: f64) -> ElasticPoint {
     let (radius, lead) = (20.668e-3, 10e-3);
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -27,7 +27,7 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
     ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
 }
 
-/// Returns a ball of a train that is solved by traction.
+/// Creates a ball of a train that is solved by the traction model.
 ///
 /// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
@@ -37,8 +37,8 @@ fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> Tra
     traction.in_train(&free, friction, work).expect("a ball that moves")
 }
 
-/// Screw speed \[rpm\], pushes \[N\], and rate, followed by torque \[N·m\], power at the raceways
-/// \[W\] and rotation relative to the neighbors \[rad/s\].
+/// Screw speed \[rpm\], pushes \[N\], precession rate, and a triple of torque \[N·m\], power loss
+/// at the raceways \[W\] and angular speed relative to the neighbors \[rad/s\].
 type Reference = (f64, [f64; 2], f64, [f64; 3]);
 
 const REFERENCES: [Reference; 9] = [
@@ -63,8 +63,8 @@ fn pushed_balls_match_the_reference() {
     for (rpm, pushes, rate, [torque, power, rotation]) in REFERENCES {
         let ball = train_ball(ball(rpm), BALLS, work);
         let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
-        // Rates of different quadratures differ by about 1e-8, and the reference allows 1e-7. The
-        // other numbers are printed with six and seven digits.
+        // Precession rates from different quadratures differ by about 1e-8, and the reference rates
+        // are accurate to 1e-7. The other reference values have six and seven digits.
         assert_near("rate", moved.rate, rate, 1e-7);
         assert_near("torque", moved.screw_torque, torque, 1e-6);
         assert_near("power", moved.raceway_power, power, 1e-6);
@@ -81,14 +81,14 @@ fn pushes_at_a_given_rate_match_the_reference() {
     ] {
         let ball = train_ball(ball(rpm), BALLS, work);
         let held = ball.at_rate(ball.free(), rate, 1.0, work).expect("a motion");
-        // The reference is printed with six and seven digits.
+        // The reference values have six and seven digits.
         assert_near("push behind", held.pushes[1], back, 1e-6);
         assert_near("torque", held.screw_torque, torque, 1e-6);
         assert_near("power", held.raceway_power, power, 1e-6);
     }
 }
 
-/// Returns the error of the power balance (O4), relative to the power lost at the raceways.
+/// Returns the error of the power balance (O4), divided by the power loss at the raceways.
 fn power_balance_error(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
     let speed = rpm * PI / 30.0;
     let (helix, radius) = (at.point.helix, at.point.ball.radius);
@@ -118,19 +118,19 @@ fn powers_of_a_pushed_ball_balance() {
 }
 
 #[test]
-fn the_compliance_is_the_slope_of_the_rate() {
+fn compliance_is_the_derivative_of_the_precession_rate() {
     let work = &mut ModelWorkspace::default();
     let ball = train_ball(ball(100.0), BALLS, work);
     let step = 1e-5;
     let there = ball.pushed(ball.free(), [0.0, step], work).expect("a motion");
     let slope = (there.rate - ball.free().rate) / step;
-    // The compliance changes by 20 % over a tenth of f Q = 0.4 N, so by 1e-4 over the step. The
-    // roots have an error of 1e-9.
+    // The compliance changes by 20 % over a tenth of f Q = 0.4 N, so it changes by 1e-4 over the
+    // step. The roots have an error of 1e-9.
     let [front, back] = ball.free().compliances();
     assert_near("compliance", back, slope, 1e-3);
     let there = ball.pushed(ball.free(), [step, 0.0], work).expect("a motion");
     assert_near("of the front", front, (there.rate - ball.free().rate) / step, 1e-3);
-    // The compliance is also correct under pushes.
+    // The compliance must also be correct for a ball that is already pushed.
     let here = ball.pushed(ball.free(), [1.0, 2.0], work).expect("a motion");
     let there = ball.pushed(&here, [1.0, 2.0 + step], work).expect("a motion");
     let [_, back] = here.compliances();
@@ -147,13 +147,14 @@ fn a_given_rate_and_a_given_push_lead_to_the_same_motion() {
     assert_near("push behind", held.pushes[1], 0.5, 1e-6);
     assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);
     for (held, pushed) in held.compliances().into_iter().zip(pushed.compliances()) {
-        // A solve stops updating its Jacobian at a residual of 1e-3.
+        // The tolerance is large because a solve stops updating its Jacobian at a residual of 1e-3.
         assert_near("compliance", held, pushed, 1e-2);
     }
 }
 
-/// Returns the change of the rate \[%\] divided by `part`, for a push from behind of `part` times
-/// `f Q` without friction between balls, and the relative increase of the raceway power.
+/// Returns the relative change of the precession rate \[%\] divided by `part`, and the relative
+/// increase of the power loss at the raceways. The push from behind is `part` times `f Q`, without
+/// friction between balls.
 fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     let work = &mut ModelWorkspace::default();
     let mut at = ball(rpm);
@@ -166,7 +167,7 @@ fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
 }
 
 /// The reference table lists load, screw speed, compliance at these fractions of `f Q`, and
-/// increase of the power at `f Q`.
+/// increase of the power loss at `f Q`.
 #[test]
 fn compliances_match_the_reference_table() {
     let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];
@@ -178,7 +179,7 @@ fn compliances_match_the_reference_table() {
     ] {
         for (part, slope) in parts.into_iter().zip(slopes) {
             let (got, lost) = relative_compliance(load, rpm, part);
-            // The reference is printed with two digits.
+            // The reference values have two digits.
             assert_near(&format!("{load} N, {rpm} rpm, {part} f Q"), got, slope, 0.03);
             if (part - 1.0).abs() < 1e-9 {
                 assert!((lost - growth).abs() < 0.006, "{load} N, {rpm} rpm: {lost}");

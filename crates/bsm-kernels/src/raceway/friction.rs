@@ -1,4 +1,4 @@
-//! Friction power of rolling contact ellipses for lanes, Eqs (T12) to (T19), (E6), (P7).
+//! Friction power in rolling contact ellipses for lanes, Eqs (T12) to (T19), (E6), (P7).
 
 use std::sync::LazyLock;
 
@@ -14,19 +14,21 @@ use crate::operand::{Lane, Mask};
 
 static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayControl::ACCURACY));
 
-/// Quadrature rules for lubricated friction and for dry friction with a constant coefficient.
+/// Quadrature rules for lubricated friction, and for dry friction with a constant coefficient.
 static RULES: LazyLock<[Quadrature; 2]> =
     LazyLock::new(|| [Quadrature::of_oil(Traction::ACCURACY), Quadrature::of(Traction::ACCURACY)]);
 
-/// A rolling contact ellipse in units of ball radius and relative speed.
+/// A rolling contact ellipse, with quantities divided by ball radius, relative speed and axial load
+/// per ball.
 #[derive(Clone, Copy)]
 pub(super) struct Ellipse<S: Simd> {
-    /// Normal load `$Q/F_a$`.
+    /// Normal load, `$Q/F_a$`.
     pub(super) load: Lane<S>,
-    /// Semi-axes across and along the groove.
+    /// Semi-axes, across and along the groove.
     pub(super) semi_axes: (Lane<S>, Lane<S>),
     pub(super) pressed_radius: Lane<S>,
-    /// Speed of the center along `$t$`, and angular velocity about `$t$`, `$N$` and `$t \times N$`.
+    /// Speed of the ball center along `$t$`, and angular velocities about `$t$`, `$N$` and `$t
+    /// \times N$`.
     pub(super) speed: Lane<S>,
     pub(super) omega: [Lane<S>; 3],
 }
@@ -39,15 +41,15 @@ impl<S: Simd> Ellipse<S> {
         Patch { semi_axes, pressed_radius, ball_radius, motion: [speed, w_t, w_n, w_c], creep }
     }
 
-    /// Returns the power divided by `$f Q$`, and the mask of the points at which the panels resolve
-    /// it. For other points, the model uses finer panels.
+    /// Returns the friction power divided by `$f Q$`, and a mask that is true for points at which
+    /// the panels resolve it. For all other points, the scalar solver uses finer panels.
     #[inline(always)]
     pub(super) fn power(&self) -> (Lane<S>, Mask<S>) {
         power_of_many(&RULE, &self.patch().slip())
     }
 
-    /// Returns the powers divided by `$Q$` at nut and screw, with their films and with a friction
-    /// coefficient of one.
+    /// Returns the friction powers at nut and screw divided by `$Q$`, first with the lubricant
+    /// films and then with a friction coefficient of one.
     #[inline(always)]
     pub(super) fn lubricated_powers(
         simd: S,

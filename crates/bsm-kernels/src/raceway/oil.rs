@@ -1,5 +1,5 @@
-//! Friction from a lubricant for lanes, at every point of the contacts or with one coefficient per
-//! contact, Eqs (Y1) to (Y31).
+//! Friction of a lubricant for lanes, calculated locally at every point of the contacts or with one
+//! coefficient per contact, Eqs (Y1) to (Y31).
 
 use bsm_case::InputKey;
 use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
@@ -16,19 +16,20 @@ use crate::contacts::Contacts;
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::{Units, modulus};
 
-/// Lubricated rolling balls.
+/// Rolling balls with a lubricant.
 pub(super) struct OilLane<S: Simd> {
     ehl: EhlPoint<Lane<S>>,
-    /// Films at nut and screw.
+    /// Losses in the lubricant films at nut and screw.
     losses: [FilmLoss<Lane<S>>; 2],
-    /// Losses outside the contacts, for all balls \[W\].
+    /// Losses outside the contacts, in total for all balls \[W\].
     pub(super) outside: OutsidePower<Lane<S>>,
-    /// Mask of the points at which the losses are resolved.
+    /// Mask of the points at which the quadrature resolves the losses.
     pub(super) resolved: Mask<S>,
 }
 
 impl<S: Simd> OilLane<S> {
-    /// Returns the lubricated balls, or `None` for a constant friction coefficient.
+    /// Calculates the friction of lubricated balls. Returns `None` if the friction coefficient is
+    /// constant.
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
@@ -55,7 +56,7 @@ impl<S: Simd> OilLane<S> {
         let modulus = modulus(given, units) * units.load / (ball * ball);
         let scale = EhlUnits { load: units.load, speed: ball * speed, length: ball };
         let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
-        // k·(t × N)
+        // The factors k·(t × N) follow from the contact angle and the lead angle.
         let (cos_lead, arc) = (contacts.scaled.lead.1, contacts.scaled.arc);
         let [k_nut, k_screw] = [state.sides[0].cos * cos_lead, -(state.sides[1].cos * cos_lead)];
         let films = [film(&ehl, 0, (k_nut, arc), nut), film(&ehl, 1, (k_screw, arc), screw)];
@@ -93,21 +94,21 @@ impl<S: Simd> OilLane<S> {
         Some(Self { ehl, losses, outside, resolved })
     }
 
-    /// Returns the larger friction coefficient of nut and screw that would apply if the oil reached
-    /// its limiting shear stress everywhere.
+    /// Returns the friction coefficient that would apply if the lubricant reached its limiting
+    /// shear stress everywhere. It is the larger of the values for nut and screw.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
         self.losses[0].film.law.most().max(self.losses[1].film.law.most())
     }
 
-    /// Returns the losses of both contacts.
+    /// Returns the total losses in both contacts.
     #[inline(always)]
     pub(super) fn loss(&self) -> Lane<S> {
         let [nut, screw] = &self.losses;
         nut.sliding + nut.rolling + screw.sliding + screw.rolling
     }
 
-    /// Stores the results of films and losses.
+    /// Returns the results for films and losses in SI units.
     #[inline(always)]
     pub(super) fn state(
         &self,
@@ -120,10 +121,10 @@ impl<S: Simd> OilLane<S> {
     }
 }
 
-/// Returns the film at the nut (0) or the screw (1).
+/// Returns the lubricant film at the nut (index 0) or the screw (index 1).
 ///
-/// * `k_c`: `$k \cdot (t \times N)$`.
-/// * `arc`: length of the helix divided by `$r_b$`, per radian.
+/// * `k_c`: component of the screw axis, `$k \cdot (t \times N)$`.
+/// * `arc`: arc length of the helix per radian, divided by `$r_b$`.
 #[inline(always)]
 fn film<S: Simd>(
     ehl: &EhlPoint<Lane<S>>,
@@ -134,9 +135,9 @@ fn film<S: Simd>(
     ehl.of_motion(i, *load, [*speed / arc, *speed, *around], k_c, RacewayControl::CREEP)
 }
 
-/// Returns the losses of a contact.
+/// Returns the film losses of one contact.
 ///
-/// * `sliding`, `slip`: sliding power divided by `$Q$`, with the film and with a friction
+/// * `sliding`, `slip`: sliding power divided by `$Q$`, with the lubricant film and with a friction
 ///   coefficient of one.
 /// * `ball`: ball radius \[m\].
 #[inline(always)]

@@ -1,12 +1,12 @@
-//! Block tridiagonal matrices of small blocks with a border, which contains a few unknowns that
-//! couple to all others.
+//! Block tridiagonal matrices of small blocks, with a border for a few unknowns that are coupled to
+//! all blocks.
 
 use std::array::from_fn;
 
 use super::{Dense, DynamicDense};
 use crate::Singular;
 
-/// A matrix of `count` blocks with `K` unknowns each. Each block is coupled to its neighbors, and a
+/// A matrix with `count` blocks of `K` unknowns each. Neighboring blocks are coupled, and the
 /// border contains a few unknowns that are coupled to every block (N9).
 ///
 /// ```math
@@ -14,27 +14,28 @@ use crate::Singular;
 /// T = \operatorname{tridiag}(L_i, D_i, U_i)
 /// ```
 ///
-/// Unknowns and equations are in the order of the blocks, followed by the border. For
-/// blocks that are not coupled, `$L_i = U_i = 0$`. A ring is treated as a chain that is cut open:
-/// the unknowns of one of its blocks are part of the border.
+/// Unknowns and equations are ordered by blocks, followed by the border. If neighboring blocks are
+/// not coupled, `$L_i = U_i = 0$`. To represent a ring of blocks, cut it open into a chain and make
+/// the unknowns of one block part of the border.
 ///
-/// The chain of blocks is eliminated from one end to the other, and then the border through its
-/// Schur complement. The cost is proportional to the number of blocks, not to its cube. Rows are
-/// exchanged only within a block and within the border. This is safe for positive definite matrices
-/// and for blocks that dominate their neighbors. Another matrix may be regular and still have a
-/// [`Singular`] block.
+/// The factorization eliminates the chain of blocks from one end to the other, and then solves for
+/// the border with its Schur complement. The cost is proportional to the number of blocks instead
+/// of its cube. Rows are exchanged only within a block and within the border. This is safe for
+/// positive definite matrices and for blocks that dominate their neighbors. Other matrices may have
+/// a [`Singular`] block even if the whole matrix is regular.
 pub struct BorderedMatrix<const K: usize> {
     diagonal: Vec<Dense<K>>,
-    /// Columns of the couplings to the next block; after the factorization, columns of
-    /// `$D_i^{-1} U_i$`.
+    /// Columns of the couplings to the next block. After the factorization, they contain the
+    /// columns of `$D_i^{-1} U_i$`.
     above: Vec<[[f64; K]; K]>,
     /// Rows of the couplings to the previous block.
     below: Vec<[[f64; K]; K]>,
-    /// Columns of the border, block by block; after the factorization, columns of `$T^{-1} R$`.
+    /// Columns of the border, block by block. After the factorization, they contain the columns of
+    /// `$T^{-1} R$`.
     right: Vec<[f64; K]>,
-    /// Rows of the border, block by block.
+    /// Rows of the border, block by block, with the coefficients of the block unknowns.
     bottom: Vec<[f64; K]>,
-    /// The matrix of the border, row by row; after the factorization, its Schur complement.
+    /// Matrix of the border, row by row. After the factorization, it contains the Schur complement.
     corner: Vec<f64>,
     border: usize,
     schur: DynamicDense,
@@ -42,16 +43,16 @@ pub struct BorderedMatrix<const K: usize> {
 
 /// Entries of a [`BorderedMatrix`] that belong to one block.
 pub struct BorderedBlock<'a, const K: usize> {
-    /// The block, row by row.
+    /// Diagonal block, row by row.
     pub rows: &'a mut [[f64; K]; K],
-    /// Columns of the unknowns of the border in the equations of the block.
+    /// Coefficients of the border unknowns in the equations of the block, column by column.
     pub right: &'a mut [[f64; K]],
-    /// Rows of the equations of the border in the unknowns of the block.
+    /// Coefficients of the block unknowns in the equations of the border, row by row.
     pub bottom: &'a mut [[f64; K]],
 }
 
 impl<const K: usize> BorderedMatrix<K> {
-    /// Returns a zero matrix with the given number of blocks and of border unknowns.
+    /// Creates a zero matrix with the given numbers of blocks and border unknowns.
     pub fn new(count: usize, border: usize) -> Self {
         let couplings = vec![[[0.0; K]; K]; count.saturating_sub(1)];
         Self {
@@ -66,7 +67,7 @@ impl<const K: usize> BorderedMatrix<K> {
         }
     }
 
-    /// Sets every entry to zero, before the matrix is filled again.
+    /// Sets all entries to zero, so that the matrix can be filled again.
     pub fn clear(&mut self) {
         for block in &mut self.diagonal {
             *block.rows_mut() = [[0.0; K]; K];
@@ -78,16 +79,16 @@ impl<const K: usize> BorderedMatrix<K> {
         self.corner.fill(0.0);
     }
 
-    /// Adds a number to the entry of the given equation and unknown.
+    /// Adds a number to the entry for the given equation and unknown.
     ///
     /// # Panics
     ///
-    /// Panics if the entry is outside of the structure, because the blocks are not neighbors or
-    /// there is no such unknown.
+    /// Panics if the entry is outside the structure of the matrix, because the blocks are not
+    /// neighbors or the unknown does not exist.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
         let border_index = |x: usize| {
-            assert!(x - chain < border, "the matrix ends before {x}");
+            assert!(x - chain < border, "index {x} is outside the matrix");
             x - chain
         };
         let entry = match (row < chain, column < chain) {
@@ -98,7 +99,7 @@ impl<const K: usize> BorderedMatrix<K> {
                 } else if i + 1 == j {
                     &mut self.above[i][column % K][row % K]
                 } else {
-                    assert!(i == j + 1, "blocks {i} and {j} are no neighbors");
+                    assert!(i == j + 1, "blocks {i} and {j} are not neighbors");
                     &mut self.below[j][row % K][column % K]
                 }
             }
@@ -109,9 +110,8 @@ impl<const K: usize> BorderedMatrix<K> {
         *entry += value;
     }
 
-    /// Returns the entries of block `i`: the diagonal block by rows, the columns that couple the
-    /// equations of the block to the border unknowns, and the rows that couple the border equations
-    /// to the unknowns of the block. Use this method to add many entries at once.
+    /// Returns the entries of block `i`, which are the diagonal block and its couplings to the
+    /// border. Use this method to add many entries at once.
     pub fn block_mut(&mut self, i: usize) -> BorderedBlock<'_, K> {
         let of_border = i * self.border..(i + 1) * self.border;
         BorderedBlock {
@@ -121,7 +121,7 @@ impl<const K: usize> BorderedMatrix<K> {
         }
     }
 
-    /// Fixes an unknown: its row and column become a row and a column of the unit matrix.
+    /// Fixes an unknown by replacing its row and column with those of the identity matrix.
     pub fn fix(&mut self, unknown: usize) {
         let (count, border) = (self.diagonal.len(), self.border);
         if let Some(border_index) = unknown.checked_sub(K * count) {
@@ -136,7 +136,7 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // Clears the couplings to the next block in both directions.
+        // The couplings to the next block are cleared in both directions.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;
@@ -156,8 +156,8 @@ impl<const K: usize> BorderedMatrix<K> {
         rows[k] = from_fn(|j| if j == k { 1.0 } else { 0.0 });
     }
 
-    /// Returns the Schur complement (N11), the matrix of the border after the elimination of the
-    /// chain, row by row. The matrix must have been factorized.
+    /// Returns the Schur complement row by row (N11), which is the matrix of the border after
+    /// elimination of the chain. The matrix must have been factorized.
     pub fn condensed(&self) -> &[f64] {
         &self.corner
     }
@@ -166,7 +166,7 @@ impl<const K: usize> BorderedMatrix<K> {
     ///
     /// # Errors
     ///
-    /// [`Singular`] if a pivot is zero or not finite.
+    /// Returns [`Singular`] if a pivot is zero or not finite.
     pub fn factorize(&mut self) -> Result<(), Singular> {
         let (count, border) = (self.diagonal.len(), self.border);
         for i in 0..count {
@@ -211,7 +211,7 @@ impl<const K: usize> BorderedMatrix<K> {
         self.schur.factorize()
     }
 
-    /// Overwrites a right-hand side with its solution.
+    /// Solves a linear system in place: overwrites the right-hand side with the solution.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         let (count, border) = (self.diagonal.len(), self.border);
         let (chain, rest) = rhs.split_at_mut(count * K);
@@ -248,12 +248,12 @@ impl<const K: usize> BorderedMatrix<K> {
     }
 }
 
-/// Returns `$a - M b$` for `$M$` by rows.
+/// Returns `$a - M b$` for a matrix `$M$` that is given by its rows.
 fn less<const K: usize>(a: &[f64; K], rows: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     from_fn(|k| a[k] - dot(&rows[k], b))
 }
 
-/// Returns `$a - M b$` for `$M$` by columns.
+/// Returns `$a - M b$` for a matrix `$M$` that is given by its columns.
 fn less_columns<const K: usize>(a: &[f64; K], columns: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     let mut difference = *a;
     for (column, b) in columns.iter().zip(b) {

@@ -1,18 +1,18 @@
-//! Dense matrices of a few unknowns, with a constant size.
+//! Dense matrices for a few unknowns, whose size is known at compile time.
 
 use crate::Singular;
 
 /// A dense `N`×`N` matrix and its LU factors with partial pivoting.
 ///
-/// The type is intended for the few unknowns of one body. Its operations call no library and
-/// allocate no memory, and its results are bit-identical on every instruction set. For larger
+/// The type is intended for the few unknowns of a single body. It does not call other libraries and
+/// does not allocate memory, and its results are bit-identical on every instruction set. For larger
 /// matrices, use [`DynamicDense`](super::DynamicDense).
 #[derive(Debug, Clone)]
 pub struct Dense<const N: usize> {
     rows: [[f64; N]; N],
-    /// Reciprocals of the pivots.
+    /// Reciprocals of the pivots after the factorization.
     inverse: [f64; N],
-    /// Row that was exchanged with row `k` in step `k`.
+    /// Row that was exchanged with row `k` in elimination step `k`.
     exchanged: [usize; N],
 }
 
@@ -23,7 +23,7 @@ impl<const N: usize> Default for Dense<N> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// Returns the rows, which must be filled before [`factorize`](Self::factorize) is called.
+    /// Returns the rows, which must be filled before calling [`factorize`](Self::factorize).
     pub fn rows_mut(&mut self) -> &mut [[f64; N]; N] {
         &mut self.rows
     }
@@ -49,7 +49,7 @@ impl<const N: usize> Dense<N> {
     ///
     /// # Errors
     ///
-    /// [`Singular`] if a pivot or its reciprocal is not finite.
+    /// Returns [`Singular`] if a pivot or its reciprocal is not finite.
     pub fn factorize(&mut self) -> Result<(), Singular> {
         for k in 0..N {
             let (mut pivot, mut largest) = (k, self.rows[k][k].abs());
@@ -81,8 +81,8 @@ impl<const N: usize> Dense<N> {
         Ok(())
     }
 
-    /// Overwrites a right-hand side with its solution. The result has no meaning unless
-    /// [`factorize`](Self::factorize) has succeeded.
+    /// Solves a linear system in place: overwrites the right-hand side with the solution. The
+    /// result is meaningless unless [`factorize`](Self::factorize) has succeeded.
     pub fn solve(&self, rhs: &mut [f64; N]) {
         for (k, other) in self.exchanged.iter().enumerate() {
             rhs.swap(k, *other);

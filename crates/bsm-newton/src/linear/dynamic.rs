@@ -1,4 +1,4 @@
-//! Dense matrices of any size, based on faer. This is the only file that uses faer.
+//! Dense matrices of any size, based on the crate faer. No other file uses faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
@@ -7,7 +7,7 @@ use faer::{ColMut, Mat, Par, Spec};
 
 use crate::Singular;
 
-/// A dense matrix whose size is known at run time, and its LU factors with partial pivoting.
+/// A dense matrix whose size is known only at run time, and its LU factors with partial pivoting.
 pub struct DynamicDense {
     factors: Mat<f64>,
     perm: Vec<usize>,
@@ -16,7 +16,7 @@ pub struct DynamicDense {
 }
 
 impl DynamicDense {
-    /// Returns a zero matrix of size `n`×`n`.
+    /// Creates a zero matrix of size `n`×`n`.
     pub fn new(n: usize) -> Self {
         let factorize = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default());
         let substitute = solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
@@ -28,7 +28,7 @@ impl DynamicDense {
         }
     }
 
-    /// Sets an entry. The method must be called before [`factorize`](Self::factorize).
+    /// Sets an entry, which must be done before calling [`factorize`](Self::factorize).
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
         self.factors[(row, column)] = value;
     }
@@ -37,7 +37,7 @@ impl DynamicDense {
     ///
     /// # Errors
     ///
-    /// [`Singular`] if a pivot is zero or not finite.
+    /// Returns [`Singular`] if a pivot is zero or not finite.
     pub fn factorize(&mut self) -> Result<(), Singular> {
         factor::lu_in_place(
             self.factors.as_mut(),
@@ -52,7 +52,7 @@ impl DynamicDense {
         if singular { Err(Singular) } else { Ok(()) }
     }
 
-    /// Overwrites a right-hand side with its solution.
+    /// Solves a linear system in place: overwrites the right-hand side with the solution.
     pub fn solve(&mut self, rhs: &mut [f64]) {
         let perm = PermRef::new_checked(&self.perm, &self.perm_inv, self.perm.len());
         solve::solve_in_place(

@@ -1,19 +1,19 @@
-//! Tests of root searches for functions of one variable: limits on the number of evaluations, and
+//! Tests of root finding for functions of one variable: limits on the number of evaluations, and
 //! functions for which interpolation fails.
 
 use std::convert::Infallible;
 
 use bsm_newton::{Bracket, Root, RootResult};
 
-/// Returns the root of `f` between `ends`, with zero tolerances.
+/// Returns the root of `f` between two points with zero tolerances.
 fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
     Bracket::new(ends, ends.map(&f)).root(&f).root().expect("a sign change")
 }
 
-/// Checks the root and the maximum number of evaluations.
+/// Checks the root of `f`, and that the search needs at most `evaluations` evaluations.
 fn check_root(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
     let found = root(f, ends);
-    // The tolerance is the rounding error of the function near its root.
+    // The tolerance is the rounding error of the root.
     assert!((found.x - expected).abs() <= 1e-15 * expected.abs(), "{found:?}, {expected:e}");
     assert!(found.evaluations <= evaluations, "{found:?}");
 }
@@ -26,17 +26,17 @@ fn smooth_functions_need_few_evaluations() {
     check_root(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
 }
 
-/// With derivatives, the search is Newton's method and ends when the step is short.
+/// With derivatives, the search uses Newton's method and ends when a step is short.
 #[test]
 fn derivatives_and_a_good_start_need_three_evaluations() {
     let bracket =
         Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
     let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
-    // The error after a last step of at most 1e-8 is of the order of the square of the step and of
-    // rounding.
+    // After a last step of at most 1e-8, the error is of the order of the squared step or of
+    // rounding errors.
     assert!((found.x - 2.0_f64.sqrt()).abs() <= 1e-15, "{found:?}");
     assert!(found.evaluations <= 3);
-    // A start or a Newton step outside the bracket is not used.
+    // A starting point or a Newton step outside the bracket is ignored.
     let bracket = Bracket { start: Some(7.0), ..bracket };
     let found = bracket.root(|x| (x.atan() - 1.0, 1.0 / (1.0 + x * x))).root().expect("a root");
     assert!((found.x - 1.0_f64.tan()).abs() <= 1e-15 * 2.0 && found.x < 2.0, "{found:?}");
@@ -50,7 +50,7 @@ fn root_at_an_end_needs_no_evaluation() {
     }
 }
 
-/// Failures are expected: invalid brackets are returned as data, without a panic.
+/// The failures are expected: invalid brackets are reported as results, without a panic.
 #[test]
 fn invalid_brackets_are_reported() {
     let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);
@@ -63,25 +63,25 @@ fn invalid_brackets_are_reported() {
     }
 }
 
-/// A pole is also a sign change; the search finds its position, and the value is large.
+/// A pole is also a sign change. The search finds its location, and the returned value is large.
 #[test]
-fn pole_has_a_large_value() {
+fn value_at_a_pole_is_large() {
     let found = root(|x| 1.0 / (x - 0.3), [0.0, 1.0]);
     assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
 }
 
-/// Infinite values at the ends specify only the signs.
+/// Infinite values at the ends specify only their signs.
 #[test]
-fn signs_at_the_ends_suffice() {
+fn signs_of_the_end_values_are_sufficient() {
     let bracket = Bracket::new([0.0, 10.0], [f64::NEG_INFINITY, f64::INFINITY]);
     let found = bracket.root(f64::ln).root().expect("a sign change");
     assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
 }
 
-/// For a predicate, the final ends are adjacent doubles on both sides of the transition, at zero
-/// and over all orders of magnitude.
+/// For a predicate, the final ends are adjacent doubles on both sides of the transition, including
+/// transitions at zero and over many orders of magnitude.
 #[test]
-fn predicate_changes_between_adjacent_doubles() {
+fn predicate_transition_is_enclosed_by_adjacent_doubles() {
     for edge in [1e-300, 1e-5, 0.0, 0.7, 3e200] {
         let at = |x: f64| if x > edge { 1.0 } else { -1.0 };
         let found = root(at, [-1.0, f64::MAX]);
@@ -92,8 +92,8 @@ fn predicate_changes_between_adjacent_doubles() {
     }
 }
 
-/// Functions for which interpolation fails stay within the evaluation limit, and the result is a
-/// sign change.
+/// If interpolation fails, the search stays within the limit of evaluations and still finds a sign
+/// change.
 #[test]
 fn difficult_functions_stay_within_the_evaluation_limit() {
     type Case = (fn(f64) -> f64, [f64; 2]);
@@ -114,7 +114,7 @@ fn difficult_functions_stay_within_the_evaluation_limit() {
     }
 }
 
-/// With larger tolerances, the search ends earlier and the result is within the tolerances.
+/// With larger tolerances, the search ends earlier, and its result is within these tolerances.
 #[test]
 fn results_are_within_the_tolerances() {
     let f = |x: f64| x.exp() - 10.0;
@@ -128,7 +128,7 @@ fn results_are_within_the_tolerances() {
 
 /// `first_change` stops at the first sign change, zero, NaN or error.
 #[test]
-fn first_change_is_the_first_sign_change() {
+fn first_change_stops_at_the_first_sign_change() {
     let walk = |f: fn(f64) -> f64| {
         let places = [1.0, 2.0, 4.0];
         let Ok(change) =

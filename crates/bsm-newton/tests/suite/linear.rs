@@ -1,9 +1,9 @@
-//! Compares bordered block matrices with dense matrices, and solves a system with them by Newton's
+//! Tests that compare bordered block matrices with dense matrices, and that use them in Newton's
 //! method.
 
 use bsm_newton::{BorderedMatrix, Dense, DynamicDense, Singular};
 
-/// Uniform random numbers in -1..1 with a fixed seed.
+/// Generator of uniform random numbers between -1 and 1, with a fixed seed.
 struct Draw(u64);
 
 impl Draw {
@@ -30,12 +30,13 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
             }
         }
     }
-    // The diagonal entry dominates its row.
+    // Each diagonal entry dominates its row.
     all.extend(sums.into_iter().enumerate().map(|(i, sum)| (i, i, sum)));
     all
 }
 
-/// Checks that the block matrix and the dense matrix with the same entries have the same solution.
+/// Checks that the bordered block matrix gives the same solution as a dense matrix with the same
+/// entries.
 fn assert_solutions_agree<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
     let (mut blocks, mut dense) = (BorderedMatrix::<K>::new(count, border), DynamicDense::new(n));
@@ -50,7 +51,7 @@ fn assert_solutions_agree<const K: usize>(count: usize, border: usize, seed: u64
     blocks.solve(&mut x);
     dense.solve(&mut y);
     for (i, (x, y)) in x.iter().zip(&y).enumerate() {
-        // The tolerance allows for rounding errors at condition numbers below 100.
+        // The tolerance allows for rounding errors with condition numbers below 100.
         assert!((x - y).abs() <= 1e-14, "{i}: {x} {y}");
     }
 }
@@ -65,8 +66,8 @@ fn blocks_with_a_border_agree_with_a_dense_solve() {
 }
 
 /// The tridiagonal matrix (-1, 2, -1) with n unknowns has the solution x_i = i (n + 1 − i)/2 for
-/// unit loads. It equals a ring of n + 1 unknowns whose last unknown is fixed and belongs to the
-/// border.
+/// unit loads. The same system is written as a ring of n + 1 unknowns whose last unknown is fixed
+/// and is part of the border.
 #[test]
 fn ring_is_solved_as_a_chain_with_a_border() {
     const N: usize = 9;
@@ -84,12 +85,13 @@ fn ring_is_solved_as_a_chain_with_a_border() {
     ring.solve(&mut x);
     for (i, x) in x[..N].iter().enumerate() {
         let place = f64::from(u32::try_from(i + 1).expect("small"));
-        // The tolerance allows for rounding errors of ten operations on numbers up to 12.5.
+        // The tolerance allows for rounding errors of ten operations with numbers up to 12.5.
         assert!((x - 0.5 * place * (10.0 - place)).abs() <= 1e-13, "{i}: {x}");
     }
 }
 
-/// A matrix with fixed unknowns equals the matrix that is filled without their entries.
+/// A matrix with fixed unknowns equals a matrix that was filled without the entries of these
+/// unknowns.
 #[test]
 fn fixed_unknowns_have_unit_rows() {
     let (count, border, fixed) = (6, 3, [0, 5, 6, 11, 13]);
@@ -112,21 +114,21 @@ fn fixed_unknowns_have_unit_rows() {
         matrix.solve(&mut x);
         x
     });
-    // The solutions are bit-identical.
+    // Both solutions must be bit-identical.
     assert_eq!(x, y);
     for i in fixed {
-        // The solution of a unit row is the right-hand side.
+        // The solution for a row of the identity matrix is the right-hand side.
         assert!((x[i] - rhs[i]).abs() <= 1e-15, "{i}");
     }
 }
 
-/// Springs connect two bodies to each of several points. The Schur complement has the stiffness of
-/// the springs in series.
+/// At each of several points, springs connect the point to two bodies. The Schur complement
+/// contains the stiffness of the springs in series.
 #[test]
 fn condensed_matrix_is_the_schur_complement() {
     let (mut matrix, count) = (BorderedMatrix::<1>::new(4, 2), 4);
     for i in 0..count {
-        // The stiffness is k₁ = 1 + i to body 0 and k₂ = 2 to body 1.
+        // The stiffness is k₁ = 1 + i toward body 0 and k₂ = 2 toward body 1.
         let k = [1.0 + f64::from(u32::try_from(i).expect("small")), 2.0];
         matrix.add(i, i, k[0] + k[1]);
         for (body, k) in k.into_iter().enumerate() {
@@ -136,7 +138,7 @@ fn condensed_matrix_is_the_schur_complement() {
         }
     }
     // The bodies are not fixed, so the last pivot is zero or a rounding error. The condensed matrix
-    // is valid nevertheless.
+    // is still valid.
     let _ = matrix.factorize();
     let series: f64 = (1..=4).map(|k| f64::from(k) * 2.0 / (f64::from(k) + 2.0)).sum();
     let expected = [series, -series, -series, series];
@@ -145,7 +147,7 @@ fn condensed_matrix_is_the_schur_complement() {
     }
 }
 
-/// Failures are expected: singular matrices are returned as errors, without a panic.
+/// The failures are expected: singular matrices are reported as errors, without a panic.
 #[test]
 fn singular_matrices_are_reported() {
     let mut zero = Dense::<3>::default();
@@ -167,7 +169,7 @@ fn singular_matrices_are_reported() {
     assert_eq!(blocks.factorize(), Err(Singular));
 }
 
-/// Solves a system that is exact in doubles for every order of the rows.
+/// The solution of the system is exact in double precision for every order of its rows.
 #[test]
 fn small_matrices_are_solved_with_pivoting() {
     let rows = [[0.0, 2.0, 1.0], [4.0, 0.0, 0.0], [2.0, 2.0, -1.0]];
@@ -183,8 +185,8 @@ fn small_matrices_are_solved_with_pivoting() {
 
 /// Newton's method solves a system of points between two bodies with springs Q = k δ^{3/2} in five
 /// steps. The lower body is fixed, the upper body carries a load, and bars connect neighboring
-/// points, like many balls between two nuts. For equal stiffnesses k, the displacement is u = 2
-/// (F/(n k))^{2/3} for any stiffness of the bars.
+/// points, which is similar to many balls between two nuts. If all springs have the same k, the
+/// displacement is u = 2 (F/(n k))^{2/3}, regardless of the stiffness of the bars.
 #[test]
 fn newton_converges_on_blocks_with_a_border() {
     const N: usize = 200;

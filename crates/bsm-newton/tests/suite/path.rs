@@ -1,9 +1,9 @@
-//! Tests of the continuation of curves that are known in closed form, with limits on the number of
-//! points.
+//! Tests of pseudo-arclength continuation along curves with known closed forms, with limits on the
+//! number of points.
 
 use bsm_newton::{EvalError, Homotopy, PathEnd, Seed, StepControl, Trace, trace};
 
-/// A plane curve that is given by a function with its gradient.
+/// A plane curve that is defined by a function and its gradient.
 struct Curve<F>(F);
 
 impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Homotopy<1, 2> for Curve<F> {
@@ -24,7 +24,7 @@ fn circle(x: f64, y: f64) -> Value {
     Ok((x * x + y * y - 1.0, [2.0 * x, 2.0 * y]))
 }
 
-/// Follows the curve from a point. The event is the height above a horizontal line.
+/// Follows a curve from a point. The event function is the height above a horizontal line.
 fn follow(
     curve: impl Fn(f64, f64) -> Value,
     (z, towards): ([f64; 2], [f64; 2]),
@@ -36,7 +36,7 @@ fn follow(
     trace(&Curve(curve), &Seed { z, towards }, event, on, control)
 }
 
-/// A circle crosses a line twice in either direction, and the path closes.
+/// A circle crosses a line twice in either direction, and the path is closed.
 #[test]
 fn closed_curve_is_followed_once_around() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
@@ -45,7 +45,7 @@ fn closed_curve_is_followed_once_around() {
         assert_eq!(seen.end, PathEnd::Closed, "{seen:?}");
         assert_eq!(seen.crossings.len(), 2, "{seen:?}");
         for (crossing, expected) in seen.crossings.iter().zip([first, -first]) {
-            // The tolerance is ten times the residual goal of the correction.
+            // The tolerance is ten times the residual to which points are refined.
             assert!((crossing.z[0] - expected).abs() < 1e-9, "{seen:?}");
         }
         assert_eq!(seen.unresolved, 0, "{seen:?}");
@@ -53,7 +53,7 @@ fn closed_curve_is_followed_once_around() {
     }
 }
 
-/// The parabola x = y² crosses x = 1 twice, on both sides of its fold at zero.
+/// The parabola x = y² crosses x = 1 twice, on both sides of its fold at x = 0.
 #[test]
 fn path_passes_through_a_fold() {
     let fold = |x: f64, y: f64| Ok((x - y * y, [1.0, -2.0 * y]));
@@ -67,8 +67,8 @@ fn path_passes_through_a_fold() {
     assert!((places[0] - 1.0).abs() < 1e-9 && (places[1] + 1.0).abs() < 1e-9, "{places:?}");
 }
 
-/// A pair of crossings within one step is found. A tangent line has no crossing, but is counted as
-/// unresolved because it may hide a pair.
+/// Both crossings within a single step are found. A tangent line has no crossing, but the step is
+/// counted as unresolved because it may hide a pair of crossings.
 #[test]
 fn close_pair_is_found_or_counted_as_unresolved() {
     let seed = ([1.0, 0.0], [0.0, 1.0]);
@@ -83,7 +83,7 @@ fn close_pair_is_found_or_counted_as_unresolved() {
     }
 }
 
-/// The curve y = 1/(1 − x) crosses every height before its pole, and the caller ends the path.
+/// The curve y = 1/(1 − x) crosses every height before its pole. The caller then ends the path.
 #[test]
 fn path_follows_a_pole_until_the_caller_ends_it() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
@@ -98,7 +98,8 @@ fn path_follows_a_pole_until_the_caller_ends_it() {
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// Failures are expected for equations with a limited domain, and a seed without a curve.
+/// The failures are expected: the domain of the equations is limited, or there is no curve near the
+/// seed.
 #[test]
 fn lost_paths_and_missing_curves_are_reported() {
     let root = |x: f64, y: f64| {
@@ -115,7 +116,8 @@ fn lost_paths_and_missing_curves_are_reported() {
     assert_eq!(seen.end, PathEnd::NoCurve, "{seen:?}");
 }
 
-/// Seven equations z_i = sin(i u) with the parameter u; z_7 crosses 1/2 at 7u = π/6, 5π/6, …
+/// Seven equations z_i = sin(i u) with the parameter u. The component z_7 crosses 1/2 at 7u = π/6,
+/// 5π/6, …
 #[test]
 fn path_follows_a_curve_of_seven_equations() {
     struct Waves;
@@ -138,7 +140,8 @@ fn path_follows_a_curve_of_seven_equations() {
     let event = |z: &[f64; 8], way: &[f64; 8]| [(z[6] - 0.5, way[6])];
     let seen = trace(&Waves, &seed, event, |seen| seen.last[7] < 3.1, &StepControl::default());
     assert_eq!(seen.end, PathEnd::Ended, "{:?}", seen.end);
-    // sin 7u = 1/2 at 7u = π/6, 5π/6, 13π/6, …; eight of these are below 7·3.1 (41π/6 = 21.5).
+    // The condition sin 7u = 1/2 is met at 7u = π/6, 5π/6, 13π/6, …; eight of these values are
+    // below 7·3.1 (41π/6 = 21.5).
     assert_eq!(seen.crossings.len(), 8, "{:?}", seen.crossings);
     for (k, crossing) in seen.crossings.iter().enumerate() {
         let turn =

@@ -1,26 +1,26 @@
-//! Standard nonlinear systems with limits on their cost, and expected failures.
+//! Tests with standard nonlinear systems, with limits on their cost and with expected failures.
 //!
-//! Problems, their numbers and roots: Moré, Garbow and Hillstrom, *Testing Unconstrained
-//! Optimization Software*, ACM Trans. Math. Softw. 7 (1981).
+//! The problems, their numbers and their roots come from Moré, Garbow and Hillstrom, *Testing
+//! Unconstrained Optimization Software*, ACM Trans. Math. Softw. 7 (1981).
 
 use bsm_newton::{
     Convergence, Equations, EvalError, JacobianUpdate, Linearized, Options, Report, Scales,
     Termination, Workspace, implicit_slopes, path_direction, solve,
 };
 
-/// Residual and rows of the Jacobian.
+/// Residual and rows of the Jacobian at a point.
 type Values<const N: usize> = Result<([f64; N], [[f64; N]; N]), EvalError>;
 
-/// A system that is given by a function for residual and Jacobian.
+/// A system that is defined by a function for residual and Jacobian.
 struct Problem<F>(F);
 
 impl<const N: usize, F> Equations<N> for Problem<F>
 where
     F: Fn(&[f64; N]) -> Values<N>,
 {
-    /// Point of the evaluation.
+    /// Point at which the residual was evaluated.
     type Details = [f64; N];
-    /// Point of the evaluation of the Jacobian.
+    /// Point at which the Jacobian was evaluated.
     type Slopes = [f64; N];
 
     fn residual(&self, x: &[f64; N]) -> Result<([f64; N], [f64; N]), EvalError> {
@@ -73,7 +73,7 @@ fn powell_singular(x: &[f64; 4]) -> Values<4> {
     ))
 }
 
-/// The equation ln x = 0, which returns an error for x <= 0.
+/// The equation ln x = 0, which returns an error for x ≤ 0.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the shape that a model has")]
 fn logarithm(x: &[f64; 1]) -> Values<1> {
     if x[0] > 0.0 {
@@ -83,21 +83,21 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
     }
 }
 
-/// In problem 1, the monotone line search follows the curved valley.
+/// Problem 1 (Rosenbrock): the monotone line search follows the curved valley.
 #[test]
 fn rosenbrock_needs_at_most_ten_steps() {
     let mut x = [-1.2, 1.0];
     let report = run(rosenbrock, &mut x);
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
-    // The monotone line search of Dennis and Schnabel needs these numbers of steps and evaluations.
+    // These limits are the cost of the monotone line search of Dennis and Schnabel.
     assert!(report.steps.len() <= 10 && report.n_residual <= 33, "{report:?}");
     assert_eq!(report.n_jacobian, report.steps.len(), "{report:?}");
 }
 
-/// In problem 3, the published root is 1.098e-5, 9.106. The monotone line search first follows a
-/// narrow valley in small steps. Refinement below the tolerance then needs only a few further
-/// steps.
+/// Problem 3 (Powell, badly scaled): the published root is 1.098e-5, 9.106. The monotone line
+/// search first follows a narrow valley in small steps. Refining the solution below the tolerance
+/// then takes only a few more steps.
 #[test]
 fn powell_badly_scaled_finds_the_published_root() {
     let ones = [1.0; 2];
@@ -110,19 +110,19 @@ fn powell_badly_scaled_finds_the_published_root() {
         let system = Problem(powell_badly_scaled);
         let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default()).report;
         assert_eq!(report.status, Termination::Converged, "{report:?}");
-        // The tolerance is the rounding error of the four published digits.
+        // The tolerance is the rounding error of the published four digits.
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
         path.push(report);
     }
     assert!(path[0].n_jacobian <= 53, "{:?}", path[0]);
-    // The tolerance is the rounding error of 1e4 x y − 1, which is reached with at most two more
+    // The tolerance is the rounding error of 1e4 x y − 1, which is reached after at most two more
     // steps.
     assert!(path[1].residual <= 1e-15, "{:?}", path[1]);
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
 
-/// In problem 13, the Jacobian is singular at the root, so convergence is linear with a factor of
-/// four per step.
+/// Problem 13 (Powell, singular): the Jacobian is singular at the root, so convergence is only
+/// linear, with a factor of 1/4 per step.
 #[test]
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
@@ -130,7 +130,7 @@ fn powell_singular_converges_linearly() {
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     for pair in report.steps.windows(2).skip(1) {
         let ratio = pair[1].residual / pair[0].residual;
-        // The ratio is 1/4 in exact arithmetic.
+        // In exact arithmetic, the ratio is 1/4.
         assert!((ratio - 0.25).abs() < 1e-3, "{report:?}");
     }
     assert!(report.n_jacobian <= 19, "{report:?}");
@@ -157,10 +157,10 @@ fn step_out_of_the_domain_is_halved() {
     assert_eq!(report.n_jacobian, report.steps.len());
 }
 
-/// Residual and details belong to the returned point, also if a refining step was rejected. The
+/// Residual and details belong to the returned point, even if a refining step was rejected. The
 /// slopes belong to the point of the last Jacobian.
 #[test]
-fn outcome_has_the_equations_at_the_returned_point() {
+fn outcome_contains_residual_and_details_at_the_returned_point() {
     let rough = |x: &[f64; 1]| {
         let noise = if x[0].to_bits().is_multiple_of(2) { 1e-13 } else { -1e-13 };
         Ok(([x[0] * x[0] - 2.0 + noise], [[2.0 * x[0]]]))
@@ -177,13 +177,14 @@ fn outcome_has_the_equations_at_the_returned_point() {
         let again = system.residual(&x).expect("in the domain").0;
         assert_eq!(residual.map(f64::to_bits), again.map(f64::to_bits));
         let [at] = outcome.slopes.expect("a Jacobian");
-        // The chord method uses the Jacobian at a nearby point.
+        // The chord method uses the Jacobian from a nearby point.
         assert!((at - x[0]).abs() < 0.1, "{at} {x:?}");
     }
 }
 
-/// If the slope has changed its sign, a chord step increases the residual or leads to NaN. The next
-/// step then uses the Jacobian at its own point and is compared with the residual at this point.
+/// If the slope of the function has changed sign, a chord step increases the residual or leads to
+/// NaN. The next step then uses the Jacobian at the current point and is compared with the residual
+/// at this point.
 #[test]
 fn failed_chord_step_is_replaced_by_a_newton_step() {
     let bent = |x: &[f64; 1]| match x[0] {
@@ -203,16 +204,16 @@ fn failed_chord_step_is_replaced_by_a_newton_step() {
     assert_eq!(report.steps.iter().map(|s| s.residual).collect::<Vec<_>>(), [1.0, 0.05]);
 }
 
-/// The failure is expected: x² + 1 has no root, and the line search ends near the minimum of its
+/// The failure is expected: x² + 1 has no root, so the line search ends near the minimum of its
 /// square.
 #[test]
-fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
+fn missing_root_ends_in_the_line_search_or_a_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
     assert_eq!(report.status, Termination::LineSearchFailed, "{report:?}");
     assert!(report.residual >= 1.0);
 }
 
-/// The failure is expected: the Jacobian has a zero column.
+/// The failure is expected because the Jacobian has a zero column.
 #[test]
 fn singular_jacobian_is_reported() {
     let report = run(
@@ -225,31 +226,31 @@ fn singular_jacobian_is_reported() {
     assert_eq!(report.steps.len(), 0);
 }
 
-/// The failure is expected: the model returns NaN, which the solver detects.
+/// The failure is expected because the model returns NaN, which the solver detects.
 #[test]
-fn nan_is_reported() {
+fn nan_residual_is_reported() {
     let report =
         run(|x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])), &mut [1.0, 1.0]);
     assert_eq!(report.status, Termination::NotFinite);
     assert_eq!(report.worst_equation, 1);
 }
 
-/// The failure is expected: the starting point is outside the domain.
+/// The failure is expected because the starting point is outside the domain.
 #[test]
 fn start_outside_the_domain_is_reported() {
     let report = run(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Termination::OutsideDomain);
 }
 
-/// The failure is expected: the step is below the limit of (N3), but the residual exceeds its
-/// tolerance.
+/// The failure is expected because the step falls below the limit of (N3) while the residual still
+/// exceeds its tolerance.
 #[test]
 fn iteration_with_tiny_steps_is_reported_as_stalled() {
     let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
     assert_eq!(report.status, Termination::Stalled, "{report:?}");
 }
 
-/// The failure is expected: the maximum number of steps is too small.
+/// The failure is expected because the maximum number of steps is too small.
 #[test]
 fn step_limit_is_reported() {
     let ones = [1.0; 4];
@@ -264,7 +265,7 @@ fn step_limit_is_reported() {
     assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
 
-/// The failure is expected: a scale is not positive and finite.
+/// The failure is expected because a scale is not positive and finite.
 #[test]
 fn bad_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -287,7 +288,7 @@ fn derivatives_of_a_root_match_the_closed_form() {
         let f = [x[0] * x[0] + x[1] * x[1] - r * r, x[1] - p * x[0]];
         Ok((f, [[2.0 * x[0], 2.0 * x[1]], [-p, 1.0]]))
     });
-    // The columns are ∂F/∂r and ∂F/∂p. The scales must not affect the result.
+    // The columns are ∂F/∂r and ∂F/∂p. The scales must not influence the result.
     let mut columns = [[-2.0 * r, 0.0], [0.0, -x[0]]];
     let mut work = Workspace::default();
     let moved = implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work);
@@ -295,13 +296,14 @@ fn derivatives_of_a_root_match_the_closed_form() {
     let cube = root.powi(3);
     let expected = [x[0] / r, x[1] / r, -p * r / cube, r / root - p * p * r / cube];
     for (slope, expected) in columns.iter().flatten().zip(expected) {
-        // The tolerance allows for rounding errors of two equations with condition number 10.
+        // The tolerance allows for rounding errors of two equations with a condition number of 10.
         assert!((slope - expected).abs() <= 1e-14, "{columns:?}");
     }
 }
 
-/// The direction of the line 2x = 0, 3y = 0 with the plane -z/2 across it has the sign of the
-/// determinant in both orders of the rows. Its length is the reciprocal of the slope of the plane.
+/// The curve is the line 2x = 0, 3y = 0, and the plane that intersects it is -z/2. The direction of
+/// the curve has the sign of the determinant for both orders of the rows. Its length is the
+/// reciprocal of the coefficient of the plane.
 #[test]
 fn direction_of_a_path_has_the_sign_of_the_determinant() {
     let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
@@ -332,7 +334,7 @@ fn root_without_derivatives_is_reported() {
     assert_eq!(refused, Termination::OutsideDomain);
 }
 
-/// The list of steps is the only allocation, for any number of steps.
+/// The list of steps is the only memory allocation, regardless of the number of steps.
 #[test]
 fn iteration_does_not_allocate() {
     let ones = [1.0; 4];
@@ -348,7 +350,8 @@ fn iteration_does_not_allocate() {
             let report = solve(&system, &mut x, &scales, &options, &mut work).report;
             steps = report.steps.len();
         });
-        // A failed solve also allocates the name of the worst equation and its formatting.
+        // If the iteration fails, the name of the worst equation and its formatting also allocate
+        // memory.
         let allowed = if max_steps == 1 { 3 } else { 1 };
         assert!(steps == 1 || steps == 19, "{steps}");
         assert!(info.count_total <= allowed, "{} allocations in {steps} steps", info.count_total);

@@ -1,35 +1,38 @@
-//! Uncertainty of a warm state due to estimated conductances and missing heat sources.
+//! Uncertainty of a warm state due to estimated conductances and unknown heat sources.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equation (I21).
 
 use super::{Guess, NoSteadyState, Steady, ThermalAxis, WarmNut};
 
-/// Uncertainty band of results of a warm state.
+/// Results calculated from a warm state, with their uncertainty band.
 #[derive(Debug, Clone)]
 pub struct StateInterval {
-    /// The results themselves.
+    /// Results with all estimates unchanged.
     pub values: Vec<f64>,
-    /// Lower and upper end for each result, from the estimates for which a state exists.
+    /// Lower and upper end of the uncertainty band for each result. They include only those
+    /// estimates for which a steady state exists.
     pub ends: Vec<[f64; 2]>,
-    /// Estimates for which no state exists, with their factors.
+    /// Estimated quantities and factors for which no steady state exists, with the reason.
     pub none: Vec<(Guess, f64, NoSteadyState)>,
-    /// The reason why no state exists with usual values of the heat sources that are not given.
+    /// Reason why no steady state exists if unknown heat sources have their usual values; `None` if
+    /// it exists.
     pub none_complete: Option<NoSteadyState>,
 }
 
 /// Returns the uncertainty band of results (I21). Each estimated quantity is multiplied and divided
-/// by its factor, one at a time. The change due to heat sources that are not given is added to the
-/// end in its direction.
+/// by its uncertainty factor, one at a time. The change caused by unknown heat sources with their
+/// usual values is added to the upper or lower end, depending on its sign.
 ///
-/// * `guessed`: calculates the results with one estimated quantity multiplied by a factor.
-/// * `complete`: calculates the results with usual values of the missing sources.
+/// * `guessed`: function that calculates the results with one estimated quantity multiplied by a
+///   factor.
+/// * `complete`: function that calculates the results with usual values of unknown heat sources.
 pub(super) fn interval(
     middle: Vec<f64>,
     guesses: impl Iterator<Item = Guess>,
     guessed: impl Fn((Guess, f64)) -> Result<Vec<f64>, NoSteadyState>,
     complete: impl Fn() -> Result<Vec<f64>, NoSteadyState>,
 ) -> StateInterval {
-    // Changes of the results toward lower and higher values in another state.
+    // Amounts by which results are lower and higher than without changes.
     let changes = |found: &[f64]| -> Vec<[f64; 2]> {
         let change =
             |(found, middle): (&f64, &f64)| [(middle - found).max(0.0), (found - middle).max(0.0)];
@@ -66,11 +69,12 @@ pub(super) fn interval(
 }
 
 impl WarmNut<'_> {
-    /// Returns the uncertainty band of results of the state (I21).
+    /// Returns the uncertainty band of results calculated from a warm state (I21).
     ///
-    /// * `missing`: usual values of the torques of seals and of all support bearings that are not
-    ///   given \[N·m\].
-    /// * `numbers`: calculates the results from a state of a nut; the count of results is constant.
+    /// * `missing`: usual torques of the seals and of all support bearings \[N·m\], or zero if they
+    ///   are given.
+    /// * `numbers`: function that calculates the results from a nut and its warm state. It must
+    ///   always return the same number of results.
     pub fn band(
         &self,
         state: &Steady,

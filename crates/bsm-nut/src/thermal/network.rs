@@ -1,4 +1,5 @@
-//! The thermal network: five nodes, the surroundings, and the screw as a fin outside of its travel.
+//! Thermal network with five nodes and the surroundings. Outside its travel, the screw is modeled
+//! as a fin.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I6) to (I8), (I16) and (I17).
 
@@ -11,26 +12,27 @@ use super::{Conductances, NODES, NoSteadyState};
 /// Thermal and mechanical data of the screw between its bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScrewBar {
-    /// Pitch circle diameter, used as the diameter of the cylinder that the air cools \[m\].
+    /// Pitch circle diameter \[m\], which is also the diameter of the cylinder that the air cools.
     pub diameter: f64,
     /// Length between the bearings \[m\].
     pub length: f64,
-    /// Length of the travel, stroke plus nut \[m\], less than `length`.
+    /// Length of the travel \[m\], which is the sum of stroke and nut length and less than
+    /// `length`.
     pub travel: f64,
     /// Cross-sectional area of the steel \[m²\].
     pub section: f64,
-    /// Conductivity of steel \[W/(m·K)\].
+    /// Thermal conductivity of steel \[W/(m·K)\].
     pub conductivity: f64,
-    /// Thermal expansion of nut, screw and balls \[1/K\].
+    /// Coefficient of thermal expansion of nut, screw and balls \[1/K\].
     pub expansion: f64,
-    /// True for each end that has a bearing. The other ends transfer no heat to the structure.
+    /// True for each end with a support bearing. Other ends do not transfer heat to the structure.
     pub bearings: [bool; 2],
-    /// Constraint by two fixed bearings; `None` if the screw can grow freely.
+    /// Axial constraint by two fixed bearings; `None` if the screw can expand freely.
     pub hold: Option<AxialHold>,
 }
 
 impl ScrewBar {
-    /// Returns the axial strain due to a tension \[N\] (I5), which is zero unless both bearings are
+    /// Returns the axial strain due to a tension \[N\] (I5). It is zero unless both bearings are
     /// fixed.
     pub fn strain(&self, tension: f64) -> f64 {
         // s = F_t/(E A_s)                                                 (I5)
@@ -38,12 +40,12 @@ impl ScrewBar {
     }
 }
 
-/// A screw between two fixed bearings.
+/// Axial constraint of a screw by two fixed bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialHold {
-    /// Series stiffness of screw and both bearings \[N/m\].
+    /// Stiffness of the screw and both bearings in series \[N/m\].
     pub stiffness: f64,
-    /// Tension at the assembly temperature \[N\].
+    /// Axial tension at the assembly temperature \[N\].
     pub pretension: f64,
     /// Young's modulus of the screw \[Pa\].
     pub youngs_modulus: f64,
@@ -62,31 +64,32 @@ pub struct Sinks {
     pub coolant: f64,
 }
 
-/// The thermal network. Temperatures are relative to the assembly temperature \[K\].
+/// Thermal network of an axis. All temperatures are relative to the assembly temperature \[K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Network {
-    /// The conductances.
+    /// Conductances between the nodes and to the surroundings.
     pub conductances: Conductances,
-    /// The screw.
+    /// Screw between its bearings.
     pub screw: ScrewBar,
-    /// The surroundings.
+    /// Temperatures of the surroundings.
     pub sinks: Sinks,
 }
 
-/// The screw outside of the travel on one side: a fin between two temperatures (I7).
+/// The part of the screw outside the travel on one side, modeled as a fin between two temperatures
+/// (I7).
 struct Fin {
-    /// Conductances `$Y_d$` and `$Y_o$` \[W/K\].
+    /// Conductances `$Y_d$` and `$Y_o$` of the fin \[W/K\].
     near: f64,
     far: f64,
-    /// Length `$\tanh(m l_e/2)/m$` \[m\].
+    /// Effective length of the fin for thermal expansion, `$\tanh(m l_e/2)/m$` \[m\].
     end_length: f64,
-    /// Length of the fin `$l_e$` \[m\].
+    /// Fin length `$l_e$` \[m\].
     length: f64,
 }
 
 impl Network {
-    /// Returns the conductance of the screw per unit length to its surroundings \[W/(m·K)\], and
-    /// the mean temperature of the surroundings (I6).
+    /// Returns the conductance between the screw and its surroundings per unit length \[W/(m·K)\],
+    /// and the mean temperature of these surroundings (I6).
     fn along(&self) -> (f64, f64) {
         let film = self.conductances.screw_film * PI * self.screw.diameter;
         let coolant = self.conductances.coolant / self.screw.length;
@@ -108,8 +111,8 @@ impl Network {
         }
     }
 
-    /// Returns the matrix `$M$` of the heat that leaves the nodes per kelvin \[W/K\], and the heat
-    /// `$r$` that reaches them from the surroundings \[W\] (I8).
+    /// Returns the matrix `$M$` of heat flows that leave the nodes per kelvin \[W/K\], and the
+    /// vector `$r$` of heat flows that reach the nodes from the surroundings \[W\] (I8).
     pub fn balance(&self) -> ([[f64; NODES]; NODES], [f64; NODES]) {
         let (of, fin, (given, around)) = (&self.conductances, self.fin(), self.along());
         let mut matrix = [[0.0; NODES]; NODES];
@@ -144,13 +147,13 @@ impl Network {
         (matrix, received)
     }
 
-    /// Returns the temperature rises at which the heat of the nodes is balanced \[K\] (I8).
+    /// Returns the temperature rises for which the heat flows at all nodes are balanced \[K\] (I8).
     ///
-    /// * `heat`: heat of each node \[W\].
+    /// * `heat`: heat generated at each node \[W\].
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState::NotFound`] if the network is singular.
+    /// Returns [`NoSteadyState::NotFound`] if the equations of the network are singular.
     pub fn rises(&self, heat: &[f64; NODES]) -> Result<[f64; NODES], NoSteadyState> {
         let (matrix, mut rises) = self.balance();
         let mut linear = Dense::<NODES>::default();
@@ -163,7 +166,7 @@ impl Network {
         Ok(rises)
     }
 
-    /// Returns the free growth of the screw \[m\] (I16).
+    /// Returns the free thermal expansion of the screw \[m\] (I16).
     pub fn growth(&self, &[_, screw, _, first, second]: &[f64; NODES]) -> f64 {
         let (fin, (_, around)) = (self.fin(), self.along());
         let outside =
@@ -172,7 +175,7 @@ impl Network {
         self.screw.expansion * (self.screw.travel * screw + outside(first) + outside(second))
     }
 
-    /// Returns the tension of the screw \[N\], which is negative for a compression (I17). It is
+    /// Returns the axial tension of the screw \[N\] (I17), which is negative for compression. It is
     /// zero unless both bearings are fixed.
     pub fn tension(&self, rises: &[f64; NODES]) -> f64 {
         self.screw.hold.map_or(0.0, |hold| {

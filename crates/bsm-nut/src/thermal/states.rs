@@ -1,5 +1,5 @@
-//! Steady states, in which each node loses as much heat as it receives, and the fold above which no
-//! steady state exists.
+//! Steady states, in which every node loses as much heat as it receives, and the fold, which is the
+//! largest speed with a steady state.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I8) and (I18) to (I20).
 
@@ -19,95 +19,97 @@ use super::coupling::{BETWEEN_LOADS, ModelsOfPhases};
 use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
-/// Temperature above which states are rejected \[K\].
+/// Upper limit of the node temperatures in a valid steady state \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
-/// Step of the finite differences of temperatures \[K\]. In a central difference, both the
-/// truncation error and the rounding error of the loads (1e-12 divided by the step) are below 1e-8.
+/// Step size for finite differences with respect to temperatures \[K\]. In central differences, the
+/// truncation error and the rounding error of the loads (1e-12 divided by the step) are both below
+/// 1e-8.
 const DIFFERENCE: f64 = 2e-3;
-/// Relative step of the finite differences of the speed factor.
+/// Relative step size for finite differences with respect to the speed factor.
 const SPEED_DIFFERENCE: f64 = 1e-4;
 
-/// Permitted relative error of the friction that is interpolated between ball loads, for the
-/// derivatives of Newton steps and of continuation steps.
+/// Permitted relative error of the friction that is interpolated between ball loads, for
+/// derivatives in Newton and continuation steps.
 const STEP_FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// Longest Newton step \[K\].
+/// Maximum temperature change in a Newton step \[K\].
 const MAX_STEP_LENGTH: f64 = 8.0;
 
-/// Speed factors at which the continuation from rest may begin. The continuation begins at the
-/// first factor with a steady state.
+/// Speed factors at which the continuation may start. It starts at the first factor for which a
+/// steady state is found.
 const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
-/// Scales of the temperatures \[K\] and of the speed factor in the continuation.
+/// Scales of temperatures \[K\] and speed factor for the continuation.
 const SIZES: (f64, f64) = (20.0, 1.0);
 
-/// Largest continuation step in units of [`SIZES`].
+/// Maximum continuation step in units of [`SIZES`].
 const MAX_CONTINUATION_STEP: f64 = 0.5;
-/// Largest continuation step in units of [`SIZES`] if the points of the branch are results.
+/// Maximum continuation step in units of [`SIZES`] if the points of the branch are returned as
+/// results.
 const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
-/// Fraction of the speed of the fold down to which the unstable states beyond the fold are
-/// followed.
+/// Fraction of the fold speed down to which unstable states beyond the fold are followed.
 const UNSTABLE_SPEED_FRACTION: f64 = 0.8;
 
-/// Residual of the heat balance relative to the heat, at which Newton's method has converged.
+/// Residual of the heat balance, relative to the heat, at which Newton's method stops.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
-/// Maximum number of Newton steps to a steady state.
+/// Maximum number of Newton steps for a steady state.
 const MAX_THERMAL_STEPS: usize = 60;
 
-/// Maximum number of QR sweeps for the eigenvalues. The three eigenvalues converge in about ten.
+/// Maximum number of QR iterations for the three eigenvalues, which usually converge in about ten.
 const MAX_QR_SWEEPS: usize = 200;
 
-/// Number of nodes with friction.
+/// Number of thermal nodes at which friction generates heat.
 const FRICTION_NODES: usize = 3;
 
-/// Fraction of a step to which the position of a fold is determined. Because the speed is
-/// stationary at the fold, the relative error of the speed is 1e-6.
+/// Fraction of a continuation step to which the location of a fold is determined. The speed is
+/// stationary at the fold, so its relative error is only 1e-6.
 const ROOT_TOLERANCE: f64 = 1e-3;
 
-/// A warm steady state.
+/// Warm steady state of a nut.
 #[derive(Debug, Clone)]
 pub struct Steady {
     /// Temperature rise of each node above the assembly temperature \[K\].
     pub rises: [f64; NODES],
-    /// Loads, friction and heat of the nut in this state.
+    /// Heat, loads and friction of the nut in this state.
     pub heated: NutAtTemperature,
-    /// Loop gain (I18): 0 without coupling, 1 at the fold.
+    /// Loop gain (I18), which is 0 without thermal feedback and 1 at the fold.
     pub gain: f64,
-    /// True if balls would choose another model or another controlling raceway in this state. The
-    /// state then lies on a jump of friction and has the friction of one side of the jump.
+    /// True if the balls would choose different models or controlling raceways in this state. The
+    /// state is then at a jump of the friction, and its friction is that on one side of the jump.
     pub on_jump: bool,
-    /// Models of the balls with which the friction was calculated.
+    /// Ball models with which the friction was calculated.
     models: ModelsOfPhases,
 }
 
 impl Steady {
-    /// Returns the heat of all nodes \[W\].
+    /// Returns the total heat generated at all nodes \[W\].
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
     }
 
-    /// Returns the heat of nut, screw and balls, without bearings and motor \[W\].
+    /// Returns the heat generated at nut, screw and balls, which excludes bearings and motor \[W\].
     pub fn nut_heat(&self) -> f64 {
         self.heated.heat[..FRICTION_NODES].iter().sum()
     }
 }
 
-/// The fold, at which the branch of steady states turns back: the largest speed with a steady state
-/// (I20).
+/// The fold, at which the branch of steady states turns back. No steady state exists at higher
+/// speeds (I20).
 #[derive(Debug, Clone)]
 pub struct Fold {
-    /// Speed factor, by which all speeds are multiplied.
+    /// Factor by which all speeds must be multiplied to reach the fold.
     pub factor: f64,
-    /// Temperature rises of the nodes above the assembly temperature at the fold \[K\].
+    /// Temperature rises of the nodes above the assembly temperature \[K\] at the fold.
     pub rises: [f64; NODES],
     /// Assembly temperature \[K\].
     pub set: f64,
-    /// Preload without external load at the fold \[N\]; `None` for a nut without preload.
+    /// Preload without external load \[N\] at the fold; `None` for a nut without preload.
     pub preload: Option<f64>,
-    /// The unstable state at the given speeds (speed factor 1), if the fold is at higher speeds.
+    /// Unstable state at the given speeds (speed factor 1), which exists if the fold is at higher
+    /// speeds.
     pub unstable: Option<Steady>,
 }
 
@@ -117,60 +119,61 @@ impl fmt::Display for Fold {
         let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
         write!(
             to,
-            "runs away above {factor:.2} of these speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
+            "runs away above {factor:.2} times these speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
              the balls {balls:.0} C"
         )?;
         preload.map_or(Ok(()), |preload| write!(to, " at a preload of {preload:.0} N"))
     }
 }
 
-/// A state on the branch that begins at rest.
+/// A point on the branch of steady states that begins at standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnBranch {
-    /// Speed factor, by which all speeds are multiplied.
+    /// Factor by which all speeds are multiplied.
     pub factor: f64,
-    /// Temperature rises of the nodes \[K\].
+    /// Temperature rises of the nodes above the assembly temperature \[K\].
     pub rises: [f64; NODES],
     /// Preload without external load \[N\].
     pub preload: f64,
-    /// False beyond the fold.
+    /// False for states beyond the fold.
     pub stable: bool,
 }
 
-/// The reason why there is no warm steady state.
+/// Reason why no warm steady state exists or was found.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum NoSteadyState {
-    /// The speeds are above the fold, so the temperatures run away.
+    /// The speeds are above the fold, so the temperatures rise without limit.
     #[error("{0}")]
     RunsAway(Box<Fold>),
-    /// A temperature exceeds its limit of 180 °C before the given speeds are reached.
-    #[error("a temperature exceeds 180 C at {factor:.2} of these speeds")]
+    /// A temperature exceeds the limit of 180 °C at speeds below the given speeds.
+    #[error("a temperature exceeds 180 C at {factor:.2} times these speeds")]
     TooHot {
-        /// Speed factor, by which all speeds are multiplied.
+        /// Speed factor at which the limit is exceeded.
         factor: f64,
     },
-    /// The preload is lost before the given speeds are reached.
-    #[error("the preload is lost at {factor:.2} of these speeds")]
+    /// The preload is lost at speeds below the given speeds.
+    #[error("the preload is lost at {factor:.2} times these speeds")]
     PreloadLost {
-        /// Speed factor, by which all speeds are multiplied.
+        /// Speed factor at which the preload is lost.
         factor: f64,
     },
-    /// The friction of a ball is unknown.
-    #[error("a ball has no friction torque")]
+    /// The friction of a ball cannot be calculated.
+    #[error("the friction torque of a ball could not be calculated")]
     NoFriction,
-    /// The nut cannot carry its load.
+    /// The nut cannot carry a load.
     #[error(transparent)]
     Nut(#[from] NutError),
-    /// The branch of states ends at a jump of friction (where balls begin to slide) or of loads.
+    /// The branch of steady states ends at a jump of friction (where balls begin to slide) or of
+    /// ball loads.
     #[error(
-        "the warm states end at {factor:.2} of these speeds, where friction or loads of the balls jump"
+        "the warm states end at {factor:.2} times these speeds, where the friction or the loads of the balls jump"
     )]
     Jump {
-        /// Speed factor, by which all speeds are multiplied.
+        /// Speed factor at which the branch ends.
         factor: f64,
     },
-    /// The search did not find a state.
-    #[error("the warm state is not found")]
+    /// The search did not find a steady state.
+    #[error("no warm state was found")]
     NotFound,
 }
 
@@ -180,26 +183,26 @@ impl From<Option<NutError>> for NoSteadyState {
     }
 }
 
-/// The heat balance of a nut.
+/// Heat balance of a nut.
 struct HeatBalance<'a> {
     nut: &'a WarmNut<'a>,
-    /// Reciprocal of the heat at the temperatures of the surroundings.
+    /// Reciprocal of the heat generated at the temperatures without friction.
     weight: f64,
-    /// False if the nut has lost its preload.
+    /// False after the nut has lost its preload.
     has_preload: Cell<bool>,
-    /// Models of the balls. They are constant during a solve, because friction jumps where a ball
-    /// chooses another model.
+    /// Models of the balls. They are held constant during a solve, because the friction jumps where
+    /// a ball chooses another model.
     models: ModelsOfPhases,
 }
 
-/// Derivatives of the heat of nut, screw and balls with respect to the temperatures of all nodes.
+/// Derivatives of the heat at nut, screw and balls with respect to the temperatures of all nodes.
 type HeatSlopes = [[f64; NODES]; FRICTION_NODES];
 
-/// The heat balance at one speed factor.
+/// Heat balance at a fixed speed factor.
 struct BalanceAtSpeed<'a>(&'a HeatBalance<'a>, f64);
 
 impl HeatBalance<'_> {
-    /// Returns loads, friction and heat of the nut at given temperature rises.
+    /// Returns heat, loads and friction of the nut at given temperature rises.
     ///
     /// * `between_loads`: permitted relative error of the friction that is interpolated between
     ///   ball loads.
@@ -211,15 +214,16 @@ impl HeatBalance<'_> {
     ) -> Result<NutAtTemperature, EvalError> {
         let heated = self.nut.heated_to(rises, factor, false, between_loads, &self.models);
         let heated = heated.map_err(|_| EvalError {
-            quantity: "rise of the balls [K]",
+            quantity: "temperature rise of the balls [K]",
             value: rises[2],
-            requirement: "such that the nut carries its load and every ball has friction",
+            requirement: "the nut must carry its load, and the friction of every ball must be known",
         })?;
         self.has_preload.set(self.nut.preload.is_none() || heated.preload > 0.0);
         Ok(heated)
     }
 
-    /// Returns the residual of the heat balance, `$M T - r - P(T)$` (I8), and the heated nut.
+    /// Returns the residual of the heat balance, `$M T - r - P(T)$` (I8), together with heat and
+    /// loads of the nut.
     fn heat_residual(
         &self,
         rises: &[f64; NODES],
@@ -229,7 +233,7 @@ impl HeatBalance<'_> {
         Ok((self.left_with(rises, factor, &heated.heat), heated))
     }
 
-    /// Returns the residual of the heat balance for a known heat of the nodes.
+    /// Returns the residual of the heat balance if the heat at each node is known.
     fn left_with(&self, rises: &[f64; NODES], factor: f64, heat: &[f64; NODES]) -> [f64; NODES] {
         let (matrix, received) = self.nut.network(factor).balance();
         from_fn(|i| {
@@ -238,8 +242,8 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// Returns the derivatives `$P'$` with a relative error of a thousandth, and the heat from
-    /// which they are calculated, for the steps of Newton's method and of the continuation.
+    /// Returns the derivatives `$P'$` with a relative error of 0.001, and the heat from which they
+    /// are calculated. They are used in Newton and continuation steps.
     fn slopes_of_step(
         &self,
         rises: &[f64; NODES],
@@ -249,8 +253,8 @@ impl HeatBalance<'_> {
         Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
 
-    /// Returns the derivatives `$P'$`: one-sided differences if the heat at these rises is given
-    /// (`here`), otherwise central differences.
+    /// Returns the derivatives `$P'$`. If the heat at these temperature rises is given in `here`,
+    /// one-sided differences are used; otherwise, central differences.
     fn slopes(
         &self,
         rises: &[f64; NODES],
@@ -259,7 +263,8 @@ impl HeatBalance<'_> {
     ) -> Result<HeatSlopes, EvalError> {
         let between_loads = if here.is_some() { STEP_FRICTION_TOLERANCE } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
-        // The temperatures of the screw ends affect the nut only through the tension of the screw.
+        // The temperatures of the screw ends influence the nut only through the axial tension of
+        // the screw.
         let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
@@ -279,14 +284,14 @@ impl HeatBalance<'_> {
         Ok(slopes)
     }
 
-    /// Returns the matrix `$M - P'$`.
+    /// Returns the rows of the matrix `$M - P'$`.
     fn rows(&self, slopes: &HeatSlopes, factor: f64) -> [[f64; NODES]; NODES] {
         let (matrix, _) = self.nut.network(factor).balance();
         from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
     }
 
-    /// Returns `$P' M^{-1}$` for nut, screw and balls. This matrix has all nonzero eigenvalues of
-    /// `$M^{-1} P'$`.
+    /// Returns `$P' M^{-1}$`, reduced to nut, screw and balls. It has the same nonzero eigenvalues
+    /// as `$M^{-1} P'$`.
     fn loop_matrix(
         &self,
         slopes: &HeatSlopes,
@@ -309,8 +314,9 @@ impl HeatBalance<'_> {
         gains
     }
 
-    /// Returns the steady temperature rises at a speed factor and the heated nut. The search starts
-    /// at the given rises.
+    /// Returns the steady-state temperature rises at a speed factor, together with heat and loads
+    /// of the nut. The search starts at the given temperature rises. Returns `None` if it does not
+    /// converge.
     fn steady_rises(
         &self,
         mut rises: [f64; NODES],
@@ -337,7 +343,8 @@ impl HeatBalance<'_> {
         Some((rises, heated))
     }
 
-    /// Returns the state at steady temperature rises, with its loop gain.
+    /// Returns the complete steady state at steady-state temperature rises, including its loop
+    /// gain.
     fn state_at(
         &self,
         (rises, heated): ([f64; NODES], NutAtTemperature),
@@ -356,7 +363,7 @@ impl HeatBalance<'_> {
         Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
     }
 
-    /// Returns the same heat balance with other models of the balls.
+    /// Returns this heat balance with other ball models.
     fn with_models(self, models: ModelsOfPhases) -> Self {
         Self { models, ..self }
     }
@@ -365,7 +372,8 @@ impl HeatBalance<'_> {
         rises.iter().any(|rise| self.nut.set + rise > MAX_TEMPERATURE)
     }
 
-    /// Returns true if the last state of a continuation is admissible.
+    /// Returns true if the last state of a continuation is below the temperature limit and has a
+    /// preload.
     fn counts(&self, trace_branch: &Trace<{ NODES + 1 }>) -> bool {
         !self.is_too_hot(&trace_branch.last[..NODES]) && self.has_preload.get()
     }
@@ -382,8 +390,7 @@ impl HeatBalance<'_> {
         }
     }
 
-    /// Returns a state and its speed factor at which the continuation begins. The speed is so low
-    /// that the state is near the state at rest.
+    /// Returns a steady state at low speed and its speed factor, at which the continuation starts.
     fn slow(&self, rest: [f64; NODES]) -> Result<([f64; NODES], f64), NoSteadyState> {
         let state = |factor: f64| {
             let (rises, _) = self.steady_rises(rest, factor)?;
@@ -398,10 +405,10 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// Follows the branch from a state until `continues` returns false. Event 0 is a crossing of the
-    /// given speeds (speed factor 1), and event 1 is a fold.
+    /// Follows the branch from a given state until `continues` returns false. Event 0 is a crossing
+    /// of the given speeds (speed factor 1), and event 1 is a fold.
     ///
-    /// * `longest`: largest step in units of [`SIZES`].
+    /// * `longest`: maximum step in units of [`SIZES`].
     fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
@@ -414,7 +421,7 @@ impl HeatBalance<'_> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
         let control = StepControl {
             longest,
-            // A step must not be shorter than the step of the finite differences.
+            // A step must not be shorter than the step size of finite differences.
             shortest: DIFFERENCE / SIZES.0,
             root_tolerance: ROOT_TOLERANCE,
             goal: RESIDUAL_TOLERANCE,
@@ -518,28 +525,28 @@ impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
 
 impl WarmNut<'_> {
     /// Returns the stable steady state at the given speeds. The search starts at the temperatures
-    /// of the surroundings and, if this fails, follows the branch from rest.
+    /// without friction. If it fails, it follows the branch that begins at standstill.
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`] with the fold if the temperatures run away, or with another reason.
+    /// Returns [`NoSteadyState`]. If the temperatures run away, it contains the fold.
     pub fn steady(&self) -> Result<Steady, NoSteadyState> {
         self.steady_from(None)
     }
 
-    /// Does the same as [`steady`](Self::steady), but starts at the temperature rises of a
-    /// neighboring point. This saves steps and leads to the same state, unless there are two
-    /// states.
+    /// Calculates the same result as [`steady`](Self::steady), but starts at the temperature rises
+    /// of a neighboring solution. This saves iterations and leads to the same state, unless there
+    /// are two stable states.
     ///
     /// # Errors
     ///
-    /// The errors of [`steady`](Self::steady).
+    /// Returns the same errors as [`steady`](Self::steady).
     pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
-            // With the models for the cold loads there is no state, so the balls choose their
-            // models at every step.
+            // No state exists with the ball models for cold loads, so the balls choose their models
+            // at every step.
             Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
                 return Self::steady_with_models(&balance.with_models(Vec::new()), rest, near);
             }
@@ -550,12 +557,12 @@ impl WarmNut<'_> {
         }
         let decided = self.models(&state.rises, 1.0, &state.heated);
         let decided = decided.ok_or(NoSteadyState::NoFriction)?;
-        // A state may exist on only one side of the jump.
+        // A steady state may exist on only one side of the jump.
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
-    /// Returns the stable state of a heat balance. The balls use the models that the heat balance
-    /// specifies. If it specifies none, the balls choose their models at every step.
+    /// Returns the stable steady state for a heat balance with given ball models. If no models are
+    /// given, the balls choose their models at every step.
     ///
     /// * `near`: temperature rises at which the search starts.
     fn steady_with_models(
@@ -588,11 +595,13 @@ impl WarmNut<'_> {
         }
     }
 
-    /// Returns the fold above a stable state, if the speed factor of the fold is at most `most`.
+    /// Returns the fold at speeds above a stable state, or `None` if its speed factor exceeds
+    /// `most`.
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`] with the reason and the speed factor if the branch ends without a fold.
+    /// Returns [`NoSteadyState`] with the reason and the speed factor if the branch ends without a
+    /// fold.
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
         let balance = balance.with_models(state.models.clone());
@@ -615,13 +624,13 @@ impl WarmNut<'_> {
         balance.folded(&fold.z, unstable).map(Some)
     }
 
-    /// Returns the branch of states from rest up to the speed factor `most`, or through its fold
-    /// and somewhat beyond. The branch ends where a state exceeds 180 °C or has no preload. The
-    /// fold is one of the points.
+    /// Returns points on the branch of steady states from standstill up to the speed factor `most`,
+    /// or through the fold and somewhat beyond. The branch ends where a temperature exceeds 180 °C
+    /// or the preload is lost. The fold itself is one of the points.
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`] if there is no state even at low speed.
+    /// Returns [`NoSteadyState`] if no state exists even at low speed.
     pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
         let (mut balance, rest) = self.at_rest()?;
         if let Ok(state) = self.steady() {
@@ -651,7 +660,7 @@ impl WarmNut<'_> {
         points.into_iter().map(point).collect()
     }
 
-    /// Returns the heat balance and the temperature rises without friction heat.
+    /// Returns the heat balance, and the temperature rises without frictional heat.
     fn at_rest(&self) -> Result<(HeatBalance<'_>, [f64; NODES]), NoSteadyState> {
         let motor = HeatSources { motor: self.motor, ..HeatSources::default() };
         let rest = self.network(1.0).rises(&self.axis.heats(&motor))?;
@@ -663,7 +672,7 @@ impl WarmNut<'_> {
     }
 }
 
-/// Returns true if every ball that has a model in both lists has the same model in both.
+/// Returns true if all balls that have a model in both lists have the same model in both lists.
 fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
     let phases = one.iter().zip(other);
     phases.flat_map(|(one, other)| one.iter().zip(other)).all(|pair| match pair {
@@ -672,8 +681,8 @@ fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
     })
 }
 
-/// Returns the largest real part of the eigenvalues of a matrix (I18), or NaN if the iteration for
-/// the eigenvalues does not converge.
+/// Returns the largest real part of the eigenvalues of a matrix (I18), or NaN if the eigenvalue
+/// iteration does not converge.
 fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
     let matrix = Matrix3::from_fn(|i, k| a[i][k]);
     let schur = Schur::try_new(matrix, f64::EPSILON, MAX_QR_SWEEPS);
@@ -687,7 +696,7 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The matrices are triangular, contain a rotation in a plane, or are zero.
+    /// The test matrices are triangular, contain a rotation in a plane, or are zero.
     #[test]
     fn largest_real_part_matches_the_known_eigenvalues() {
         let cases = [
@@ -698,7 +707,8 @@ mod tests {
         ];
         for (matrix, largest) in cases {
             let found = largest_real_part(&matrix);
-            // The tolerance allows for rounding of an orthogonal reduction of entries of order ten.
+            // The tolerance allows for rounding errors of an orthogonal reduction with entries of
+            // order ten.
             assert!((found - largest).abs() < 1e-12, "{matrix:?}: {found}, not {largest}");
         }
     }

@@ -1,5 +1,5 @@
-//! Random nuts with random combinations of all features. Each nut finds its equilibrium, or reports
-//! that nothing carries its load.
+//! Tests with random nuts and random combinations of all features. For each nut, the solver must
+//! find the equilibrium or report that nothing carries the load.
 
 use crate::nuts;
 
@@ -16,7 +16,7 @@ use nuts::with_circuits;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Returns a random nut with 1 to 400 balls and random features.
+/// Returns a random nut with 1 to 400 balls and randomly selected features.
 pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     let ball = rng.log_uniform(1e-3, 12e-3);
     let pitch = ball * rng.random_range(4.0..16.0);
@@ -85,10 +85,11 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// Returns a random axial load up to about half of the dynamic load rating, a transverse load and a
-/// moment, for a free, guided or spring-supported nut.
+/// Returns a random support, which is free, guided or sprung. The axial load is up to about half of
+/// the dynamic load rating, and there are transverse loads and moments.
 pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
-    // Half of C_a is about 250 N/mm² times the square of the ball diameter times Z^0.8 for Z balls.
+    // For Z balls, half of C_a is about 250 N/mm² times the square of the ball diameter times
+    // Z^0.8.
     let most = 250e6
         * 4.0
         * nut.ball.radius.powi(2)
@@ -109,12 +110,12 @@ pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// Compares the stiffness with the slope of the forces under prescribed displacements, in one
-/// direction of all degrees of freedom.
-fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
+/// Checks that the stiffness equals the slope of the forces under prescribed displacements, in one
+/// direction that combines all degrees of freedom.
+fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, point: u32) {
     let radius = nut.helix.radius;
     let arms = [1.0, -1.0, 1.0, 1.0 / radius, -1.0 / radius];
-    // The step is one nanometer, while contact approaches are micrometers.
+    // The step is one nanometer, and the elastic approaches are of the order of micrometers.
     let step = 1e-9;
     let held = |sign: f64| {
         let at = |i: usize| Freedom::Held(found.displacement[i] + sign * step * arms[i]);
@@ -129,8 +130,8 @@ fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
         let along =
             |of: &Equilibrium| -> f64 { (0..5).map(|k| of.stiffness[i][k] * arms[k]).sum() };
         let slope = (above.carried[i] - below.carried[i]) / (2.0 * step);
-        // The slope is the mean of the stiffness between both ends, where balls may come into
-        // contact. Forces balance to 1e-12 of their sum in each of about ten degrees of freedom.
+        // The slope is the mean stiffness between both ends of the step, where contacts may open or
+        // close. Forces are balanced to 1e-12 of their sum in each of about ten unknowns.
         let changes = (along(&above) - along(found)).abs() + (along(&below) - along(found)).abs();
         let allowed = changes + 1e-11 * forces / step / arm;
         let off = (slope - along(found)).abs();
@@ -138,10 +139,10 @@ fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
     }
 }
 
-/// Returns the counts of a campaign: solved nuts, nuts that carry no load, the worst imbalance, and
-/// the largest number of steps.
+/// Solves random nuts. Returns the number of solved nuts, the number of nuts that cannot carry
+/// their load, the largest residual and the largest number of steps.
 ///
-/// * `every`: the stiffness of every n-th nut is compared with differences.
+/// * `every`: interval between nuts whose stiffness is compared with finite differences.
 fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
@@ -157,19 +158,19 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
                     for k in 0..i {
                         let k5 = found.stiffness;
                         let size = (k5[i][i] * k5[k][k]).sqrt();
-                        // The tolerance allows for the rounding error of a sum over a hundred
-                        // balls.
+                        // The tolerance allows for rounding errors in a sum over a hundred balls.
                         let off = (k5[i][k] - k5[k][i]).abs();
                         assert!(off <= 1e-9 * size, "{point}: {off:e} of {size:e}");
                     }
                 }
                 if point % every == 0 {
-                    stiffness_is_a_slope(&nut, &found, point);
+                    assert_stiffness_equals_slope_of_forces(&nut, &found, point);
                 }
                 let numbers = found.balls.iter().flat_map(|b| b.loads).chain(found.displacement);
                 assert!(numbers.into_iter().all(f64::is_finite), "{point}");
             }
-            // The nut has one flank, or only a few balls far from the load.
+            // These nuts have only one flank, or a few balls far from the line of action of the
+            // load.
             Err(
                 NutError::NothingCarries { .. }
                 | NutError::BallLeavesFlank { .. }
@@ -181,15 +182,15 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     (solved, nothing, worst, most)
 }
 
-/// Runs a campaign and checks the properties that every nut must have.
+/// Solves random nuts and checks the properties that every nut must have.
 #[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
 fn check_campaign(points: u32, seed: u64, every: u32) {
     let (solved, nothing, worst, most) = campaign(points, seed, every);
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
-    // A flank carries loads in one direction only, which excludes a twelfth of the draws. In one of
-    // 25 draws a ball leaves its flank.
+    // A single flank carries loads in one direction only, which affects one twelfth of the nuts. In
+    // about one of 25 nuts, a ball leaves its flank.
     assert!(nothing < points / 7, "{nothing}");
 }
 
@@ -198,14 +199,14 @@ fn random_nuts_find_their_equilibrium() {
     check_campaign(1_000, 1, 10);
 }
 
-/// Runs the whole campaign: `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
+/// Run the whole campaign with `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten thousand nuts take minutes"]
 fn ten_thousand_random_nuts_find_their_equilibrium() {
     check_campaign(10_000, 2026, 1);
 }
 
-/// Returns an extreme nut, with play, oversize, errors, conformities and speeds far beyond
+/// Returns an extreme nut whose play, oversize, errors, conformities and speeds may be far beyond
 /// practical values.
 fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     let mut nut = nut(rng);
@@ -232,8 +233,8 @@ fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// Returns loads over eight orders of magnitude, or displacements of up to the depth of a groove
-/// and tilts of tenths of a radian.
+/// Returns an extreme support. Loads cover many orders of magnitude, or displacements of up to one
+/// percent of the ball radius and corresponding tilts are prescribed.
 fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     let mut support = support(rng, nut);
     let size = rng.log_uniform(1e-6, 10.0);
@@ -253,14 +254,15 @@ fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// Returns a defect of an equilibrium, found from the balance of its loads and angles alone.
+/// Returns a description of a defect in an equilibrium, or `None` if there is none. The check uses
+/// only the loads and contact angles of the result.
 fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
     let middle = nut.middle();
     let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
     for (number, (ball, position)) in found.balls.iter().zip(&found.positions).enumerate() {
-        // Sums the force of each body on the ball along binormal and principal normal.
+        // The forces of each body on the ball are summed along binormal and principal normal.
         let (mut of_body, mut size) = ([[0.0; 2]; 2], outward);
         for c in 0..4 {
             let (load, angle) = (ball.loads[c], ball.angles[c]);
@@ -270,7 +272,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             if load == 0.0 {
                 continue;
             }
-            // Checks the limits of a flank, with a tolerance for rounding of the position.
+            // Contact angles must be within the limits of a flank, with a tolerance for rounding
+            // errors of the position.
             if !(-1e-6..=0.5 * PI + 1e-6).contains(&angle) {
                 return Some(format!("ball {number} is at {:.3} deg", angle.to_degrees()));
             }
@@ -280,8 +283,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             size += load;
         }
         let left = (of_body[0][0] + of_body[1][0]).hypot(of_body[0][1] + of_body[1][1] - outward);
-        // The ball equilibrium is solved to 1e-7 of its forces and to the rounding of its position,
-        // here 1e-6 of the forces.
+        // The solver balances the forces on a ball to 1e-7, or to the rounding error of its
+        // position, which is 1e-6 of the forces here.
         if left > 1e-6 * size {
             return Some(format!("ball {number} is out of balance by {:e}", left / size));
         }
@@ -308,8 +311,7 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             Freedom::Loaded(load) => load,
             Freedom::Sprung { stiffness, load } => load - stiffness * found.displacement[i],
         };
-        // The search ends at 1e-12 of the forces, or at 1e-10 if the bodies deform strongly. The
-        // lever arm of tilts is the length of the nut.
+        // The solver stops at 1e-12 of the forces, or at 1e-10 if the bodies deform strongly.
         let left = (on_balls[i] - load).abs() / arms[i];
         if left > 1e-6 * (forces + load.abs() / arms[i]) {
             return Some(format!("freedom {i} is out of balance by {left:e} of {forces:e} N"));
@@ -318,8 +320,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
     None
 }
 
-/// Extreme nuts are either in equilibrium according to their own loads and angles, or rejected with
-/// a reason. Both kinds are counted.
+/// Checks that extreme nuts are either in equilibrium according to their own loads and contact
+/// angles, or are rejected with a reason. The numbers of both outcomes are printed.
 #[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
 fn check_extreme_campaign(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -353,7 +355,7 @@ fn check_extreme_campaign(points: u32, seed: u64) {
         "{solved} in balance; nothing carries {nothing}, a ball leaves its flank in {leaves}, not converged \
          {not_converged}, a ball not balanced in {ball}, too large in {large}"
     );
-    // At least a third of the draws are nuts that carry their load.
+    // At least one third of the nuts must carry their load.
     assert!(3 * solved >= points, "{solved} of {points}");
 }
 
@@ -362,7 +364,7 @@ fn extreme_nuts_are_in_equilibrium_or_rejected() {
     check_extreme_campaign(300, 37);
 }
 
-/// Runs the whole campaign: `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
+/// Run the whole campaign with `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten times as many nuts"]
 fn three_thousand_extreme_nuts_are_in_equilibrium_or_rejected() {

@@ -1,4 +1,4 @@
-//! Limits, identities and expected errors of the nut.
+//! Tests of limiting cases, identities and expected errors of the nut model.
 
 use crate::nuts;
 
@@ -19,12 +19,12 @@ fn circuit(start_deg: f64, arc_deg: f64, balls: usize, flanks: Flanks) -> Circui
     Circuit { start, arc, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// Returns a nut with 98 balls on 4.81 turns and both flanks.
+/// Returns a nut with 98 balls on 4.81 turns, in which both flanks can carry load.
 fn nut_a() -> BallNut {
     with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Both)])
 }
 
-/// Returns two nut bodies pressed against each other, without offset.
+/// Returns a pair of nut bodies on opposite flanks, without an offset between them.
 fn pair() -> BallNut {
     let second = Circuit { body: 1, ..circuit(1440.0, 1080.0, 60, Flanks::Minus) };
     with_circuits(vec![circuit(0.0, 1080.0, 60, Flanks::Plus), second])
@@ -35,25 +35,26 @@ fn prescribed_displacements(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
 
-/// In a rigid, guided nut every ball carries an equal share, which the closed form gives.
+/// In a rigid, guided nut, all balls carry the equal load given by the closed formula.
 #[test]
-fn a_guided_rigid_nut_shares_equally() {
+fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
     let nut = nut_a();
     let equal = nut.equal(6340.0).expect("load");
     let found = nut.solve(&Support::guided(6340.0)).expect("load");
     for ball in &found.balls {
-        // Both searches end at a balance of forces to 1e-12.
+        // Both calculations balance the forces to 1e-12.
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
-    // The search starts from this solution.
+    // The search starts from the solution with equal loads.
     assert!(found.steps <= 1, "{}", found.steps);
     assert!(!nut.shares_equally(&Support::free(6340.0)));
     let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     assert!(one_flank.shares_equally(&Support::guided(6340.0)));
 }
 
-/// The stiffness is the slope of the forces under prescribed displacements, with all bodies.
+/// The stiffness equals the slope of the forces under prescribed displacements, even if all bodies
+/// are elastic.
 #[test]
 fn stiffness_is_the_slope_of_the_forces() {
     let mut nut = nut_a();
@@ -74,21 +75,21 @@ fn stiffness_is_the_slope_of_the_forces() {
         for i in 0..5 {
             let slope = (above[i] - below[i]) / (2.0 * step);
             let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
-            // The tolerance allows for rounding of forces of 1e4 N over steps of a nanometer and
-            // for the third derivative.
+            // The tolerance allows for rounding errors of forces of 1e4 N with steps of one
+            // nanometer, and for the third derivative.
             let allowed = 1e-6 * size;
             assert!((slope - found.stiffness[i][k]).abs() < allowed, "{i} {k}");
         }
     }
 }
 
-/// The forces carry the load up to rounding, and the stiffness matrix is symmetric.
+/// The ball forces carry the load within rounding errors, and the stiffness matrix is symmetric.
 #[test]
 fn forces_add_up_to_the_load() {
     let load = [8000.0, 300.0, -500.0, 20.0, 40.0];
     let found = nut_a().solve(&Support(load.map(Freedom::Loaded))).expect("carried");
     for (carried, load) in found.carried.iter().zip(load) {
-        // The iteration ends at 1e-12 of the sum of all forces.
+        // The iteration stops at 1e-12 of the sum of all forces.
         assert!((carried - load).abs() < 1e-8, "{carried} {load}");
     }
     for i in 0..5 {
@@ -100,10 +101,10 @@ fn forces_add_up_to_the_load() {
     }
 }
 
-/// With stiff bars, the load decreases from the anchors according to the first-order theory of the
-/// chain.
+/// With stiff bars anchored on one side, the ball loads decrease with the distance from the anchors
+/// as predicted by first-order theory.
 #[test]
-fn stiff_bars_of_one_side_raise_the_first_ball() {
+fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
     let mut nut = nut_a();
     let positions = nut.positions();
     let (first, last) = (positions[0].z, positions[positions.len() - 1].z);
@@ -113,25 +114,26 @@ fn stiff_bars_of_one_side_raise_the_first_ball() {
         *bar = Some(Bar { stiffness, anchor: first });
     }
     let found = nut.solve(&Support::guided(10e3)).expect("carried");
-    // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. The next order and the spacing of a
-    // hundred balls contribute 1e-3 of this increase.
+    // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. The next order and the finite
+    // spacing of the balls change this increase by about 1e-3.
     let small = equal.stiffness * (last - first) * 2.0 / stiffness;
     let axial = |i: usize| found.balls[i].force[0];
     let mean = (0..98).map(axial).sum::<f64>() / 98.0;
     assert_relative_eq!(axial(0) / mean - 1.0, small / 3.0, max_relative = 0.03);
 }
 
-/// The radial components of the forces in a free nut cause a moment, which a tilt must balance.
+/// In a free nut, the radial components of the ball forces cause a moment, which only a tilt can
+/// balance.
 #[test]
 fn a_free_nut_tilts_under_a_central_load() {
     let found = nut_a().solve(&Support::free(6340.0)).expect("carried");
-    // An independent solution prints max/mean = 1.2536 at a tenth of the rating.
+    // An independent solution gives max/mean = 1.2536 at one tenth of the rating.
     assert_relative_eq!(found.concentration(), 1.2536, epsilon = 6e-5);
     let tilt = found.displacement[3].hypot(found.displacement[4]);
     assert!((14e-6..220e-6).contains(&tilt), "{tilt:e}");
 }
 
-/// Load concentrations agree with an independent implementation to the printed digits.
+/// Load concentrations match the printed digits of an independent implementation.
 #[test]
 fn load_concentrations_match_an_independent_solution() {
     let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
@@ -148,23 +150,23 @@ fn load_concentrations_match_an_independent_solution() {
     }
 }
 
-/// Torsion of the screw increases its compliance by 4 (1 + ν) (h/r)², according to the closed form
-/// for a solid shaft.
+/// Torsion of the screw increases its compliance by the factor 1 + 4 (1 + ν) (h/r)², which is the
+/// closed formula for a solid shaft.
 #[test]
 fn torsion_reduces_the_stiffness_of_the_screw() {
     let nut = nut_a();
     let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
     let radius = 0.5 * nut.groove_diameters()[0];
     let per_radian = nut.helix.lead() / TAU;
-    // The values differ by rounding only.
+    // Both values differ only by rounding errors.
     assert_relative_eq!(ratio, 1.0 + 5.2 * (per_radian / radius).powi(2), max_relative = 1e-14);
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
 
-/// A deep-groove ball bearing, modeled as a nut with zero lead, agrees with a commercial program
-/// for ISO/TS 16281.
+/// A deep-groove ball bearing, modeled as a nut with zero lead, matches a commercial program for
+/// ISO/TS 16281.
 #[test]
-fn a_nut_of_zero_lead_is_a_ball_bearing() {
+fn nut_with_zero_lead_is_a_ball_bearing() {
     let radius = 5.75e-3;
     let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
     let bearing = |gap: f64| BallNut {
@@ -185,7 +187,7 @@ fn a_nut_of_zero_lead_is_a_ball_bearing() {
     };
     let radial = [false, true, true, false, false];
     let force = [0.0, -1000.0, 0.0, 0.0, 0.0];
-    // The values are published with five or six digits.
+    // The published values have five or six digits.
     assert_relative_eq!(-at(0.0, force, radial)[1], 15.1101e-6, max_relative = 1e-5);
     assert_relative_eq!(-at(5e-6, force, radial)[1], 21.223e-6, max_relative = 1e-5);
     let axial = [1000.0, 0.0, 0.0, 0.0, 0.0];
@@ -196,16 +198,16 @@ fn a_nut_of_zero_lead_is_a_ball_bearing() {
 /// In the limit of zero preload, the limit load is 2√2 times the preload, and the stiffness is 3
 /// F_p/δ_p.
 #[test]
-fn limit_load_and_stiffness_of_small_preloads_follow_hertz() {
+fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
     let pair = pair();
     let support = Support::guided(0.0);
     let force = 1.0;
     let offset = pair.preload_displacement(PreloadKind::Offset, force, &support).expect("reached");
     let nut = pair.preloaded(PreloadKind::Offset, offset);
     let found = nut.solve(&support).expect("at rest");
-    // The root is found to 1e-13 of the offset.
+    // The offset is calculated to 1e-13.
     assert_relative_eq!(found.preload(&nut, PreloadKind::Offset), force, max_relative = 1e-9);
-    // Contact angles change by 2e-4 under one newton.
+    // A preload of one newton changes the contact angles by 2e-4.
     let stiffness = 3.0 * force / (0.5 * offset);
     assert_relative_eq!(found.stiffness[0][0], stiffness, max_relative = 1e-3);
     let limit = nut.limit_load(PreloadKind::Offset, &support, 1.0).expect("a limit");
@@ -214,9 +216,9 @@ fn limit_load_and_stiffness_of_small_preloads_follow_hertz() {
     assert_relative_eq!(other, -limit, max_relative = 1e-6);
 }
 
-/// The displacement that causes a given preload is found for a pair and for oversize balls.
+/// The displacement required for a given preload is found for a pair and for oversize balls.
 #[test]
-fn displacement_of_a_given_preload_is_found() {
+fn displacement_for_a_given_preload_is_found() {
     let pair = pair();
     let support = Support::guided(0.0);
     let offset = pair.preload_displacement(PreloadKind::Offset, 3000.0, &support).expect("reached");
@@ -232,13 +234,12 @@ fn displacement_of_a_given_preload_is_found() {
         2000.0,
         max_relative = 1e-9
     );
-    // At rest, both flanks of every ball carry the same load.
+    // At rest, both flanks of every ball carry equal loads.
     let ball = at_rest.balls[17];
     assert_relative_eq!(ball.loads[0], ball.loads[1], max_relative = 1e-9);
 }
 
-/// Returns a pair with nut bodies pressed against each other by 2500 N without temperature rise, in
-/// X or O arrangement.
+/// Returns a pair in X or O arrangement with a preload of 2500 N at the assembly temperature.
 fn cold_pair(x: bool) -> BallNut {
     let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
     let (pitch, lead) = (41.336e-3, 12e-3);
@@ -256,15 +257,16 @@ fn cold_pair(x: bool) -> BallNut {
     let force = if x { 2500.0 } else { -2500.0 };
     let offset = nut.preload_displacement(PreloadKind::Offset, force, &Support::guided(0.0));
     let offset = offset.expect("a preload");
-    // The reference value is ∓11.784697 um, printed with eight digits.
+    // The reference value ∓11.784697 um is printed with eight digits.
     assert_relative_eq!(offset, force.signum() * 11.784_697e-6, max_relative = 1e-7);
     nut.preloaded(PreloadKind::Offset, offset)
 }
 
-/// A preload force used to be set again in the warm nut, and a uniformly warm nut lost its preload
-/// by growth. The reference values come from an independent solution with ten digits.
+/// The preload is set at the assembly temperature. It used to be set again in the warm nut, and a
+/// uniformly warm nut lost its preload by thermal expansion. The reference values come from an
+/// independent solution with ten digits.
 #[test]
-fn a_preload_is_set_cold_and_changes_with_the_temperatures() {
+fn preload_is_set_cold_and_changes_with_temperatures() {
     let table = [
         ([0.0, 0.0, 0.0], 2500.0, 2500.0),
         ([0.0, 2.0, 0.0], 3_110.702_842, 2_378.952_327),
@@ -281,15 +283,15 @@ fn a_preload_is_set_cold_and_changes_with_the_temperatures() {
             let warm = pair.warmed(rises, 11.5e-6);
             let found = warm.solve(&Support::guided(0.0)).expect("at rest");
             let left = found.preload(&warm, PreloadKind::Offset);
-            // The preload is found to 1e-13 of the offset. The tolerance allows for the printed
-            // digits.
+            // The preload is accurate to 1e-13 of the offset. The tolerance allows for the number
+            // of printed digits.
             assert_relative_eq!(left, expected, max_relative = 2e-9);
         }
     }
 }
 
-/// A uniform temperature of nut, screw and balls does not change the fit, in any arrangement, with
-/// oversize balls and bars.
+/// A uniform temperature rise of nut, screw and balls does not change the ball loads, neither in
+/// pairs of either arrangement nor in a nut with oversize balls and elastic bars.
 #[test]
 fn a_uniform_temperature_rise_does_not_change_the_ball_loads() {
     let mut single = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
@@ -300,19 +302,20 @@ fn a_uniform_temperature_rise_does_not_change_the_ball_loads() {
     }
 }
 
-/// In an O arrangement, the contact lines of a free pair resist tilting much better than in an X
+/// The contact lines of a free pair resist tilting much better in an O arrangement than in an X
 /// arrangement.
 #[test]
-fn a_pair_pushed_apart_is_stiffer_against_tilt() {
+fn o_arrangement_is_stiffer_against_tilting_than_x_arrangement() {
     let tilt =
         |x: bool| cold_pair(x).solve(&Support::guided(0.0)).expect("at rest").stiffness[3][3];
     let ratio = tilt(false) / tilt(true);
-    // The reference states that one tilt is a fifteenth of the other.
+    // According to the reference, the tilt in one arrangement is one fifteenth of the tilt in the
+    // other.
     assert!((10.0..20.0).contains(&ratio), "{ratio}");
 }
 
-/// A play larger than the groove, or a load that presses the balls out of the groove, used to give
-/// contact angles beyond 90 deg.
+/// A radial gap larger than the groove, or a tilt that presses balls out of the groove, used to
+/// give contact angles beyond 90 deg.
 #[test]
 fn a_ball_that_leaves_its_flank_is_rejected() {
     let mut nut = nut_a();
@@ -323,8 +326,7 @@ fn a_ball_that_leaves_its_flank_is_rejected() {
     assert!(matches!(nut_a().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
 }
 
-/// A load in the direction away from the only flank would move the nut without limit, so it is
-/// rejected.
+/// A load that points away from the only flank would move the nut without limit, so it is rejected.
 #[test]
 fn a_load_away_from_the_only_flank_is_rejected() {
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -334,35 +336,36 @@ fn a_load_away_from_the_only_flank_is_rejected() {
     assert_eq!(empty.expect_err("no balls"), NutError::NoBalls);
 }
 
-/// A screw whose anchor is meters away deforms by more than the depth of a groove, but still
-/// carries its load.
+/// A screw that is anchored meters away from the nut deforms by more than the depth of a groove,
+/// but it still carries its load.
 #[test]
 fn a_long_screw_deforms_but_carries_its_load() {
     let mut nut = nut_a();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let found = nut.solve(&Support::guided(100e3)).expect("carried");
-    // F l/EA is 2.3 mm for 5 m.
+    // The elongation F l/EA is 2.3 mm for a length of 5 m.
     assert!((2.2e-3..2.4e-3).contains(&found.displacement[0]), "{}", found.displacement[0]);
     let one_flank = BallNut { circuits: vec![circuit(0.0, 1731.6, 98, Flanks::Plus)], ..nut };
     let refused = one_flank.solve(&Support::guided(-500.0));
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
 }
 
-/// A prescribed nut displacement far from the screw deforms the bodies. The message used to say
-/// that nothing carries the load.
+/// A prescribed displacement of the nut that is far from the position of an undeformed screw
+/// deforms the bodies. The solver used to report that nothing carries the load.
 #[test]
 fn a_large_prescribed_displacement_deforms_the_bodies() {
     let mut nut = nut_a();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
     let again = nut.solve(&prescribed_displacements(loaded.displacement)).expect("held");
-    // Forces balance to 1e-12 of their sum.
+    // Forces are balanced to 1e-12 of their sum.
     assert_relative_eq!(again.carried[0], 100e3, max_relative = 1e-9);
 }
 
-/// A soft guide acts like a free nut, and a stiff guide like a guided nut.
+/// A nut on soft guides behaves like a free nut, and a nut on stiff guides behaves like a guided
+/// nut.
 #[test]
-fn guide_springs_range_from_free_to_guided() {
+fn guide_springs_cover_the_range_from_free_to_guided() {
     let nut = nut_a();
     let sprung = |stiffness: f64| {
         let mut support = Support::free(6340.0);
@@ -373,17 +376,17 @@ fn guide_springs_range_from_free_to_guided() {
         nut.solve(&support).expect("carried").concentration()
     };
     let free = nut.solve(&Support::free(6340.0)).expect("carried").concentration();
-    // The guide stiffness is 1e-6 or 1e6 times the stiffness of the nut, 1e9 N/m.
+    // The guide stiffness is 1e-6 or 1e6 times the stiffness of the nut, which is 1e9 N/m.
     assert_relative_eq!(sprung(1e3), free, max_relative = 1e-4);
     assert_relative_eq!(sprung(1e15), 1.0, max_relative = 1e-4);
     let between = sprung(1e9);
     assert!(1.01 < between && between < free, "{between}");
 }
 
-/// The friction of equal balls is the friction of one ball times their number. A pair without
-/// external load has a drag due to friction alone.
+/// If all balls are equally loaded, the total friction is the friction of one ball times the number
+/// of balls. In a pair without external load, friction alone causes the torque.
 #[test]
-fn friction_of_equal_balls_adds_up() {
+fn friction_of_equally_loaded_balls_adds_up() {
     let drive = Drive { screw_speed: 500.0 * PI / 30.0, nut_speed: 0.0 };
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -392,7 +395,7 @@ fn friction_of_equal_balls_adds_up() {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
-    // Equal balls are solved once.
+    // The friction of equally loaded balls is calculated only once.
     let mut solves = 0;
     let counted = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, |screw| {
         solves += 1;
@@ -409,7 +412,7 @@ fn friction_of_equal_balls_adds_up() {
     };
     let single = rolling(whole);
     let expected = single.efficiency().expect("solved");
-    // The share of a ball is found to 1e-12 of the load, and the models converge to 1e-10.
+    // The load on a ball is accurate to 1e-12, and the models converge to 1e-10.
     assert_relative_eq!(all.efficiency.expect("a load"), expected, max_relative = 1e-9);
     let heat = single.solved().expect("solved").transmission.power.expect("speed").dissipated;
     assert_relative_eq!(all.heat.expect("all balls"), heat, max_relative = 1e-7);
@@ -421,14 +424,16 @@ fn friction_of_equal_balls_adds_up() {
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
     assert_eq!(all.efficiency, None);
     let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
-    // The terms h F of the two bodies cancel to the rounding of 3000 N.
+    // The terms h F of the two bodies cancel each other within rounding errors of 3000 N.
     assert_relative_eq!(drag, drive_torque, max_relative = 1e-6);
-    // K_p = T 2π/(F_p P_h): a dry friction coefficient of 0.06 gives 0.033 (spec 11.8, two digits).
+    // K_p = T 2π/(F_p P_h): a dry friction coefficient of 0.06 gives 0.033, a value known to two
+    // digits.
     let factor = drag * TAU / (3000.0 * 10e-3);
     assert!((0.028..0.038).contains(&factor), "{factor}");
 }
 
-/// Oversize balls on both flanks cause a drag. Their friction is integrated over four ellipses.
+/// Oversize balls on both flanks cause a drag torque. Their friction is integrated over four
+/// contact ellipses.
 #[test]
 fn oversize_balls_cause_a_drag_torque() {
     let tight = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
@@ -445,8 +450,7 @@ fn oversize_balls_cause_a_drag_torque() {
     // contacts is proportional to the friction coefficient.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // The drag is larger than the drag of a pair with the same preload, whose balls roll with a K_p
-    // of 0.033.
+    // In a pair with the same preload, the balls roll, and K_p is only 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
@@ -455,20 +459,21 @@ fn oversize_balls_cause_a_drag_torque() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// A shift by whole turns along the screw does not change the loads.
+    /// Shifting the nut along the screw by whole turns does not change the ball loads.
     #[test]
     fn a_shift_by_whole_turns_does_not_change_the_loads(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
         let load = Support([axial, side, 0.0, 0.0, 0.0].map(Freedom::Loaded));
         let here = nut_a().solve(&load).expect("carried");
         let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
         let there = there.solve(&load).expect("carried");
-        // Angles of two turns are rounded to 1e-15, and approaches are 1e-4 of the radius.
+        // After two turns, helix angles have rounding errors of 1e-15, and elastic approaches are
+        // 1e-4 of the radius.
         prop_assert!((here.max_load() / there.max_load() - 1.0).abs() < 1e-9);
     }
 
-    /// No ball carries more than the bound, whatever the errors and the bars are.
+    /// No ball carries more than the bound, regardless of manufacturing errors and elastic bars.
     #[test]
-    fn no_ball_carries_more_than_the_bound(
+    fn no_ball_load_exceeds_the_bound(
         axial in 500.0..40e3_f64,
         amplitude in 0.0..4e-6_f64,
         phase in 0.0..TAU,
@@ -483,13 +488,13 @@ proptest! {
         nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
         let found = nut.solve(&Support::guided(axial)).expect("carried");
         let bound = nut.load_bound(axial).expect("a bound");
-        // (U27) is of first order in the excess of the balls, with an error of 1 %.
+        // (U27) is only of first order in the excess of the ball radius, with an error of 1 %.
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// A nut with both flanks carries any load. The forces balance to 1e-12.
+    /// A nut with both flanks carries any load, and forces are balanced to 1e-12.
     #[test]
-    fn every_load_is_carried(
+    fn nut_with_both_flanks_carries_every_load(
         load in prop::array::uniform5(-1.0..1.0_f64),
         size in -1.0..5.0_f64,
         gap in 0.0..20e-6_f64,
@@ -507,12 +512,13 @@ proptest! {
     }
 }
 
-/// Warm balls take up the play of a single nut, and press on both flanks only if they close it. At
-/// this point, a nut without oversize has the preload of balls with the remaining excess.
+/// In a single nut, the thermal expansion of the balls first takes up the play. The balls press on
+/// both flanks only after the play is closed. The preload is then the same as with oversize balls
+/// whose excess is the remaining expansion.
 #[test]
-fn warm_balls_of_a_single_nut_grow_into_its_play() {
+fn thermal_expansion_of_balls_takes_up_the_play_first() {
     let rises = [0.0, 0.0, 10.0];
-    // Δr = r_b α_T ΔT, and the play that it takes up
+    // The expansion is Δr = r_b α_T ΔT, and `taken` is the play that it takes up.
     let growth = nut_a().ball.radius * 11.5e-6 * 10.0;
     let taken = 4.0 * growth / (nut_a().contact_angle.sin() * nut_a().helix.lead_angle.cos());
     let preload = |play: Option<f64>| {
@@ -526,13 +532,13 @@ fn warm_balls_of_a_single_nut_grow_into_its_play() {
         assert!(preload(play).0.abs() <= 0.0, "{play:?}");
     }
     let (_, errors) = preload(Some(3.0 * taken));
-    // Relative rounding error of a difference of two plays.
+    // The tolerance is the relative rounding error of the difference between two plays.
     assert_relative_eq!(errors.axial_play.expect("a play"), 2.0 * taken, max_relative = 1e-12);
     let (half, _) = preload(Some(0.5 * taken));
     let oversize = nut_a().preloaded(PreloadKind::Oversize, growth);
     let found = oversize.solve(&Support::guided(0.0)).expect("at rest");
     let expected = found.preload(&oversize, PreloadKind::Oversize);
-    // The solver finds equilibria to 1e-12 of the loads.
+    // The solver balances forces to 1e-12 of the loads.
     assert!(expected > 0.0);
     assert_relative_eq!(half, expected, max_relative = 1e-9);
 }

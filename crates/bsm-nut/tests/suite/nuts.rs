@@ -1,4 +1,4 @@
-//! The screw of the tests: 40 mm x 10 mm with balls of 6.35 mm.
+//! Screw used in the tests: 40 mm x 10 mm with 6.35 mm balls.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
-//! Reference cases of `validation/published/nut`: all loads, angles, displacements, reactions,
-//! stiffnesses and lives compared with an independent solution.
+//! Tests of the reference cases in `validation/published/nut`. All loads, contact angles,
+//! displacements, reactions, stiffnesses and lives must match an independent solution.
 
 use std::f64::consts::PI;
 
@@ -110,8 +110,9 @@ fn support(case: &Value) -> Support {
     }))
 }
 
-/// Compares `found` with `expected`. Values that are zero by symmetry may differ by the rounding of
-/// a sum over a hundred balls, 1e-12 of the largest value in the list.
+/// Compares the numbers `found` with the numbers `expected`. For values that are zero by symmetry,
+/// the tolerance is the rounding error of a sum over a hundred balls, which is 1e-12 of the largest
+/// value in the list.
 fn assert_agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name} {what}");
     let size = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -126,7 +127,7 @@ fn assert_agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>],
 }
 
 #[test]
-fn reference_cases_agree() {
+fn nuts_match_the_reference_cases() {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     assert_eq!(cases.len(), 14);
     for case in &cases {
@@ -134,7 +135,7 @@ fn reference_cases_agree() {
         let nut = nut(&case["case"]);
         let found = nut.solve(&support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let expect = &case["expect"];
-        // The reference is printed with 14 digits. The two solutions agree to 3e-11 or better.
+        // The reference is printed with 14 digits, and the two solutions agree to 3e-11 or better.
         let tolerance = number(case, "rel_tol").expect("tolerance");
         let load = |c: usize| found.balls.iter().map(|b| b.loads[c]).collect::<Vec<_>>();
         let largest = found.max_load();
@@ -177,7 +178,8 @@ fn reference_cases_agree() {
             &numbers(&expect["tilt_urad"]),
             tolerance,
         );
-        // The list includes the sum of all forces, which distinguishes zero from rounding errors.
+        // The list includes the sum of all forces, which is needed to distinguish zero from
+        // rounding errors.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
             all.push(sum);
@@ -209,8 +211,8 @@ fn reference_cases_agree() {
             let life = found.life(&nut, &ratings);
             assert_agree(name, "life", &[life], &[number(expect, "life_revolutions")], tolerance);
         }
-        // A start that is off by a micrometer and ten microradians leads to the same equilibrium,
-        // because the energy is convex.
+        // A starting point that is off by one micrometer and ten microradians leads to the same
+        // equilibrium, because the energy is convex.
         let off = [1e-6, -1e-6, 1e-6, 1e-5, -1e-5];
         let start = std::array::from_fn(|i| found.displacement[i] + off[i]);
         let again = nut.solve_from(&support(case), Some(&start)).expect("carried");

@@ -1,5 +1,5 @@
-//! Balls in gothic arches with friction in their force balance, and pairs of nuts: reference cases,
-//! limits and random points.
+//! Tests of balls in gothic arches with friction in their force balance, and of preloaded pairs:
+//! reference cases, limiting cases and random operating points.
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ const STUDY: &str = include_str!("../../../../validation/published/nut/third_con
 const DEG: f64 = PI / 180.0;
 const RPM: f64 = PI / 30.0;
 
-/// A ball and its screw, in the units of the cases.
+/// A ball and its screw, in the units of the reference cases.
 #[derive(Clone, Copy)]
 struct Scene {
     ball: f64,
@@ -57,13 +57,13 @@ impl Scene {
             fit: ArchFit {
                 axial_play: get("axial_play_um").unwrap_or(0.0) * 1e-6,
                 radial_gap: 0.0,
-                // The input refers to the diameter.
+                // The oversize in the reference cases refers to the ball diameter.
                 oversize: 0.5e-6 * get("ball_oversize_um").unwrap_or(0.0),
             },
         }
     }
 
-    /// Returns the screw of the study.
+    /// Returns the screw of the independent study of third contacts.
     fn of_study(friction: f64, play_um: f64) -> Self {
         Self {
             ball: 6.35,
@@ -116,7 +116,7 @@ impl Scene {
     }
 }
 
-/// Compares two numbers. The tolerance is relative to `size`.
+/// Checks that two numbers agree. The tolerance is relative to `size`.
 #[track_caller]
 fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     let error = (found - expected).abs();
@@ -126,8 +126,8 @@ fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     );
 }
 
-/// Compares a ball with the reference, with the tolerances of the reference: 1e-6 of the largest
-/// load, 1e-5 degrees, 1e-6 of torque, power and speeds, 1e-5 um.
+/// Compares a ball with the reference, using the tolerances of the reference: 1e-6 of the largest
+/// load; 1e-5 degrees; 1e-6 for torque, power and speeds; and 1e-5 um.
 fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     let loads = found.loads();
     let largest = loads.into_iter().fold(0.0, f64::max);
@@ -169,14 +169,14 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
         assert!(expect["third_contact"] == body, "{name} {third:?}");
         let flank = if third.site == Site::Nut { 1 } else { 3 };
         let contact = found.contacts[flank].expect("a pressed contact").state;
-        // The reference states the slip along the groove.
+        // The reference contains only the slip along the groove.
         let along = third.slip * contact.slip_angle.expect("a direction").sin().abs();
         for (key, value) in [
             ("third_contact_load_ratio", third.load / largest),
             ("third_contact_slip_m_s", along),
             ("third_contact_power_share", third.power_share),
         ] {
-            // The tolerance of the load ratio equals the tolerance of a load.
+            // The load ratio has the same tolerance as a load.
             let expected = number(expect, key).expect("number");
             near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
@@ -203,15 +203,15 @@ fn reference_balls_have_the_expected_third_contacts() {
         let found = scene.solve(condition);
         let turning = found.motion.omega.norm();
         compare_with_reference(name, &found, &case["expect"], turning);
-        // The balance is solved to 1e-10 of the friction.
+        // The force balance is solved to 1e-10 of the friction.
         assert!(found.power_balance.abs() <= 1e-9, "{name} {}", found.power_balance);
     }
 }
 
-/// If the far flanks do not touch a ball, its solution equals the solution of model `traction`.
-/// Both balances are solved to 1e-10 of the friction.
+/// If a ball does not touch its far flanks, its solution equals that of the `traction` model. Both
+/// models solve the force balance to 1e-10 of the friction.
 #[test]
-fn a_ball_with_wide_play_matches_model_traction() {
+fn ball_with_wide_play_matches_the_traction_model() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
     let work = &mut GothicWorkspace::default();
     let mut traction_work = TractionWorkspace::default();
@@ -233,7 +233,8 @@ fn a_ball_with_wide_play_matches_model_traction() {
     }
 }
 
-/// Returns a random screw with ball, speed and play in practical ranges, and an axial load.
+/// Returns a random screw whose ball, speed and dimensions are in practical ranges, and a random
+/// axial load.
 fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     let ball = rng.log_uniform(2.0, 12.0);
     let pitch = ball * rng.random_range(4.0..9.0);
@@ -251,11 +252,12 @@ fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
         rpm: if rng.random_bool(0.7) { (rpm, 0.0) } else { (0.0, -rpm) },
         fit: ArchFit::default(),
     };
-    // The load is 0.1 to 25 N/mm² times the square of the ball diameter, which gives up to 3 GPa.
+    // A load of 0.1 to 25 N/mm² times the square of the ball diameter gives contact pressures up to
+    // 3 GPa.
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
-/// Returns a random fit: no play, oversize balls, a radial gap or an axial play.
+/// Returns a random fit, which has no play, oversize balls, a radial gap or an axial play.
 fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     let (mut fit, um) = (ArchFit::default(), 1e-6 * ball);
     match rng.random_range(0..5) {
@@ -267,9 +269,9 @@ fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     fit
 }
 
-/// The random balls have a play, no play or oversize, and speeds of 1 to 5000 rpm. Each ball
-/// converges, satisfies its power balance and carries its force. A screw that is turned end for end
-/// has the mirrored contacts.
+/// Random balls have an axial play, no play, a radial gap or oversize, and speeds of 1 to 5000 rpm.
+/// Each ball converges, satisfies its power balance and carries its force. If the screw is turned
+/// end for end, the contacts are mirrored.
 #[test]
 fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -293,7 +295,7 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
         }
         if scene.gothic().force_at_rest(found.axial_displacement - found.first_touch, work).is_err()
         {
-            // Friction alone holds the ball at this displacement of the nut.
+            // At this displacement of the nut, the ball is held only by friction.
             held += 1;
             continue;
         }
@@ -305,15 +307,15 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
         };
         let change = found.motion.precession + mirrored.motion.precession;
         if change.abs() > 1e-3 * found.relative_speed.abs() {
-            // Light balls at high speed have a second steady motion, in which they skid.
+            // Lightly loaded balls at high speed have a second steady motion, in which they skid.
             skidding += 1;
             continue;
         }
         for i in 0..FLANKS {
-            // The residuals of both balances are below 1e-10 of the friction. The loads are less
-            // accurate: rounding errors are 1e-16 of the groove radius, which is much larger than
-            // the approach, and the relative error of a load is 3/2 times the relative error of its
-            // approach.
+            // The residuals of both solutions are below 1e-10 of the friction, but the loads are
+            // less accurate. Rounding errors are 1e-16 of the groove radius, which is much larger
+            // than the elastic approach. The relative error of a load is 3/2 times the relative
+            // error of its approach.
             near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
@@ -321,18 +323,17 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
         "contacts {contacts:?}, at most {most_steps} steps, imbalance {most_imbalance:e}; at the displacement {held} held by \
          friction alone, {refused} without a root, {skidding} with another motion"
     );
-    // A given displacement is a harder condition than a given force.
+    // It is more difficult to solve a ball for a given displacement than for a given force.
     assert!(50 * held < campaign(5000) && 200 * (refused + skidding) < campaign(5000));
     assert!(contacts[..2] == [0, 0] && contacts[2..].iter().all(|n| *n > 20), "{contacts:?}");
-    // The balance is solved to 1e-10 of the friction.
+    // The force balance is solved to 1e-10 of the friction.
     assert!(most_imbalance <= 1e-9, "{most_imbalance}");
 }
 
-/// The random nuts have a few balls and carry an axial load, a side load and a moment. Either every
-/// ball has a friction torque, or the nut has none. If a play is given, a ball on two contacts has
-/// a gap at its far flanks.
+/// The random nuts have a few balls and carry an axial load and a side load. Every nut that carries
+/// its load must have a friction torque. Third contacts occur only if a play is given.
 #[test]
-fn random_nuts_have_friction_at_every_flank_that_they_press() {
+fn random_nuts_with_third_contacts_have_a_friction_torque() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
     let (mut solved, mut thirds) = (0, 0);
     for number in 0..campaign(500) {
@@ -372,11 +373,11 @@ fn random_nuts_have_friction_at_every_flank_that_they_press() {
     assert!(10 * solved > 8 * campaign(500) && thirds > 20, "{solved} {thirds}");
 }
 
-/// A growing side load presses the eight balls of a nut onto their far flanks, one after the other.
-/// If no play is given, friction presses a ball onto a far flank only if the ball touches it at
-/// rest.
+/// With a growing side load, the eight balls of a nut touch their far flanks one after another. If
+/// no play is given, friction presses a ball onto a far flank only if the ball touches this flank
+/// already at rest.
 #[test]
-fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
+fn friction_has_no_jump_under_a_growing_side_load() {
     for play in [None, Some(8e-6)] {
         let mut nut = with_circuits(vec![Circuit {
             start: 0.3,
@@ -409,7 +410,7 @@ fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
             if below.1.0 == above.1.0 {
                 continue;
             }
-            // Finds the side load at which a ball begins to press a far flank.
+            // This loop finds the side load at which one more ball is loaded on a far flank.
             while above.0 - below.0 > 1e-5 * above.0 {
                 let middle = 0.5 * (below.0 + above.0);
                 let found = (middle, at(middle));
@@ -417,18 +418,18 @@ fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
             }
             changes += 1;
             let step = above.1.1 / below.1.1 - 1.0;
-            // The interval of 1e-5 of the side load contributes about 1e-5, a hundredth of the
-            // permitted change.
+            // The remaining interval of 1e-5 of the side load contributes about 1e-5 to the change,
+            // which is one hundredth of the tolerance.
             assert!(step.abs() < 1e-3, "{play:?}: {step:e} at {below:?} {above:?}");
         }
         assert!(changes > 2, "{changes}");
     }
 }
 
-/// Turned end for end, the screw rotates in the opposite direction, and the + and − flanks are
-/// exchanged.
+/// If the screw is turned end for end, it rotates in the opposite direction, and the + and − flanks
+/// are swapped.
 #[test]
-fn a_ball_turned_end_for_end_has_the_mirrored_contacts() {
+fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
     for (um, fit) in [
         (10.0, ArchFit::default()),
         (3.0, ArchFit { oversize: 1.5e-6, ..ArchFit::default() }),
@@ -440,21 +441,21 @@ fn a_ball_turned_end_for_end_has_the_mirrored_contacts() {
         let there = turned.solve(AxialCondition::Displacement(-um * 1e-6));
         let (loads, other) = (here.loads(), there.loads());
         for i in 0..FLANKS {
-            // Both balances are solved to less than 1e-10 of the friction.
+            // Both force balances are solved to less than 1e-10 of the friction.
             near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
         }
         near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
     }
 }
 
-/// A friction coefficient of one millionth changes the loads by a millionth. Without friction they
-/// are the loads of the static nut.
+/// The friction coefficient of one millionth changes the loads by about one millionth. Without
+/// friction, they equal the loads in the static nut model.
 #[test]
 fn loads_without_friction_match_the_static_nut() {
     let nut = with_circuits(Vec::new());
     let at_rest = nut.ball_in_grooves().expect("Hertz contacts");
     for (um, oversize) in [(0.0, 1.5e-6), (1.0, 1.5e-6), (6.0, 0.5e-6), (8.0, 0.0)] {
-        // The speed is low, because a ball without friction skids.
+        // The speed is low, because a ball without friction would skid.
         let scene = Scene {
             fit: ArchFit { oversize, ..ArchFit::default() },
             rpm: (1.0, 0.0),
@@ -473,8 +474,8 @@ fn loads_without_friction_match_the_static_nut() {
     }
 }
 
-/// There is no jump where the far flank begins to carry load: the torque is continuous in the play,
-/// and the gap closes at the threshold.
+/// The torque is a continuous function of the play. The gap at the far flank closes exactly at the
+/// threshold play.
 #[test]
 fn torque_is_continuous_where_the_third_contact_begins() {
     for (friction, rpm) in [(0.06, 100.0), (0.06, -100.0), (0.1, 100.0), (0.1, -100.0)] {
@@ -487,11 +488,11 @@ fn torque_is_continuous_where_the_third_contact_begins() {
         let threshold = threshold.expect("friction reaches a far flank") * 1e6;
         let [above, below] = [1.0 + 1e-6, 1.0 - 1e-6].map(|part| at(threshold * part));
         assert!(!above.far_flank_carries() && below.far_flank_carries(), "{threshold}");
-        // The limit is a few millionths of the play, which is about 30 um.
+        // The limit is a few millionths of the play of about 30 um.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
         near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
-        // The gap grows with the play. A change of the play by a tenth changes the torque very
-        // little.
+        // Above the threshold, the gap grows with the play, and an increase of the play by one
+        // tenth hardly changes the torque.
         let wide = at(threshold * 1.1);
         near("two contacts", wide.screw_torque, above.screw_torque, 1e-9, above.screw_torque);
     }
@@ -504,7 +505,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
         scene.gothic().solve(condition, None, work).map(|found| found.loads())
     };
-    // The ball is between the flanks, or is not clamped and has no load.
+    // The ball is loose between the flanks, or it carries no load.
     assert!(solve(&scene, AxialCondition::Displacement(4e-6), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(0.0), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(-10.0), work).is_err());
@@ -514,7 +515,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
     assert!(solve(&Scene { rpm: (5.0, 5.0), ..scene }, force, work).is_err());
     let fit = ArchFit { axial_play: -1e-6, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
-    // The gap is larger than the depth of the groove.
+    // This gap exceeds the depth of the groove.
     let fit = ArchFit { radial_gap: 1e-3, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
 }
@@ -560,10 +561,10 @@ fn reference_pairs_have_the_expected_drag() {
     }
 }
 
-/// The drag of a pair as a function of play and friction agrees with the six digits of the
+/// The drag torque of a pair as a function of play and friction matches the six digits of the
 /// independent study.
 #[test]
-fn drag_against_play_and_friction_matches_the_study() {
+fn drag_as_a_function_of_play_and_friction_matches_the_study() {
     let work = &mut GothicWorkspace::default();
     let mut rows = 0;
     for row in STUDY.lines().filter(|row| row.starts_with("play,")) {
@@ -578,15 +579,15 @@ fn drag_against_play_and_friction_matches_the_study() {
         let pair = GothicPair::of_preload(scene.gothic(), value(10), work).expect("a pair");
         let found = pair.solve(0.0, work).expect("a running pair");
         let running = found.drag_coefficient(found.force(), scene.lead_m());
-        // The values are printed with six digits.
+        // The values of the study are printed with six digits.
         near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
         near("force", found.force() / value(10), value(13), 1e-5, 1.0);
     }
     assert_eq!(rows, 8);
 }
 
-/// With half the friction coefficient at the far flanks, the drag coefficient is 0.166 instead of
-/// 0.205 (three digits of the independent study).
+/// If the friction coefficient at the far flanks is halved, the drag coefficient drops from 0.205
+/// to 0.166 (three digits of the independent study).
 #[test]
 fn less_friction_at_the_far_flank_lowers_the_drag() {
     let work = &mut GothicWorkspace::default();
@@ -598,35 +599,35 @@ fn less_friction_at_the_far_flank_lowers_the_drag() {
     near("K_p", running, 0.166, 5e-4, 1.0);
 }
 
-/// Returns the friction torque of a pair with a preload of 60 N per ball.
+/// Returns the friction torque of a pair whose preload is 60 N per ball.
 fn pair_drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     let pair = GothicPair::of_preload(scene.gothic(), 60.0, work).expect("a pair");
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
 
-/// When the direction reverses, the balls of the two nuts exchange their roles.
+/// If the direction of rotation is reversed, the balls of the two nuts swap roles.
 #[test]
 fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
     let [there, back] = [1.0, -1.0].map(|way| {
         pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work)
     });
-    // Both directions are solved to 1e-10 of the friction.
+    // Both solutions are accurate to 1e-10 of the friction.
     near("torque", there, back, 1e-8, there);
 }
 
 #[test]
-fn drag_never_rises_with_the_play() {
+fn drag_does_not_increase_with_the_play() {
     let work = &mut GothicWorkspace::default();
     let plays = [0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0, 40.0];
     let torques = plays.map(|play| pair_drag(&Scene::of_study(0.08, play), work));
     for pair in torques.windows(2) {
-        // Above the threshold, the torque is constant up to rounding of the balance.
+        // Above the threshold play, the torque is constant except for rounding errors.
         assert!(pair[1] <= pair[0] * (1.0 + 1e-9), "{torques:?}");
     }
 }
 
-/// An external load unloads one nut, so that a single nut remains.
+/// A large external load unloads one nut, so only the other nut carries load.
 #[test]
 fn a_pair_without_remaining_preload_is_rejected() {
     let work = &mut GothicWorkspace::default();

@@ -1,4 +1,5 @@
-//! The ball train: reference cases of an independent solution, identities and limits (theory 20).
+//! Tests of ball trains (chapter 20 of the theory): reference cases of an independent solution,
+//! identities and limiting cases.
 
 use std::f64::consts::PI;
 
@@ -25,12 +26,12 @@ use crate::warm::oil_68;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-/// A nut with the inputs of its ball train.
+/// A nut together with the inputs of its ball train.
 #[derive(Debug, Clone)]
 struct Case {
     nut: BallNut,
     support: Support,
-    /// Friction coefficient; `None` with oil.
+    /// Friction coefficient; `None` if the nut is lubricated with oil.
     friction: Option<f64>,
     oil: Option<f64>,
     drive: Drive<f64>,
@@ -92,7 +93,7 @@ impl Case {
         })
     }
 
-    /// Returns the friction of the balls without pushes.
+    /// Returns the friction of all balls without pushes between neighbors.
     fn friction_without_pushes(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
@@ -118,8 +119,8 @@ impl Case {
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
-    /// Returns the ball advance, and the friction torque and the motion of the first ball for balls
-    /// that are solved alone.
+    /// Returns the ball advance, the friction torque and the motion of the first ball for balls
+    /// without pushes.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let found = self.equilibrium();
         let friction = self.friction_without_pushes(&found);
@@ -131,7 +132,7 @@ impl Case {
 }
 
 #[test]
-fn reference_trains_agree() {
+fn ball_trains_match_the_reference() {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     let cases = file["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 6);
@@ -139,8 +140,8 @@ fn reference_trains_agree() {
         let name = one["id"].as_str().expect("name");
         let reference = Case::of(&one["case"]);
         let expected = &one["expected"];
-        // The reference file states these tolerances for rates, for torques relative to the
-        // friction torque, and for pushes relative to the largest push.
+        // Tolerances of the reference file: for rates, for torques relative to the friction torque,
+        // and for pushes relative to the largest push.
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
@@ -169,7 +170,7 @@ fn reference_trains_agree() {
         ] {
             assert_eq!(expected[key], got, "{name} {key}");
         }
-        // Roots have residuals of 1e-10 of the forces, also with oil.
+        // Solutions have residuals of 1e-10 of the forces, with and without oil.
         near("power balance", train.power_balance, 0.0, 1e-9);
         let (circuits, touch_angle) = (&expected["circuits"], advance.touch_angle);
         let circuits = circuits.as_array().expect("circuits");
@@ -178,7 +179,7 @@ fn reference_trains_agree() {
         {
             let value = |key| number(expected, key).expect("number");
             near("touch angle", touch_angle * 180.0 / PI, value("touch_angle_deg"), 1e-7);
-            // A gap is a sum of a hundred differences of rates.
+            // A needed gap is the sum of about a hundred differences between rates.
             near("needed gap", advance.needed_gap * 1e3, value("needed_gap_mm"), rates * 600.0);
             near("rate", found.rate, value("train_rate"), rates);
             near("flux", found.flux, value("flux_1_s"), rates * 200.0);
@@ -207,7 +208,7 @@ fn reference(name: &str) -> Case {
     Case::of(&one["case"])
 }
 
-/// Returns 38 balls of equal speed with a load of 65 N each, pushed by the ball return.
+/// Returns a nut with 38 balls of equal speed, each loaded by 65 N, which the ball return pushes.
 fn equal_balls(return_push: f64) -> Case {
     let mut reference = reference("T01");
     reference.nut.circuits[0].arc = 4.0 * PI;
@@ -217,8 +218,8 @@ fn equal_balls(return_push: f64) -> Case {
     reference
 }
 
-/// Returns a nut that is driven by its load, with 38 balls under a moment and without a push of the
-/// return.
+/// Returns a nut that is back-driven by its load, with a moment on its balls and without a push by
+/// the ball return.
 fn back_driven_nut() -> Case {
     let mut reference = reference("T05");
     reference.inputs.contact_friction = 0.1;
@@ -231,7 +232,7 @@ fn solve_train(reference: &Case) -> Train {
     reference.train().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Returns the push behind each ball, in the order of the circuit.
+/// Returns the pushes from behind on all balls, in the order of the circuit.
 fn pushes_from_behind(train: &Train) -> Vec<f64> {
     train.circuits.iter().flat_map(|circuit| &circuit.balls).map(|ball| ball.pushes[1]).collect()
 }
@@ -248,13 +249,14 @@ fn push_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
-        // Friction between balls adds 1.6 f_b of the push at each ball, which adds up to 6e-4 of
-        // the push.
+        // At each ball, friction between balls changes the push by 1.6 f_b, which adds up to 6e-4
+        // of the push.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
-    // Only the first ball has no push, or a push of less than one decrement.
+    // Only the first ball is not pushed from behind, or by less than one decrement.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
-    // f_b Z N_x r_b |w|: the sum of N_f + N_b is Z N_x, except for the first of 38 balls.
+    // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b is Z N_x, except for
+    // the first of the 38 balls.
     let motion = reference.advance().2.expect("a motion");
     let speed = reference.drive.relative_speed();
     let power = 1e-5 * 38.0 * push * reference.nut.ball.radius * motion.rotation;
@@ -263,14 +265,14 @@ fn push_from_the_ball_return_decreases_linearly_along_equal_balls() {
 }
 
 #[test]
-fn with_sufficient_gap_friction_equals_that_of_single_balls() {
+fn friction_equals_that_of_single_balls_if_the_gap_is_sufficient() {
     let mut reference = back_driven_nut();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
     reference.inputs.gaps = vec![1.001 * needed];
     let train = solve_train(&reference);
     assert_eq!((train.touching, train.largest_push), (0, 0.0));
-    // Both solve the same balls with the same equations, to residuals of 1e-10.
+    // Both calculations solve the same equations for the same balls, with residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
@@ -280,15 +282,16 @@ fn with_sufficient_gap_friction_equals_that_of_single_balls() {
 
 #[test]
 fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
-    // Residuals of 1e-10 of the load and 2e-11 of the rate correspond to 1e-9 of f Q.
+    // Residuals of 1e-10 of the load and 2e-11 of the rate cause errors of 1e-9 f Q in the pushes.
     let not_above = |low: &[f64], high: &[f64]| {
         for (number, (low, high)) in low.iter().zip(high).enumerate() {
             assert!(*low <= high + 1e-6, "ball {number}: {low} above {high}");
         }
     };
-    // With a gap of 0.05 mm the back-driven nut has pushes of 14 % of a ball load and more than one
-    // flux. If the free length is given, a push at one place reduces the pushes in other queues.
-    // Equal balls have a single queue.
+    // At a gap of 0.05 mm, the back-driven nut has pushes of 14 % of a ball load and several
+    // possible flows, so the test uses larger gaps. Because the free length is given, a push at one
+    // place reduces the pushes in other queues. Therefore, only the equal balls, which form a
+    // single queue, are tested for their response to the push of the return.
     for (mut reference, has_one_queue) in [(back_driven_nut(), false), (equal_balls(0.5), true)] {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
@@ -311,7 +314,7 @@ fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
 }
 
 #[test]
-fn without_ball_to_ball_friction_only_raceways_and_return_dissipate() {
+fn only_raceways_and_return_dissipate_without_ball_to_ball_friction() {
     let mut reference = back_driven_nut();
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.2e-3];
@@ -322,7 +325,7 @@ fn without_ball_to_ball_friction_only_raceways_and_return_dissipate() {
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
-/// Returns the nut turned by 180 deg about x.
+/// Returns the nut after turning it by 180 deg about the x axis.
 fn turned_nut(reference: &Case) -> Case {
     let mut turned = reference.clone();
     let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
@@ -353,7 +356,7 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
         ("balls", [one.contact_torque, other.contact_torque]),
         ("return", [one.return_torque, other.return_torque]),
     ] {
-        // Residuals are 1e-10 of the loads. The losses are about a hundredth of the transmitted
+        // Residuals are 1e-10 of the loads. The losses are about one hundredth of the transmitted
         // power.
         assert!((one * torque - other).abs() <= 1e-7 * other.abs(), "{name}: {one} {other}");
     }
@@ -367,8 +370,8 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
     }
     for (one, other) in one.iter().zip(&other) {
         behind = f64::max(behind, *one);
-        // The residual of 1e-10 of a load of a hundred newtons, and a rate error of 1e-11, are
-        // compared with 2 % of a newton.
+        // A residual of 1e-10 of a load of about a hundred newtons and a relative error of the rate
+        // of 1e-11 are compared with 2 % of one newton.
         assert!((one * force - other).abs() < 1e-6 * one_largest * force, "{one} {other}");
     }
     assert!(behind > 0.0);
@@ -388,7 +391,7 @@ fn pushes_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
 }
 
 #[test]
-fn without_inertia_pushes_are_equal_for_a_turning_nut_and_a_turning_screw() {
+fn pushes_without_inertia_are_equal_for_a_rotating_nut_and_a_rotating_screw() {
     let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
@@ -420,16 +423,16 @@ fn pushes_scale_with_the_square_of_the_length() {
 }
 
 #[test]
-fn a_zero_gap_and_an_excessive_push_are_errors() {
+fn zero_gap_and_excessive_return_push_are_rejected() {
     let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
     let mut reference = equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
-    // Both contacts of a ball carry 50 to 100 N and slide with a friction coefficient of 0.06,
-    // which gives 6 to 12 N per ball. The friction of a push between balls is a tenth of the push
-    // on either side. Above a push of 30 to 60 N, this friction stops the rotation of the ball, and
-    // the push is passed on.
+    // Both contacts of a ball carry 50 to 100 N. In full sliding with a friction coefficient of
+    // 0.06, they provide 6 to 12 N per ball. The friction between two balls is one tenth of the
+    // push on either side. From a push of 30 to 60 N, this friction stops the rotation of the ball,
+    // which then passes the push on.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
@@ -437,9 +440,9 @@ fn a_zero_gap_and_an_excessive_push_are_errors() {
 }
 
 #[test]
-fn balls_without_rotation_pass_the_push_on() {
-    // In a tilted nut, some balls next to the idle balls carry so little load that their neighbors
-    // stop them.
+fn balls_that_cannot_rotate_pass_the_push_on() {
+    // In a tilted nut, the loads on some balls next to the idle balls are so small that their
+    // neighbors stop them.
     let mut reference = reference("T04");
     reference.inputs.contact_friction = 0.3;
     reference.inputs.idle_drag = 0.05;
@@ -458,8 +461,8 @@ fn as_number(number: usize) -> f64 {
     f64::from(u32::try_from(number).expect("small"))
 }
 
-/// Returns a random nut with at most 60 balls of one size, gaps from 0 to 1 % per ball, and a
-/// return that may push.
+/// Returns a random nut with at most 60 balls of equal size, gaps of 0 to 1 % per ball, and a ball
+/// return that may require a push, together with its equilibrium.
 fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     loop {
         let mut nut = campaign::nut(rng);
@@ -495,7 +498,8 @@ fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     }
 }
 
-/// Returns a defect of a train, found from its rates and pushes alone.
+/// Returns a description of a defect in a ball train, or `None` if there is none. The check uses
+/// only rates and pushes.
 fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);
@@ -520,10 +524,10 @@ fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     (balance > 1e-8).then(|| format!("power is out of balance by {balance:e}"))
 }
 
-/// Each train of a random nut has a solution, which is verified independently, or a reason why none
-/// exists.
+/// For each random nut, the solver returns a ball train, which is checked independently, or the
+/// reason why none exists.
 #[test]
-fn random_trains_have_a_solution_or_a_reason() {
+fn random_ball_trains_have_a_solution_or_a_stated_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
@@ -554,22 +558,24 @@ fn random_trains_have_a_solution_or_a_reason() {
     assert!(lost.is_empty(), "{lost:?}");
 }
 
-/// A simulation in time of balls on a closed track, without friction between balls. Each ball
-/// follows the law of its position, and no two balls come closer than the touch angle.
+/// Time-domain simulation of balls on a closed track, without friction between balls. The speed of
+/// each ball depends on its position and on the pushes, and no two balls come closer than the touch
+/// angle.
 struct Track<'a> {
-    /// Angle of the track, and angle between two touching balls \[rad\].
+    /// Total angle of the track, and angle between the centers of two touching balls \[rad\].
     length: f64,
     touch: f64,
-    /// Rates of a ball in the middle of equal sections of the track, in the direction of travel,
-    /// for pushes from behind. The push in the middle of the list is 0.
+    /// Rates of a ball in the middle of each of several equal sections of the track, in the
+    /// direction of travel, for a list of pushes from behind. The middle element of the list is a
+    /// push of 0.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
     positions: Vec<f64>,
 }
 
 impl Track<'_> {
-    /// Returns the rates of a ball at a position for all pushes, by linear interpolation between
-    /// the sections.
+    /// Returns a function that gives the rate of a ball at a position for each push of the list,
+    /// interpolated linearly between sections.
     fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
         let along = position.rem_euclid(self.length) / self.length * as_number(parts) - 0.5;
@@ -580,7 +586,7 @@ impl Track<'_> {
         }
     }
 
-    /// Returns the push from behind on a ball at a position, for a given rate.
+    /// Returns the push from behind that a ball at a position requires to travel at a given rate.
     fn push(&self, position: f64, rate: f64) -> f64 {
         let law = self.law(position);
         let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
@@ -589,25 +595,25 @@ impl Track<'_> {
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
     }
 
-    /// Returns the gap between a ball and the next ball.
+    /// Returns the angle between a ball and the next ball, minus the touch angle \[rad\].
     fn gap(&self, ball: usize) -> f64 {
         let ahead = (ball + 1) % self.positions.len();
         let turn = if ahead == 0 { self.length } else { 0.0 };
         self.positions[ahead] + turn - self.positions[ball] - self.touch
     }
 
-    /// Returns the rates with the least friction for which touching balls do not come closer. Balls
-    /// that push each other have a common rate at which their pushes cancel.
+    /// Returns the rates of all balls. Touching balls must not come closer. Balls that push each
+    /// other have a common rate, for which the sum of their pushes is zero.
     fn rates(&self) -> Vec<f64> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
-        // Each pool has a rate and a number of balls.
+        // Each pool of touching balls has a common rate and a number of balls.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
             let mut pool = (self.law(self.positions[number % balls])(self.pushes.len() / 2), 1);
-            // A faster pool that touches this one from behind pushes it.
+            // If the pool behind is faster, it pushes this pool, and both become one pool.
             while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
                 let behind = pools.pop().expect("a pool");
                 let all = behind.1 + pool.1;
@@ -630,8 +636,8 @@ impl Track<'_> {
         rates
     }
 
-    /// Moves the balls until two of them touch, but at most by a fraction of the touch angle, and
-    /// returns the time.
+    /// Moves all balls until two of them touch, but at most by a fraction of the touch angle.
+    /// Returns the elapsed time.
     fn step(&mut self, part: f64) -> f64 {
         let (rates, balls) = (self.rates(), self.positions.len());
         let mut time = part * self.touch / rates[0];
@@ -648,10 +654,10 @@ impl Track<'_> {
     }
 }
 
-/// The flux of a queue equals the flux of a simulation in time, in which each ball follows the law
-/// of its position.
+/// The flow of balls in a queue equals the flow in a time-domain simulation, in which the speed of
+/// each ball depends on its position.
 #[test]
-fn a_simulation_in_time_gives_the_flux_of_the_queue() {
+fn time_domain_simulation_reproduces_the_flow_of_the_queue() {
     let mut reference = reference("T02");
     reference.nut.circuits[0].arc *= 38.0 / 98.0;
     reference.nut.circuits[0].balls = 38;
@@ -662,7 +668,7 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let (train, found) = (solve_train(&reference), reference.equilibrium());
     let (motions, mut work) =
         (reference.friction_without_pushes(&found).motions, ModelWorkspace::default());
-    // The law of a ball is curved over a few tenths of a newton.
+    // The rate of a ball is a nonlinear function of the push over a few tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
         let at =
@@ -683,7 +689,7 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let length = as_number(balls) * touch + room;
     let positions = (0..balls).map(|ball| as_number(ball) * length / as_number(balls)).collect();
     let mut track = Track { length, touch, rates: &rates, pushes: &pushes, positions };
-    // Returns the mean rate of a ball over whole rounds.
+    // This closure returns the mean rate of a ball over whole rounds of the track.
     let mut round = |rounds: f64| {
         let (begin, mut time) = (track.positions[0], 0.0);
         while track.positions[0] < begin + rounds * length {
@@ -693,23 +699,23 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     };
     round(2.0);
     let mean = round(1.0);
-    // All balls pass in one round.
+    // In one round of the track, all balls pass a given point.
     let (rate, ours) = (mean * touch * as_number(balls) / length, train.circuits[0].rate);
     let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
     let apart = free / (as_number(balls) + room / touch);
-    // The sections of the track are fixed in the model, while balls move through them in the
-    // simulation. The difference is 1.6e-5.
+    // In the model, the positions of the balls are fixed; in the simulation, balls move along the
+    // track. The resulting difference is 1.6e-5.
     assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
-    // Balls that do not interact have another flux.
+    // Without interaction, the balls would have a different flow.
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }
 
-/// The motions of many balls are interpolated from the motions of a few balls. Three nodes in a row
-/// have an error below 1e-7, and later terms decrease.
+/// The motions of many balls are interpolated from the motions of a few balls. The error is below
+/// 1e-7 at three consecutive nodes, and later terms decrease.
 #[test]
 fn free_motions_can_be_interpolated_from_a_few_balls() {
-    // Under a moment the loads differ by a factor of 9, and in the tilted nut by a factor of 450,
-    // where rates change rapidly with the load.
+    // Under a moment, ball loads differ by a factor of 9. In the tilted nut, they differ by a
+    // factor of 450, and the rates of lightly loaded balls change rapidly with the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
         let (found, mut asked) = (reference.equilibrium(), 0.0);
@@ -721,7 +727,7 @@ fn free_motions_can_be_interpolated_from_a_few_balls() {
             reference.nut.free_motions(&found, reference.flank_friction(), &reference.drive, solve);
         let (few, all) = (few.expect("motions"), reference.friction_without_pushes(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
-            // Compares balls with load. Idle balls are skipped.
+            // Only loaded balls are compared, because idle balls have no interpolated motion.
             let (Some(few), Some(all)) = (few, all) else { continue };
             assert!(
                 (few.rate - all.rate).abs() < 3e-7 * all.rate,

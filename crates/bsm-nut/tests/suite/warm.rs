@@ -1,4 +1,5 @@
-//! The warm steady state: reference cases of an independent solution, identities and limits.
+//! Tests of the warm steady state: reference cases of an independent solution, identities and
+//! limiting cases.
 
 use std::cell::{Cell, RefCell};
 use std::f64::consts::PI;
@@ -31,7 +32,8 @@ use crate::public::{number, nut};
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 const RPM: f64 = PI / 30.0;
 
-/// Returns the lubrication of ground raceways with ISO VG 68 mineral oil at a temperature \[K\].
+/// Returns ISO VG 68 mineral oil at a given temperature \[K\] as the lubricant between ground
+/// raceways.
 pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     Some(Lubricant {
         oil: Oil {
@@ -58,8 +60,8 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     })
 }
 
-/// Returns the friction of balls with oil of ISO VG 68 by raceway control with nut control, as in
-/// the reference cases.
+/// Returns the friction of balls lubricated with ISO VG 68 oil, calculated with raceway control by
+/// the nut as in the reference cases.
 fn oiled(
     nut: &BallNut,
     found: &Equilibrium,
@@ -82,7 +84,7 @@ fn length_in_m(case: &Value, key: &str) -> f64 {
     number(case, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
 }
 
-/// Returns the given conductances.
+/// Returns the surfaces and conductances of a reference case.
 fn given_conductances(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
     let mean = unloaded.mean_load();
@@ -107,7 +109,7 @@ fn given_conductances(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     }
 }
 
-/// Returns the axis of a reference case.
+/// Returns the warm nut of a reference case.
 fn axis(case: &Value) -> WarmNut<'static> {
     let mut full = case.clone();
     full["youngs_modulus_GPa"] = json!(207.0);
@@ -194,7 +196,7 @@ fn reference(id: &str) -> Value {
     cases().into_iter().find(|reference| reference["id"] == id).unwrap_or_else(|| panic!("{id}"))
 }
 
-/// Compares a number with the expected one.
+/// Checks that a number equals the expected number within an absolute tolerance.
 fn near(name: &str, found: f64, expected: f64, allowed: f64) {
     assert!(
         (found - expected).abs() <= allowed,
@@ -211,10 +213,10 @@ const NAMES: [&str; NODES] = [
     "end_2_temperature_C",
 ];
 
-/// The tolerances of the cases are `rel_tol` for temperature rises above ambient, forces, torques
-/// and heat, and 1e-4 for the gain.
+/// The tolerance is `rel_tol` of the reference case for temperature rises above ambient, forces,
+/// torques and heat. For the loop gain, it is 1e-4.
 #[test]
-fn reference_warm_states_agree() {
+fn warm_states_match_the_reference() {
     for reference in cases() {
         let id = reference["id"].as_str().expect("id");
         let (case, expect) = (&reference["case"], &reference["expect"]);
@@ -290,10 +292,10 @@ fn reference_warm_states_agree() {
     }
 }
 
-/// WS-P3 has a fold and a second state, WS-P6 has a fold, and WS-P2 has no fold up to a factor of
-/// 2.5. Factors agree to 1e-5, and states within the tolerance of the case. Temperatures at the
-/// folds are printed to 1 mK, but the speed is stationary there: 0.05 K correspond to 1e-6 of the
-/// speed.
+/// WS-P3 has a fold and a second state, WS-P6 has a fold, and WS-P2 has no fold up to a speed
+/// factor of 2.5. Speed factors must agree to 1e-5, and states to the tolerance of the case.
+/// Temperatures at the folds are printed to 1 mK. Because the speed is stationary at a fold, an
+/// error of 0.05 K changes it by only 1e-6.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -325,11 +327,11 @@ fn folds_match_the_reference() {
     }
 }
 
-/// Counts how often the friction of all balls is summed for a state, and for the fold above it
-/// including the state beyond. This guards against slower searches. The limit was measured once and
-/// rounded up.
+/// Counts how often the total friction of all balls is calculated to find a steady state, to find
+/// the fold above it (including the state beyond the fold), and to find out that no state exists.
+/// The limits, which are rounded measurements, protect against slower searches.
 #[test]
-fn friction_is_summed_a_few_hundred_times_for_a_fold() {
+fn fold_search_needs_at_most_400_friction_calculations() {
     let (reference, count) = (reference("WS-P3"), Cell::new(0));
     let counted = |nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64, to: f64| {
         count.set(count.get() + 1);
@@ -345,9 +347,9 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
     assert!(of_state <= 40 && of_fold <= 400 && of_none <= 400, "{of_state} {of_fold} {of_none}");
 }
 
-/// The band of WS-P2 agrees with the reference to its tolerance of 1e-3.
+/// The uncertainty band of WS-P2 matches the reference, which has a tolerance of 1e-3.
 #[test]
-fn the_uncertainty_band_matches_the_reference() {
+fn uncertainty_band_matches_the_reference() {
     let reference = reference("WS-P2");
     let nut = axis(&reference["case"]);
     let state = nut.steady().expect("steady");
@@ -367,7 +369,7 @@ fn the_uncertainty_band_matches_the_reference() {
     }
 }
 
-/// Returns the axis at other speeds.
+/// Returns the nut with all speeds multiplied by a factor.
 fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     let mut nut = nut.clone();
     for phase in &mut nut.phases {
@@ -376,10 +378,10 @@ fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     nut
 }
 
-/// At 0.99 of the speed of the fold of WS-P3 there are a stable and an unstable state, and at 1.01
-/// there is none. The fold is found at the same speed from all starting speeds, to 1e-5 like the
-/// reference. At the fold the gain is 1. The gain depends on the square root of the distance from
-/// the fold, so that 1e-6 of the speed corresponds to 1e-3 of the gain.
+/// At 0.99 times the fold speed of WS-P3, a stable and an unstable state exist; at 1.01 times the
+/// fold speed, no state exists. The fold is found at the same speed from both starting speeds, to
+/// the accuracy of the reference (1e-5). The loop gain is 1 at the fold. Because it depends on the
+/// square root of the distance from the fold, 1e-6 of the speed corresponds to 1e-3 of the gain.
 #[test]
 fn two_states_exist_below_a_fold_and_none_above() {
     let reference = reference("WS-P3");
@@ -401,8 +403,8 @@ fn two_states_exist_below_a_fold_and_none_above() {
     }
 }
 
-/// The heat that leaves the surfaces, with the mean temperature of the screw from its growth,
-/// equals the generated heat. The search leaves a residual of 1e-10 of the heat, and the reference
+/// The heat that leaves the surfaces equals the generated heat. The mean temperature of the screw
+/// follows from its thermal expansion. The solver stops at 1e-10 of the heat, and the reference
 /// requires 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
@@ -422,17 +424,19 @@ fn dissipated_heat_equals_generated_heat() {
     }
 }
 
-/// The matrix of the network is symmetric and diagonally dominant, with couplings of the correct
-/// sign. At rest all nodes have the temperature of the surroundings, without heat and gain.
+/// At standstill, all nodes have the ambient temperature, and heat and loop gain are zero. The
+/// matrix of the network is symmetric and diagonally dominant, and its off-diagonal entries are not
+/// positive.
 #[test]
-fn at_rest_all_nodes_have_the_ambient_temperature() {
+fn all_nodes_have_the_ambient_temperature_at_standstill() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
     // The tolerance is the rounding error of a solution with conductances from 0.6 to 50 W/K.
     state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
-    // A uniform temperature rise does not change the preload, up to the rounding of the contacts.
+    // A uniform temperature rise does not change the preload, except for rounding errors of the
+    // contacts.
     near("preload", state.heated.preload, 2500.0, 1e-6);
     let (matrix, _) = nut.network(1.0).balance();
     for (i, row) in matrix.iter().enumerate() {
@@ -444,10 +448,10 @@ fn at_rest_all_nodes_have_the_ambient_temperature() {
     }
 }
 
-/// Cold starts and a sweep up and down find the same state to 1e-8, which is the residual heat
-/// divided by one minus the gain.
+/// A cold start and sweeps with increasing and decreasing speed find the same states to 1e-8, which
+/// is the residual heat divided by one minus the loop gain.
 #[test]
-fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
+fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
     let nut = axis(&reference("WS-P3")["case"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
@@ -466,11 +470,11 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     }
 }
 
-/// Above the fold of WS-P3 there is no state. The sweep down finds the states of the sweep up, even
-/// when it starts from the hotter, unstable states. Hysteresis depends on the start: between the
-/// two states of a speed, more heat leaves than is generated, and beyond the hotter state less heat
-/// leaves. An axis that is warmer than the unstable state runs away, while a cold axis becomes
-/// steady.
+/// No state exists above the fold of WS-P3. The sweep with decreasing speed finds the same states
+/// as the sweep with increasing speed, even when it starts from the hotter, unstable states.
+/// Whether an axis runs away depends on its initial temperature. Between the two states at one
+/// speed, more heat leaves than is generated; beyond the hotter state, less heat leaves. An axis
+/// that is hotter than the unstable state runs away, and a colder axis approaches the stable state.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let nut = axis(&reference("WS-P3")["case"]);
@@ -493,7 +497,7 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
         for from in [last, hotter[number]] {
             let state = nut.steady_from(Some(&from)).expect("below the fold");
             for (found, expected) in state.rises.iter().zip(&cold[number]) {
-                // The tolerance is the residual heat divided by one minus the gain.
+                // The tolerance is the residual heat divided by one minus the loop gain.
                 near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
             }
             last = state.rises;
@@ -512,10 +516,10 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     }
 }
 
-/// Without expansion and with constant friction, temperatures are linear in the heat, and the gain
-/// is 0.
+/// Without thermal expansion and with constant friction, temperatures are linear functions of the
+/// heat, and the loop gain is 0.
 #[test]
-fn without_coupling_temperatures_are_linear_in_the_heat() {
+fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
     let constant = |torque: f64| {
         move |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
             Some(FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() })
@@ -536,18 +540,18 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // The slopes are differences of equal heats.
+    // The loop gain is calculated from differences of equal heats.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
         near("rise", three, 3.0 * one, 1e-9 * three);
     }
 }
 
-/// If the heat does not depend on the temperatures, the linear network and the search for the warm
-/// state agree, because they use the same network. The tolerance is the residual heat of the
-/// search, 1e-10 of the total heat.
+/// If the heat does not depend on temperatures, the solution of the linear network agrees with the
+/// search for the warm state, which uses the same network. The tolerance is the residual heat of
+/// the search, which is 1e-10 of the total heat.
 #[test]
-fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
+fn linear_network_matches_the_warm_state_with_constant_heat() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
         let contacts = [0.12, 0.07];
         Some(FrictionSum { torque: 0.25, contacts, ..FrictionSum::default() })
@@ -584,8 +588,7 @@ fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
     }
 }
 
-/// Returns the axis with friction proportional to the loads of the balls, and with seal and
-/// bearings.
+/// Returns the nut with a given friction function, and with friction of seals and bearings.
 fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
@@ -597,7 +600,8 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
     }
 }
 
-/// Returns friction with a coefficient of 0.002 on the pitch circle, times a factor.
+/// Returns a friction function proportional to the ball loads, with a friction coefficient of 0.002
+/// on the pitch circle times a factor.
 fn friction_of_factor(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
@@ -608,7 +612,8 @@ fn friction_of_factor(
     }
 }
 
-/// Multiplying conductances and heat by the same factor does not change the state.
+/// Multiplying all conductances and all heat sources by the same factor does not change the
+/// temperatures.
 #[test]
 fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -632,14 +637,14 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
         nut.steady().expect("steady").rises
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
-        // The tolerance is the residual heat of 1e-10 divided by one minus the gain.
+        // The tolerance is the residual heat of 1e-10 divided by one minus the loop gain.
         near("rise", three, one, 1e-9 * one);
     }
 }
 
-/// If heat leaves without resistance, the nut stays cold. If heat passes the gap without
-/// resistance, nut and screw have the same temperature, and only the balls differ, so that the
-/// preloads in X and O arrangement agree.
+/// If heat leaves without thermal resistance, the nut stays cold. If heat passes the gap without
+/// thermal resistance, nut and screw have the same temperature. Only the balls are warmer, so the
+/// preloads in X and O arrangement are equal.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
     let friction = friction_of_factor(1.0);
@@ -659,7 +664,7 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
         nut.steady().expect("steady")
     };
     let cold = of("WS-P3", 1e5, 1e5);
-    // About 100 W at 1e5 W/K give one millikelvin, and one kelvin changes the preload by 13 %.
+    // About 100 W and 1e5 W/K give a temperature rise of 1 mK, and 1 K changes the preload by 13 %.
     near("cold", cold.heated.preload, 2500.0, 0.3);
     let [x, o] = ["WS-P3", "WS-P2"].map(|id| of(id, 0.0, 1e5));
     for state in [&x, &o] {
@@ -669,8 +674,8 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
     near("preloads", x.heated.preload, o.heated.preload, 0.3);
 }
 
-/// Without resistance between its parts and without ends, an axis is a single node whose surfaces
-/// dissipate the heat together.
+/// Without thermal resistance between its parts and without screw ends, an axis is a single node,
+/// whose surfaces together dissipate the heat.
 #[test]
 fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let friction = friction_of_factor(1.0);
@@ -684,14 +689,16 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // The tolerance covers about 100 W at 1e5 W/K and a section of 1e-6 of the length.
+        // The tolerance covers the effects of about 100 W at 1e5 W/K, and of screw ends with 1e-6
+        // of the length.
         near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
-/// The network assumes one temperature along the travel. For a long screw, the mean temperature
-/// rise of the network and of its closed form is lower than the temperature rise of an exact fin
-/// heated along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
+/// The network assumes a uniform temperature along the travel. For a long screw, its mean
+/// temperature rise, which matches a closed formula, is lower than that of an exact fin heated
+/// along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at
+/// 12.
 #[test]
 fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -699,25 +706,26 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
         let m = (along / (network.screw.conductivity * network.screw.section)).sqrt();
-        // Screw ends with a length of 40/m act as infinitely long ends, because e^-40 is below the
+        // Screw ends of length 40/m can be treated as infinitely long, because e^-40 is below the
         // rounding error.
         (network.screw.travel, network.screw.length) = (x / m, (x + 80.0) / m);
         let of = &mut network.conductances;
         (of.gap, of.ball_nut, of.ball_screw) = (0.0, 0.0, 0.0);
         let (matrix, _) = network.balance();
-        // No heat enters the ends directly, so the heat flow to them is in the row of the screw.
+        // No heat is generated at the screw ends, so the heat that flows to them is contained in
+        // the matrix row of the screw.
         let rise = along * network.screw.travel / matrix[1][1];
         near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
-        // The percentages of the specification are rounded.
+        // The percentages in the specification are rounded.
         near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
     }
 }
 
-/// The derivatives of the temperatures with respect to the ambient temperature, calculated from two
-/// steady states, satisfy the linearized heat balance. Its matrix `$M - P'$` contains the
-/// derivatives of the heat. The tolerance of 1e-5 is the square of the ratio of the step to 50 K,
-/// the temperature range over which the functions are curved.
+/// The derivatives of the node temperatures with respect to the ambient temperature, calculated
+/// from two steady states, satisfy the linearized heat balance. Its matrix `$M - P'$` contains the
+/// derivatives of the heat. The tolerance of 1e-5 is the squared ratio of the step to 50 K, the
+/// temperature range over which the functions are nonlinear.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = friction_of_factor(1.0);
@@ -736,26 +744,25 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let heat = |by: f64| base.heated(&along(by), 1.0, false).expect("a nut").heat;
     let (more, less) = (heat(2e-3), heat(-2e-3));
     for i in 0..NODES {
-        // (M − P') dT/dT₀ = dr/dT₀
+        // The linearized heat balance is (M − P') dT/dT₀ = dr/dT₀.
         let leaves: f64 = matrix[i].iter().zip(follow).map(|(m, t)| m * t).sum();
         let made = (more[i] - less[i]) / 4e-3;
         near(&format!("node {i}"), leaves - made, received[i], 1e-5 * matrix[i][i]);
     }
 }
 
-/// If the nut bodies of a pair in O arrangement are one neutral distance apart, the preload does
-/// not change with the temperature of the screw, provided that the balls have the mean temperature
-/// of nut and screw. The remaining change is below 2 % of the change in an X arrangement: the
-/// preload changes the contact angle by about 0.01 rad from 45 deg, and twice this fraction of one
-/// of the two terms remains.
+/// If the bodies of a pair in O arrangement are one neutral distance apart, the preload does not
+/// depend on the screw temperature, provided that the balls have the mean temperature of nut and
+/// screw. The remaining change is less than 2 % of the change in X arrangement, because the preload
+/// changes the contact angle of 45 deg by about 0.01 rad.
 #[test]
-fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
+fn o_pair_at_neutral_distance_is_insensitive_to_screw_temperature() {
     let change = |id: &str| {
         let mut case = reference(id)["case"].clone();
         let radius = 0.5 * length_in_m(&case, "pitch_circle_diameter_mm");
         let lead = length_in_m(&case, "lead_mm");
         let angle = 45.0_f64.to_radians();
-        // 2c = 2 r_m cot(β₀)/cos(α)
+        // The neutral distance is 2c = 2 r_m cot(β₀)/cos(α).
         let apart = 2.0 * radius / angle.tan() / (lead / (2.0 * PI * radius)).atan().cos();
         case["circuits"][1]["start_deg"] = json!(360.0 * apart / lead);
         let axis = axis(&case);
@@ -769,11 +776,11 @@ fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     assert!(x > 0.05 && o.abs() < 0.02 * x, "{x} {o}");
 }
 
-/// Friction that is interpolated from a few loads agrees with the friction of all balls, solved one
-/// by one, to a tenth of 1e-6. The quadrature rule of raceway control has an error of 1e-6, which
-/// varies from load to load.
+/// Friction interpolated between a few loads agrees with the sum over all balls, solved one by one,
+/// to 1e-7. The limit is the quadrature error of raceway control, which is 1e-6 and varies from
+/// load to load.
 #[test]
-fn friction_can_be_interpolated_between_loads() {
+fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     let nut = axis(&reference("WS-P4")["case"]);
     let warm = nut.warmed(&[20.0, 15.0, 31.0, 7.0, 7.0], -18_000.0);
     let found = warm.solve(&Support::guided(1500.0)).expect("carried");
@@ -789,13 +796,13 @@ fn friction_can_be_interpolated_between_loads() {
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
-/// Without the limit (U33), the friction of each of the 57 balls of a body begins with its rolling
-/// resistance, which is 2 % of the friction of the body. The interpolated sum and the sum over all
-/// balls contained these jumps at different loads.
+/// Without the limit (U33), the friction of each of the 57 balls of a body would start with its
+/// rolling resistance, which is 2 % of the friction of the body. The interpolated sum and the sum
+/// over all balls would have these jumps at different loads.
 #[test]
-fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
+fn friction_has_no_jump_when_balls_lose_their_load() {
     let axis = axis(&reference("WS-P4")["case"]);
-    // Loads differ from ball to ball by the slope of the warm pitch.
+    // The ball loads vary along the nut because thermal expansion changes the lead.
     let warm = axis.nut.warmed([2.0, 1.0, 3.0], axis.axis.screw.expansion);
     let drive = Drive { screw_speed: 100.0, nut_speed: 0.0 };
     let limit = warm.limit_load(PreloadKind::Offset, &Support::guided(0.0), 1.0).expect("a limit");
@@ -818,8 +825,8 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
             .friction(&found, FlankFriction::default(), &drive, 0.0, solve)
             .torque
             .expect("friction");
-        // The interpolation between loads is accurate to 1e-9, except where a ball is near the
-        // limit.
+        // The interpolation between loads is accurate to 1e-9, unless a ball is close to the limit
+        // (U33).
         near(&format!("{step}"), sum.torque, all, 1e-6 * all);
         steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
         last = Some(sum.torque);
@@ -828,15 +835,15 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
     steps.sort_by(f64::total_cmp);
     let median = steps[steps.len() / 2];
     assert!(lifted > 10, "{lifted}");
-    // The slope decreases only from two bodies, one of which loses its load, to one body.
+    // The only change of slope is at the load at which one of the two bodies loses its load.
     assert!(most < 3.0 * median, "{most} {median}");
 }
 
-/// (I3) agrees with the difference of two solved nuts at temperatures a tenth of a kelvin apart:
-/// within 1 % for X arrangement and for the balls, whose second-order term is 1.3 % of the load for
-/// 0.1 K, and half of this value in the mean.
+/// (I3) agrees with the difference between two nuts solved at temperatures 0.1 K apart. The
+/// tolerance is 1 %, because the second-order term of the balls is 1.3 % of the load at 0.1 K, and
+/// half of this value is the mean.
 #[test]
-fn the_change_of_a_preload_agrees_to_first_order() {
+fn preload_change_matches_the_first_order_formula() {
     let axis = axis(&reference("WS-P1")["case"]);
     let (nut, expansion) = (&axis.nut, axis.axis.screw.expansion);
     let preload = |rises: [f64; 3]| {
@@ -846,7 +853,7 @@ fn the_change_of_a_preload_agrees_to_first_order() {
     let (sin, cos) = nut.contact_angle.sin_cos();
     let along = nut.helix.lead_angle.cos();
     let approach = 0.5 * nut.preload_setting(PreloadKind::Offset) * sin * along;
-    // The bodies begin four turns apart.
+    // The first balls of both bodies are four turns apart.
     let half = 2.0 * nut.helix.lead();
     let rise = expansion * 0.1;
     // dF/F = 3/(2 δ_p) {(ε_s − ε_n) [r_m cosβ₀ + c sinβ₀ cosα] + r_b (2 ε_b − ε_n − ε_s)}  (I3)
@@ -858,11 +865,11 @@ fn the_change_of_a_preload_agrees_to_first_order() {
     }
 }
 
-/// Random axes (5000 with `CAMPAIGNS=whole`) have a stable state with a balance of heat, a fold
-/// below their speed, or a reason why they have no state. Friction decreases with temperature like
-/// the friction of an oil, so that no time is spent on solving balls.
+/// Random axes (5000 with `CAMPAIGNS=whole`) have a stable state with balanced heat, a fold below
+/// their speed, or another reason why no state exists. The friction decreases with temperature like
+/// that of an oil, so the test does not need to solve ball models.
 #[test]
-fn random_axes_have_a_state_or_a_reason() {
+fn random_axes_have_a_steady_state_or_a_stated_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
     let (mut case, whole) = (reference("WS-P4")["case"].clone(), campaign(5000));
@@ -927,7 +934,7 @@ fn random_axes_have_a_state_or_a_reason() {
         }
     }
     eprintln!("steady {steady}, folds {folds}, too hot {hot}, preload lost {lost}");
-    // At least one in a hundred has a fold, so the draws cover the cases that the search must
-    // distinguish.
+    // At least one percent of the axes must have a fold, so that the test covers the cases that the
+    // search must distinguish.
     assert!(100 * folds > whole, "{steady} {folds} {hot} {lost}");
 }

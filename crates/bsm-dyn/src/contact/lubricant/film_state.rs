@@ -5,7 +5,7 @@ use super::mixed::MixedFriction;
 use crate::outcome::named;
 
 named! {
-    /// Lubrication regime of a contact. No equation uses it.
+    /// Lubrication regime of a contact. The regime is only a label and enters no equation.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Regime {
         /// Asperities carry most of the load.
@@ -18,7 +18,7 @@ named! {
 }
 
 impl Regime {
-    /// Returns the regime for a film ratio.
+    /// Returns the lubrication regime for a film ratio.
     pub fn of(film_ratio: f64) -> Self {
         match film_ratio {
             ..0.3 => Self::Boundary,
@@ -28,32 +28,32 @@ impl Regime {
     }
 }
 
-/// The film of a contact, with its friction and rolling resistance.
+/// The oil film of a contact, with its friction and rolling resistance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactFilm<F = f64> {
     /// Film thickness \[m\].
     pub thickness: F,
-    /// Film thickness divided by the combined roughness of both surfaces `$\lambda$`.
+    /// Film ratio `$\lambda$`: film thickness divided by the combined roughness of both surfaces.
     pub ratio: F,
-    /// Film ratio of the smallest film thickness, at the edge of the contact (Y36).
+    /// Film ratio at the minimum film thickness, at the edge of the contact (Y36).
     pub least_ratio: F,
     /// Share of the load that asperities carry `$\xi$`.
     pub asperity_share: F,
-    /// Mean friction coefficient: sliding power divided by the sliding power for a coefficient of
-    /// one (Y22).
+    /// Mean friction coefficient: ratio of the sliding power to the sliding power for a coefficient
+    /// of one (Y22).
     pub friction: F,
-    /// Moment against rolling \[N·m\].
+    /// Moment that resists rolling \[N·m\].
     pub rolling_moment: F,
     /// Entrainment speed along the track, smoothed by the creep speed \[m/s\].
     pub entrainment: F,
-    /// Dimensionless load parameter `$M$` of the rolling force (Y17). Below about 10, the film
-    /// thickness of (Y7) is too small.
+    /// Dimensionless load parameter `$M$` of the rolling force (Y17). If `$M$` is below about 10,
+    /// (Y7) underestimates the film thickness.
     pub elasticity: F,
-    /// Friction law at the points of the contact, for slip speeds in m/s.
+    /// Local friction law of the contact, for slip speeds in m/s.
     pub law: MixedFriction<F>,
 }
 
-/// Oil, films and losses of a ball in steady motion. Powers are for all balls together \[W\].
+/// Oil, films and losses of a ball in steady motion. All powers are for all balls together \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmState<F = f64> {
     /// Temperature of the oil \[K\].
@@ -66,17 +66,17 @@ pub struct FilmState<F = f64> {
     pub nut: ContactFilm<F>,
     /// Film at the screw.
     pub screw: ContactFilm<F>,
-    /// Power lost by sliding at the contacts.
+    /// Power loss due to sliding in the contacts.
     pub sliding_power: F,
-    /// Power lost by rolling.
+    /// Power loss due to rolling resistance.
     pub rolling_power: F,
-    /// Power lost outside the contacts.
+    /// Power loss outside the contacts.
     pub outside: OutsidePower<F>,
     /// Temperature rise of the hotter film above the oil temperature due to sliding \[K\] (Y29).
     pub heating: F,
-    /// Constant friction coefficient with the same loss at the contacts (Y30).
+    /// Constant friction coefficient for which the contacts have the same power loss (Y30).
     pub equivalent_friction: F,
-    /// Friction coefficient of a plain thread with the same efficiency (Y31).
+    /// Friction coefficient of a plain thread that has the same efficiency (Y31).
     pub catalog_friction: F,
 }
 

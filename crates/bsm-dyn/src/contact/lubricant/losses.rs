@@ -1,4 +1,4 @@
-//! Losses outside the contacts between balls and raceways.
+//! Power losses outside the contacts between balls and raceways.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
 
@@ -6,46 +6,47 @@ use bsm_kin::Real;
 
 use crate::contact::jam::viscous_drag;
 
-/// Parameters of the losses outside the contacts. By default there are no such losses.
+/// Parameters of the losses outside the contacts. The default is no losses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses<D = f64> {
     /// Torque of the seals \[N·m\].
     pub seal_torque: D,
-    /// Force between neighboring balls \[N\].
+    /// Normal force between neighboring balls \[N\].
     pub ball_contact_force: D,
     /// Friction coefficient between balls.
     pub ball_contact_friction: D,
     /// Number of ball returns.
     pub return_circuits: D,
-    /// Kinetic energy lost in a return, divided by the kinetic energy of the ball, `$\zeta$`.
+    /// Ratio of the kinetic energy that a ball loses in a ball return to its kinetic energy,
+    /// `$\zeta$`.
     pub return_loss: D,
     /// Drag coefficient of a ball in the lubricant.
     pub drag_coefficient: D,
 }
 
-/// Power lost outside the contacts \[W\].
+/// Power losses outside the contacts \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutsidePower<D = f64> {
-    /// Power lost in the seals.
+    /// Power loss in the seals.
     pub seal: D,
-    /// Power lost in ball-to-ball contact.
+    /// Power loss at the contacts between balls.
     pub ball_contact: D,
-    /// Power lost in the ball returns.
+    /// Power loss in the ball returns.
     pub ball_return: D,
-    /// Power lost by drag of the lubricant on the balls.
+    /// Power loss due to drag of the lubricant on the balls.
     pub drag: D,
 }
 
 impl<D: Real> OutsidePower<D> {
-    /// Returns the power lost by the balls. The seals heat the lubricant, but are part of the
-    /// torque of the whole screw.
+    /// Returns the power losses of the balls. Seal losses also heat the lubricant, but their torque
+    /// belongs to the whole screw.
     #[inline(always)]
     pub fn of_balls(&self) -> D {
         self.ball_contact + self.ball_return + self.drag
     }
 
-    /// Returns the torque on the screw \[N·m\] that the losses of the balls add, for a relative
-    /// speed \[rad/s\].
+    /// Returns the additional torque on the screw \[N·m\] due to the power losses of the balls, for
+    /// a relative speed \[rad/s\].
     #[inline(always)]
     pub fn torque(&self, relative_speed: D) -> D {
         // T = Z T_ball + Σ P/W                                            (Y27)
@@ -53,18 +54,18 @@ impl<D: Real> OutsidePower<D> {
     }
 }
 
-/// A ball that travels around the screw.
+/// Motion of a ball that travels around the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct BallOrbit<D> {
-    /// `$|(\omega - P k) \times t|$` \[rad/s\].
+    /// Angular speed of sliding between balls `$|(\omega - P k) \times t|$` \[rad/s\].
     pub sliding_speed: D,
-    /// `$|P - \Omega_n|$` \[rad/s\].
+    /// Precession rate relative to the nut `$|P - \Omega_n|$` \[rad/s\].
     pub rate: D,
-    /// `$|W|$` \[rad/s\].
+    /// Relative speed `$|W|$` \[rad/s\].
     pub relative_speed: D,
-    /// Radius \[m\].
+    /// Ball radius \[m\].
     pub radius: D,
-    /// Mass \[kg\].
+    /// Ball mass \[kg\].
     pub mass: D,
     /// Radius of the helix of the ball centers \[m\].
     pub pitch_radius: D,
@@ -75,7 +76,7 @@ pub struct BallOrbit<D> {
 }
 
 impl<D: Real> Losses<D> {
-    /// Returns the powers for a motion.
+    /// Returns the power losses for a motion of the balls.
     ///
     /// * `density`: density of the lubricant \[kg/m³\].
     #[inline(always)]

@@ -8,15 +8,15 @@ use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::transition::Transition;
 
-/// Friction of asperities in contact and of the oil that is sheared between them.
+/// Mixed friction: friction of asperities in contact, and of the oil that is sheared between them.
 ///
 /// ```math
 /// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},
 /// \qquad \tau_y = \tau_E\,\mathrm{arsinh}\frac{\eta(p)\,s}{h\,\tau_E}
 /// ```
 ///
-/// Source: Eyring's law with the limiting shear stress of Bair and Winer (1979); the sum of both,
-/// weighted by their shares of the load, as in Zhou and Hoeprich (1991).
+/// Source: Eyring's law with the limiting shear stress of Bair and Winer (1979). The two parts are
+/// added with their shares of the load as weights, as in Zhou and Hoeprich (1991).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixedFriction<D = f64> {
     /// Share of the load that asperities carry `$\xi$`.
@@ -27,16 +27,16 @@ pub struct MixedFriction<D = f64> {
     pub limiting_shear: D,
     /// Eyring stress `$\tau_E$` \[Pa\].
     pub eyring_stress: D,
-    /// Largest pressure of the contact \[Pa\].
+    /// Maximum pressure in the contact \[Pa\].
     pub max_pressure: D,
-    /// `$a_p$` of (Y5) \[Pa\].
+    /// Pressure parameter `$a_p$` of (Y5) \[Pa\].
     pub pressure_scale: D,
-    /// `$\eta/(h\,\tau_E)$`, divided by the unit of speed.
+    /// Factor `$\eta/(h\,\tau_E)$` of the slip speed in (Y11), divided by the unit of speed.
     pub shear: D,
 }
 
 impl<D> MixedFriction<D> {
-    /// Applies a function to every number of the struct.
+    /// Applies a function to every number in the struct.
     #[inline(always)]
     pub(crate) fn map<E>(&self, f: impl Fn(&D) -> E) -> MixedFriction<E> {
         MixedFriction {
@@ -52,7 +52,7 @@ impl<D> MixedFriction<D> {
 }
 
 impl<D: Real> MixedFriction<D> {
-    /// Returns the law of an oil in a film with a given thickness \[m\].
+    /// Creates the friction law of an oil in a film with a given thickness \[m\].
     ///
     /// * `speed_unit`: unit of the slip speed \[m/s\].
     #[inline(always)]
@@ -81,15 +81,15 @@ impl<D: Real> MixedFriction<D> {
         }
     }
 
-    /// Returns the same law for speeds in another unit. The argument is the number of the new units
-    /// in the present unit.
+    /// Converts the law to a different unit of speed. The argument is the old unit, measured in the
+    /// new unit.
     #[inline(always)]
     pub(crate) fn in_unit(self, speed_unit: D) -> Self {
         Self { shear: self.shear / speed_unit, ..self }
     }
 
-    /// Returns the coefficient at a point, for the pressure divided by the largest pressure, and
-    /// for the slip speed.
+    /// Returns the friction coefficient at a point. The arguments are the pressure, divided by the
+    /// maximum pressure, and the slip speed.
     #[inline(always)]
     pub(crate) fn at(&self, pressure: D, speed: D) -> D {
         let p = self.max_pressure * pressure;
@@ -104,7 +104,7 @@ impl<D: Real> MixedFriction<D> {
     }
 
     /// Returns the friction coefficient that would apply if the oil reached its limiting shear
-    /// stress everywhere.
+    /// stress everywhere in the contact.
     #[inline(always)]
     pub fn most(&self) -> D {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limiting_shear
@@ -112,7 +112,7 @@ impl<D: Real> MixedFriction<D> {
 }
 
 impl<D: Scalar> MixedFriction<D> {
-    /// Returns the same law without derivatives.
+    /// Returns the friction law without derivatives.
     pub(crate) fn values(&self) -> MixedFriction {
         MixedFriction {
             asperity_share: self.asperity_share.re(),
@@ -137,7 +137,7 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
 }
 
 impl Transition {
-    /// Returns the parameters of a friction law.
+    /// Returns the transition of a friction law.
     pub(crate) fn of(law: &MixedFriction) -> Self {
         Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
     }

@@ -1,4 +1,4 @@
-//! The oil: viscosity as a function of temperature and pressure.
+//! Oil viscosity as a function of temperature and pressure.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y5).
 
@@ -6,7 +6,7 @@ use std::f64::consts::LN_10;
 
 use bsm_kin::Real;
 
-/// Kind of base oil, which determines defaults.
+/// Kind of base oil, which determines default properties.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BaseOil {
     /// Mineral oil.
@@ -19,7 +19,7 @@ pub enum BaseOil {
     Pag,
 }
 
-/// Typical values of a base oil.
+/// Typical properties of a base oil.
 struct Typical {
     /// Parameters `$s$` and `$t$` of (Y4).
     pressure_viscosity: (f64, f64),
@@ -60,30 +60,30 @@ impl BaseOil {
     }
 }
 
-/// Viscosity grades of ISO 3448: kinematic viscosities at 40 °C \[mm²/s\].
+/// ISO 3448 viscosity grades: kinematic viscosities at 40 °C \[mm²/s\].
 pub const VISCOSITY_GRADES: [f64; 11] =
     [10.0, 15.0, 22.0, 32.0, 46.0, 68.0, 100.0, 150.0, 220.0, 320.0, 460.0];
 
-/// Kinematic viscosities of the grades at 100 °C for a viscosity index of 95 \[mm²/s\].
+/// Kinematic viscosities of the viscosity grades at 100 °C for a viscosity index of 95 \[mm²/s\].
 const HOT_GRADES: [f64; 11] =
     [2.64, 3.38, 4.25, 5.29, 6.64, 8.53, 11.07, 14.54, 18.75, 23.95, 30.34];
 
-/// An oil.
+/// Properties of an oil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil<D = f64> {
-    /// Base oil, which determines defaults.
+    /// Base oil, which determines default properties.
     pub base: BaseOil,
-    /// Kinematic viscosities at 40 and 100 °C \[m²/s\]; the first is larger.
+    /// Kinematic viscosities at 40 and 100 °C \[m²/s\]. The viscosity at 40 °C is larger.
     pub viscosities: [D; 2],
     /// Density at 15 °C \[kg/m³\].
     pub density: D,
-    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\], if it is known.
+    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\], if known.
     pub pressure_viscosity: Option<D>,
     /// Ratio of the limiting shear stress to the pressure `$\Lambda$`, positive.
     pub limiting_shear: D,
 }
 
-/// An oil at a temperature.
+/// Properties of an oil at a given temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OilState<D = f64> {
     /// Temperature \[K\].
@@ -98,19 +98,19 @@ pub struct OilState<D = f64> {
     pub temperature_coefficient: D,
     /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\].
     pub pressure_viscosity: D,
-    /// `$a_p$` of (Y5) \[Pa\].
+    /// Pressure parameter `$a_p$` of (Y5) \[Pa\].
     pub pressure_scale: D,
 }
 
-/// Relative expansion of oil `$\rho_{15}^{-1} d\rho/dT$` \[1/K\].
+/// Thermal expansion of oil relative to 15 °C, `$\rho_{15}^{-1} d\rho/dT$` \[1/K\].
 const EXPANSION: f64 = 6.5e-4;
 
-/// `$b_p$` of (Y5).
+/// Pressure parameter `$b_p$` of (Y5) (dimensionless).
 pub(crate) const PRESSURE_SLOPE: f64 = 0.02;
 
 impl Oil {
-    /// Returns the kinematic viscosities at 40 and 100 °C \[m²/s\] of a viscosity grade of ISO 3448
-    /// with a viscosity index of 95, or `None` if there is no such grade.
+    /// Returns the kinematic viscosities at 40 and 100 °C \[m²/s\] of an ISO 3448 viscosity grade
+    /// with a viscosity index of 95, or `None` if the grade does not exist.
     pub fn of_grade(grade: f64) -> Option<[f64; 2]> {
         let place = VISCOSITY_GRADES.iter().position(|known| known.total_cmp(&grade).is_eq())?;
         Some([VISCOSITY_GRADES[place], HOT_GRADES[place]].map(|viscosity| viscosity * 1e-6))
@@ -118,7 +118,7 @@ impl Oil {
 }
 
 impl<D: Real> Oil<D> {
-    /// Returns the oil at a temperature \[K\] (Y1) to (Y5).
+    /// Calculates the properties of the oil at a temperature \[K\] (Y1) to (Y5).
     ///
     /// ```math
     /// \log_{10}\log_{10}(\nu + 0.7) = A - B\log_{10}\theta, \qquad \eta = \nu\rho

@@ -1,5 +1,6 @@
-//! A ball between elastic raceways in units of ball radius, axial load per ball and relative speed, for one point or for
-//! several points side by side. Angles are given by their sines and cosines.
+//! A ball between elastic raceways in scaled units (ball radius, axial load per ball, relative
+//! speed), for one point or for several points side by side. Angles are given by their sines and
+//! cosines.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
@@ -12,7 +13,7 @@ use crate::contact::{
 };
 use crate::ellipse::pressed_radius;
 
-/// A ball between elastic raceways, in the units of the equations. Pairs contain the values at nut and screw.
+/// A ball between elastic raceways, in scaled units. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ScaledBall<P = f64> {
     /// Sine and cosine of the lead angle.
@@ -29,9 +30,10 @@ pub struct ScaledBall<P = f64> {
     pub radial_distance: P,
     /// Distances `$l_0$` between arc center and ball center at first contact.
     pub offsets: [P; 2],
-    /// Hertz approaches under a normal load of one axial load per ball.
+    /// Hertz approaches under a normal load that equals the axial load per ball.
     pub approaches: [P; 2],
-    /// Semi-axes of the contact ellipses, across and along the groove, under a normal load of one axial load per ball.
+    /// Semi-axes of the contact ellipses, across and along the groove, under a normal load that
+    /// equals the axial load per ball.
     pub semi_axes: [(P, P); 2],
     /// Radii of the deformed contact surfaces (E2).
     pub pressed_radius: [P; 2],
@@ -44,7 +46,7 @@ impl<P: Real> ScaledBall<P> {
         self.mass * self.radius
     }
 
-    /// Returns the ball, whose radius is 1.
+    /// Returns the ball in scaled units, in which its radius is 1.
     #[inline(always)]
     pub fn ball(&self) -> Ball<P> {
         Ball { radius: self.mass.constant(1.0), mass: self.mass }
@@ -52,8 +54,8 @@ impl<P: Real> ScaledBall<P> {
 }
 
 impl<P: Real> ScaledBall<P> {
-    /// Returns the axial play of one nut below which the ball touches a far flank (AC7); zero if
-    /// the ball touches no far flank at any play.
+    /// Returns the axial play of one nut below which the ball touches a far flank (AC7). The result
+    /// is zero if the ball does not touch a far flank even without play.
     ///
     /// * `sides`: contacts at nut and screw.
     #[inline(always)]
@@ -70,9 +72,10 @@ impl<P: Real> ScaledBall<P> {
 }
 
 /// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a
-/// groove (AC7); zero if the ball touches no far flank at any play.
+/// groove (AC7). The result is zero if the ball does not touch the far flank even without play.
 ///
-/// * `across`, `offset`: `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess radius of the ball.
+/// * `across`, `offset`: distances `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess
+///   radius of the ball.
 /// * `length`: distance from the arc center of the loaded flank to the ball center.
 /// * `(sin, cos)`: sine and cosine of the contact angle.
 /// * `cos_lead`: cosine of the lead angle.
@@ -91,7 +94,7 @@ pub(crate) fn far_flank_play<F: Real>(
     ((across - center) * 4.0 / cos_lead).larger(zero)
 }
 
-/// Dimensionless size, mass, speed and stiffness of a point.
+/// Dimensionless size, mass, speed and stiffness of an operating point.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledSize<F> {
     /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
@@ -117,22 +120,23 @@ pub struct GrooveContact<F> {
     pub hertz: Hertz<F>,
 }
 
-/// A ball and its contacts at nut and screw.
+/// A ball with its contacts at nut and screw.
 #[derive(Clone, Copy)]
 pub struct BallContacts<F: Real> {
-    /// The ball in the units of the equations.
+    /// The ball in scaled units.
     pub scaled: ScaledBall<F>,
     /// Sine of the unloaded contact angle.
     pub sin_b: F,
     /// Cosine of the unloaded contact angle.
     pub cos_b: F,
-    /// Contacts at nut and screw.
+    /// Hertz contacts at nut and screw.
     pub pressed: [GrooveContact<F>; 2],
-    /// True if no number overflows or underflows and the flatness of both ellipses is within the practical range.
+    /// True if no number overflows or underflows and the aspect ratios of both contact ellipses are
+    /// within the practical range.
     pub regular: F::Mask,
 }
 
-/// A contact under its load.
+/// A contact under load, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadedContact<D> {
     /// Cotangent of the contact angle.
@@ -143,7 +147,7 @@ pub struct LoadedContact<D> {
     pub cos: D,
     /// Ratio of normal load to axial load per ball `$Q/F_a$`.
     pub load: D,
-    /// Cube root of `load`.
+    /// Cube root of the load ratio `load`.
     pub cbrt_load: D,
     /// Hertz approach `$\delta$`.
     pub approach: D,
@@ -152,10 +156,10 @@ pub struct LoadedContact<D> {
 }
 
 impl<D: Real> LoadedContact<D> {
-    /// Returns the contact with a given load and contact angle.
+    /// Creates the contact with a given load and contact angle.
     ///
-    /// * `offset`: `$l_0$`.
-    /// * `compliance`: approach under a normal load of one axial load per ball.
+    /// * `offset`: distance `$l_0$` between arc center and ball center at first contact.
+    /// * `compliance`: approach under a normal load that equals the axial load per ball.
     /// * `(sin, cos)`: sine and cosine of the contact angle.
     #[inline(always)]
     pub fn of<P: Copy>((offset, compliance): (P, P), load: D, (sin, cos): (D, D)) -> Self
@@ -168,10 +172,12 @@ impl<D: Real> LoadedContact<D> {
         Self { cot: cos / sin, sin, cos, load, cbrt_load, approach, length: approach + offset }
     }
 
-    /// Returns the contact whose load carries the axial load without friction at a given cotangent of the contact angle.
+    /// Creates the contact without friction whose normal load carries the axial load at a given
+    /// cotangent of the contact angle.
     ///
-    /// * `stiffness`: `offset` and `compliance` of [`of`](Self::of).
-    /// * `axial`: `$1/\cos\alpha$`.
+    /// * `stiffness`: the arguments `offset` and `compliance` of [`of`](Self::of).
+    /// * `axial`: ratio `$1/\cos\alpha$` of the load component along the binormal to the axial
+    ///   load.
     #[inline(always)]
     pub fn without_friction<P: Copy>(stiffness: (P, P), axial: P, cot: D) -> Self
     where
@@ -189,8 +195,8 @@ impl<D: Real> LoadedContact<D> {
         self.length * self.cos
     }
 
-    /// Returns the derivative of [`radial_component`](Self::radial_component) with respect to the cotangent of the contact
-    /// angle of a contact without friction; it is positive.
+    /// Returns the derivative of [`radial_component`](Self::radial_component) with respect to the
+    /// cotangent of the contact angle, for a contact without friction. The derivative is positive.
     #[inline(always)]
     pub fn radial_slope(&self) -> D {
         // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
@@ -198,9 +204,9 @@ impl<D: Real> LoadedContact<D> {
             + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
     }
 
-    /// Returns the semi-axes across and along the groove.
+    /// Returns the semi-axes of the contact ellipse across and along the groove.
     ///
-    /// * `(a, b)`: semi-axes under a normal load of one axial load per ball.
+    /// * `(a, b)`: semi-axes under a normal load that equals the axial load per ball.
     #[inline(always)]
     pub fn semi_axes<P: Copy>(&self, (a, b): (P, P)) -> (D, D)
     where
@@ -212,7 +218,8 @@ impl<D: Real> LoadedContact<D> {
 }
 
 impl<F: Real> GrooveContact<F> {
-    /// Returns the contact of a groove, and whether the flatness of its ellipse is within the practical range.
+    /// Creates the contact of the ball with a groove, together with a mask that is true if the
+    /// aspect ratio of the contact ellipse is within the practical range.
     #[inline(always)]
     fn of(groove: &Groove<F>, tan_a: F, cos_b: F, size: &ScaledSize<F>) -> (Self, F::Mask) {
         let one = cos_b.constant(1.0);
@@ -230,7 +237,7 @@ impl<F: Real> GrooveContact<F> {
 }
 
 impl<F: Real> BallContacts<F> {
-    /// Returns a ball and its contacts.
+    /// Creates a ball with its contacts at nut and screw.
     ///
     /// * `sines`: sines and cosines of lead angle and unloaded contact angle.
     /// * `conformities`: conformities of nut and screw.
@@ -268,7 +275,7 @@ impl<F: Real> BallContacts<F> {
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 
-    /// Returns a number with the same value at every point.
+    /// Returns a constant that has the same value at every point.
     #[inline(always)]
     pub fn constant(&self, x: f64) -> F {
         self.scaled.arc.constant(x)
@@ -281,7 +288,7 @@ impl<F: Real> BallContacts<F> {
         LoadedContact::of((offset, hertz.compliance), load, angle)
     }
 
-    /// Returns the displacement of the nut along the binormal.
+    /// Returns the displacement of the nut along the binormal due to the elastic approaches.
     #[inline(always)]
     pub fn displacement(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let both = self.pressed[0].offset + self.pressed[1].offset;
@@ -289,27 +296,28 @@ impl<F: Real> BallContacts<F> {
     }
 }
 
-/// Motion of a ball on two elastic contacts, in units of the ball radius and `$W$`. Pairs contain the values at nut and screw.
+/// Motion of a ball on two elastic contacts, with lengths divided by the ball radius and speeds
+/// divided by `$W$`. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct ElasticMotion<F> {
     /// Slip speeds at the contact centers, not negative.
     pub slip: [F; 2],
     /// Spins about the contact normals, relative to nut and screw.
     pub spin: [F; 2],
-    /// Directions of friction \[rad\], if they are requested.
+    /// Directions of the friction forces \[rad\], if requested.
     pub slip_angles: Option<[F; 2]>,
-    /// Absolute precession `$P/W$`.
+    /// Absolute precession rate `$P/W$`.
     pub rate: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub to_nut: [F; 3],
-    /// True if friction across the grooves is part of the balance of forces.
+    /// True if friction across the grooves is part of the force balance.
     pub friction_in_balance: bool,
 }
 
 impl<F: Real> ElasticMotion<F> {
-    /// Returns the state of the ball in SI units.
+    /// Converts the motion to the state of the ball in SI units.
     ///
-    /// * `angles`, `sides`: contact angles \[rad\] and contacts.
+    /// * `angles`, `sides`: contact angles \[rad\] and contacts at nut and screw.
     /// * `displacement`: displacement of the nut along the binormal, divided by the ball radius.
     #[inline(always)]
     pub fn state(
@@ -350,8 +358,8 @@ impl<F: Real> ElasticMotion<F> {
     }
 }
 
-/// Returns the friction power at two contacts with a constant friction coefficient, from loads and slip speeds. For a contact
-/// ellipse, the slip speed is its mean, weighted with the pressure.
+/// Returns the friction power at two contacts with a constant friction coefficient. For a contact
+/// ellipse, the slip speed is the mean over the ellipse, weighted with the pressure.
 #[inline(always)]
 pub fn friction_power<F: Real>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
     // P_f = Σ f Q_c |V_c|, or Σ f Q ∫ dP                                  (R21), (P7)

@@ -1,4 +1,4 @@
-//! A ball between elastic raceways: inputs, units, and the state for given loads and tilt.
+//! A ball between elastic raceways: inputs, scaled units, and the state for given loads and tilt.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
 
@@ -25,14 +25,15 @@ use crate::ellipse::{
 use crate::models::ball::ball_unknowns;
 use crate::outcome::{Direction, NoAnswer, Reason};
 
-/// An operating point of a ball screw whose balls have one elastic contact each at nut and screw.
+/// An operating point of a ball screw whose balls have one elastic contact with the nut and one
+/// with the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElasticPoint<D = f64> {
     /// Geometry, friction, speeds and load.
     pub point: OperatingPoint<D>,
     /// Conformities of nut and screw: ratios of groove radius to ball diameter, above 1/2.
     pub conformity: (D, D),
-    /// Elastic constants of raceways and ball.
+    /// Elastic constants of the raceways and of the ball.
     pub material: (Material<D>, Material<D>),
 }
 
@@ -42,7 +43,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// # Errors
     ///
     /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
-    /// groove.
+    /// groove than along it.
     pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         Hertz::side_by_side(&self.curvatures(), modulus)
@@ -55,11 +56,12 @@ impl<D: Scalar> ElasticPoint<D> {
         self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
     }
 
-    /// Returns the screw with a ball of another radius and a radial gap between the grooves, with
-    /// the contact angle at first contact (U34). The groove radii stay unchanged.
+    /// Returns the operating point for a ball with a different radius and a radial gap between the
+    /// grooves, with the resulting contact angle at first contact (U34). The groove radii stay
+    /// unchanged.
     ///
     /// * `radial_gap`: radial gap between nut and screw grooves \[m\].
-    /// * `oversize`: excess of the ball radius \[m\].
+    /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
     #[must_use]
     pub fn fitted(&self, radial_gap: D, oversize: D) -> Self {
         let (nominal, one) = (self.point.ball, D::from(1.0));
@@ -79,7 +81,7 @@ impl<D: Scalar> ElasticPoint<D> {
         }
     }
 
-    /// Returns the inputs without derivatives.
+    /// Returns the operating point without derivatives.
     pub(crate) fn values(&self) -> ElasticPoint {
         let material = |m: &Material<D>| Material {
             youngs_modulus: m.youngs_modulus.re(),
@@ -99,8 +101,8 @@ impl<D: Scalar> ElasticPoint<D> {
         ]
     }
 
-    /// Returns the operating point in units of ball radius, axial load per ball and relative speed
-    /// (P1).
+    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
+    /// speed (P1).
     ///
     /// # Errors
     ///
@@ -145,9 +147,9 @@ impl<D: Scalar> ElasticPoint<D> {
 /// An operating point in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ElasticContacts<P = f64> {
-    /// Helix with radius `$r_m/r_b$`.
+    /// Helix of the ball centers, with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
-    /// Ball and contacts in the form that the equations use.
+    /// Ball and contacts in scaled units.
     pub(crate) scaled: ScaledBall<P>,
     /// Unloaded contact angle \[rad\].
     pub(crate) contact_angle: P,
@@ -159,8 +161,8 @@ pub(crate) struct ElasticContacts<P = f64> {
     pub(crate) hertz: [Hertz<P>; 2],
 }
 
-/// Returns the motions relative to nut and screw for a motion relative to the nut; speeds are
-/// divided by `$W$`.
+/// Returns the motions relative to nut and screw that correspond to a motion relative to the nut.
+/// All speeds are divided by `$W$`.
 pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [Motion<D>; 2] {
     [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
 }
@@ -178,18 +180,19 @@ pub(crate) struct BallLoads<D> {
     pub(crate) frame: BallFrame<D>,
     /// Contacts at nut and screw.
     pub(crate) contacts: [Contact<D>; 2],
-    /// Axial displacement of the nut.
+    /// Axial displacement of the nut in scaled units.
     pub(crate) displacement: D,
 }
 
 impl<P: Scalar> ElasticContacts<P> {
-    /// Returns a friction force or power for the actual slip, from its value for the slip divided
-    /// by `$W$`. The sign changes if `$W$` is negative.
+    /// Changes the sign of a friction force or power if `$W$` is negative. This is necessary for
+    /// values that were calculated from the slip divided by `$W$`.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }
 
-    /// Returns the friction coefficient for the slip divided by `$W$`, which has the sign of `$W$`.
+    /// Returns the friction coefficient with the sign of `$W$`, for use with the slip divided by
+    /// `$W$`.
     pub(crate) fn directed_friction(&self) -> P {
         self.friction * self.direction.sign()
     }
@@ -199,20 +202,20 @@ impl<P: Scalar> ElasticContacts<P> {
         self.scaled.inertia_ratio()
     }
 
-    /// Returns the approaches, divided by the ball radius, for loads divided by the axial load
-    /// (P2).
+    /// Returns the approaches, divided by the ball radius, from the loads, divided by the axial
+    /// load (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the approach at nut (0) or screw (1), divided by the ball radius, for a load divided
-    /// by the axial load (P2).
+    /// Returns the approach at nut (0) or screw (1), divided by the ball radius, from the load,
+    /// divided by the axial load (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }
 
-    /// Returns contacts and displacement for two loads and a tilt (P2) to (P4).
+    /// Calculates both contacts and the displacement from two loads and a tilt (P2) to (P4).
     ///
     /// # Errors
     ///
@@ -231,7 +234,8 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// Returns contacts and displacement for two loads and the contact angle at the nut (P8).
+    /// Calculates both contacts and the displacement from two loads and the contact angle at the
+    /// nut (P8).
     ///
     /// # Errors
     ///
@@ -243,7 +247,7 @@ impl<P: Scalar> ElasticContacts<P> {
     ) -> Result<BallLoads<D>, EvalError> {
         let (jones, approaches) = self.pressed(loads)?;
         let (screw, displacement) = jones.opposite(approaches, nut)?;
-        // The triad is turned to β_A, and B from there by β_B − β_A       (P8)
+        // The triad is rotated to β_A, and then by β_B − β_A to the contact normal at B  (P8)
         let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
         let contacts =
             [Contact::tilted(Site::Nut, D::from(0.0)), Contact::tilted(Site::Screw, screw - nut)];
@@ -251,14 +255,14 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// Returns the groove arcs, and the approaches for two loads (P2).
+    /// Returns the groove arcs and the approaches under two loads (P2).
     fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
             return Err(EvalError {
-                quantity: "normal load of a contact over the axial load",
+                quantity: "ratio of normal load to axial load at a contact",
                 value: least,
-                requirement: "positive: the contact is lost",
+                requirement: "positive; otherwise the contact is lost",
             });
         }
         let [nut_offset, screw_offset] = self.scaled.offsets.map(D::from);
@@ -266,18 +270,18 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok((jones, self.approaches(loads)))
     }
 
-    /// Returns the operating point with the inertia multiplied by `factor`.
+    /// Returns the operating point with its inertia multiplied by `factor`.
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
         Self { scaled: ScaledBall { mass: self.scaled.mass * factor, ..self.scaled }, ..*self }
     }
 
-    /// Returns the operating point with another friction coefficient.
+    /// Returns the operating point with a different friction coefficient.
     pub(crate) fn with_friction(&self, friction: P) -> Self {
         Self { friction, ..*self }
     }
 
-    /// Returns the residual of the seven equations (P5): the balance of forces and moments in the
-    /// triad (t, N, e_x) of the loaded contacts, and the axial load.
+    /// Returns the residuals of the seven equations (P5): force and moment balance in the triad (t,
+    /// N, e_x) of the loaded contacts, and the axial load.
     ///
     /// * `motion`: absolute motion of the ball.
     /// * `wrenches`: wrenches of nut and screw on the ball.
@@ -330,9 +334,9 @@ impl<P: Scalar> ElasticContacts<P> {
         to_nut.relative_to(D::from(-self.scaled.nut_speed), frame)
     }
 
-    /// Returns the slip speed at the ends of the longer ellipse under the axial load if the ball
-    /// rotates at `$W$` relative to a raceway, divided by `$r_b W$`. The result is 1 for ellipses
-    /// shorter than the ball (T9).
+    /// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse under the
+    /// axial load if the ball rotates at `$W$` relative to a raceway. The result is at least 1
+    /// (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
         slip_scale(
             [0, 1].map(|i| self.scaled.semi_axes[i].0.re()),
@@ -340,7 +344,7 @@ impl<P: Scalar> ElasticContacts<P> {
         )
     }
 
-    /// Returns the loaded ellipses at nut and screw with their motions (P6).
+    /// Creates the patches over which friction is integrated at nut and screw (P6).
     ///
     /// * `motions`: motions relative to the raceways.
     pub(crate) fn patches<D: Over<P>>(
@@ -355,7 +359,7 @@ impl<P: Scalar> ElasticContacts<P> {
         })
     }
 
-    /// Returns the loaded ellipse at nut (0) or screw (1) (P6).
+    /// Returns the loaded contact ellipse at nut (0) or screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
         let (load, (a, b)) = (loaded.loads[i], self.scaled.semi_axes[i]);
@@ -371,7 +375,7 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns efficiency and torque for a scaled wrench of the screw on the ball.
+    /// Returns efficiency and torque from the scaled wrench of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
         contacts: &ElasticContacts<D>,
@@ -381,7 +385,7 @@ impl<D: Scalar> ElasticPoint<D> {
         self.transmitted_torque(contacts, torque(screw, contacts.helix.radius, frame))
     }
 
-    /// Returns efficiency and torque for a scaled torque on the screw.
+    /// Returns efficiency and torque from the scaled torque on the screw.
     pub(crate) fn transmitted_torque(
         &self,
         contacts: &ElasticContacts<D>,
@@ -395,14 +399,15 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl ElasticPoint {
-    /// Converts a state of the ball to SI units.
+    /// Converts the state of the ball from scaled units to SI units.
     ///
     /// * `friction_in_balance`: true if the force balance includes friction across the grooves.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if a contact angle is not in \[0, π/2). At the bottom of a gothic arch, the
-    /// ball touches the other flank, and no groove extends beyond the axial direction.
+    /// [`NoAnswer`] if a contact angle is not in \[0, π/2). At angle 0, the bottom of a gothic
+    /// arch, the ball touches the other flank. At π/2, the contact normal is axial, and no groove
+    /// extends beyond this point.
     pub(crate) fn ball_state(
         &self,
         contacts: &ElasticContacts,
@@ -434,8 +439,8 @@ impl ElasticPoint {
         Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
-    /// Returns torque, efficiency and powers for a scaled torque on the screw, after checking the
-    /// power balance.
+    /// Returns torque, efficiency and powers from the scaled torque on the screw, after checking
+    /// the power balance.
     ///
     /// * `friction_power`: scaled friction power, divided by `$W$`.
     ///

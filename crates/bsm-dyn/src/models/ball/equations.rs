@@ -1,24 +1,24 @@
-//! Implementations of [`bsm_newton::Equations`] from formulas that are generic over the scalar.
+//! Implementations of [`bsm_newton::Equations`] for formulas that are generic over the scalar type.
 
 use bsm_kin::Jet;
 use bsm_newton::EvalError;
 
 use super::ball_unknowns::BALL;
 
-/// Memory of a solve with `N` unknowns.
+/// Memory of a Newton solve with `N` unknowns.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
 
-/// Returns jets with the numbers as independent variables.
+/// Converts numbers into jets that are the independent variables of a derivative.
 pub(crate) fn variables<const N: usize>(x: &[f64; N]) -> [Jet<N>; N] {
     std::array::from_fn(|i| Jet::variable(x[i], i))
 }
 
-/// Returns values and exact Jacobian of `N` functions of `M` unknowns, from one evaluation with
-/// jets.
+/// Returns the values and the exact Jacobian of `N` functions of `M` unknowns from one evaluation
+/// with jets.
 ///
 /// # Errors
 ///
-/// The error of `residual`.
+/// Returns the error of `residual`.
 pub(crate) fn linear<const N: usize, const M: usize>(
     x: &[f64; M],
     residual: impl FnOnce(&[Jet<M>; M]) -> Result<[Jet<M>; N], EvalError>,
@@ -27,8 +27,8 @@ pub(crate) fn linear<const N: usize, const M: usize>(
     Ok((std::array::from_fn(|i| f[i].re), std::array::from_fn(|i| f[i].eps)))
 }
 
-/// Implements [`bsm_newton::Equations`] with `$n` equations for a type, from a residual function
-/// that is generic over the scalar and from the names of the equations.
+/// Implements [`bsm_newton::Equations`] with `$n` equations for a type. The arguments are a
+/// residual function that is generic over the scalar type, and the names of the equations.
 macro_rules! equations {
     ($system:ty, $n:ident, $residual:path, $names:expr) => {
         impl bsm_newton::Equations<$n> for $system {

@@ -1,4 +1,4 @@
-//! Film between ball and raceway, load share of the asperities, and rolling resistance.
+//! Oil film between ball and raceway, load share of the asperities, and rolling resistance.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
@@ -17,50 +17,52 @@ use crate::contact::{
 use crate::ellipse::{Integrate, Placement, Quadrature, Rules, lubricated_friction};
 use crate::outcome::NoAnswer;
 
-/// Magnitude of the exponent of the load in the film thickness (Y7) (dimensionless).
+/// Magnitude of the load exponent in the film thickness formula (Y7) (dimensionless).
 pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
 
-/// Data of the gap of one contact that do not depend on load and speed \[SI\]. Powers are
-/// calculated only once.
+/// Constants of one lubricated contact in SI units, independent of load and speed. Storing them
+/// avoids repeated evaluation of powers.
 #[derive(Debug, Clone, Copy)]
 struct Gap<P> {
     /// Radius along the track `$R_x = 1/\rho_t$`.
     radius: P,
-    /// Ratio of the semi-axes `$b/a$`.
+    /// Ratio of the semi-axes `$b/a$` (along the groove to across the groove).
     flatness: P,
     /// Semi-axis across the groove divided by the cube root of the load.
     semi_axis: P,
     /// Combined roughness of both surfaces.
     roughness: P,
-    /// Dimensionless speed `$U$` divided by the speed, and dimensionless load `$W$` divided by the
-    /// load (Y6).
+    /// Factors that convert speed to dimensionless speed `$U$`, and load to dimensionless load
+    /// `$W$` (Y6).
     rate: P,
     weight: P,
-    /// `$L^{0.62}$` of (Y8) divided by `$U^{1.24}$`.
+    /// Ratio of `$L^{0.62}$` in (Y8) to `$U^{1.24}$`.
     heat: P,
-    /// Film thickness of (Y7) divided by `$U^{0.67}W^{-0.067}\varphi_T$`.
+    /// Ratio of the film thickness (Y7) to `$U^{0.67}W^{-0.067}\varphi_T$`.
     film: P,
-    /// `$M\,U_2^{3/4}/W$` of (Y17).
+    /// Ratio of the load parameter `$M$` (Y17) to `$W\,U_2^{-3/4}$`.
     elastic: P,
-    /// Factor of `$U_2^{-1/12}$` in (Y16).
+    /// Coefficient of `$U_2^{-1/12}$` in (Y16).
     rigid: P,
     /// Constant `$c$` of (Y16).
     flat: P,
-    /// Force of (Y16) divided by the semi-axis, the bracket, `$\varphi_T$` and `$U_2^{3/4}$`.
+    /// Ratio of the force (Y16) to the product of semi-axis, bracket, `$\varphi_T$` and
+    /// `$U_2^{3/4}$`.
     rolling: P,
 }
 
-/// An operating point with its oil, from which the films follow for scaled loads and speeds.
+/// Lubrication data of an operating point, from which film thickness, friction and rolling
+/// resistance are calculated for scaled loads and speeds.
 #[derive(Debug, Clone, Copy)]
 pub struct EhlPoint<P = f64> {
     lubricant: Lubricant<P>,
-    /// Oil at its temperature.
+    /// Oil properties at the oil temperature.
     pub oil: OilState<P>,
     gaps: [Gap<P>; 2],
     pub(crate) units: EhlUnits<P>,
 }
 
-/// Units of the scaled quantities \[SI\].
+/// Factors that convert scaled quantities to SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct EhlUnits<P = f64> {
     /// Unit of force: axial load per ball `$F_a$`.
@@ -71,10 +73,10 @@ pub struct EhlUnits<P = f64> {
     pub length: P,
 }
 
-/// A film with its friction law and rolling resistance, in scaled units.
+/// An oil film with its friction law and rolling resistance, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledFilm<D> {
-    /// Entrainment speed along the track, with its sign.
+    /// Signed entrainment speed along the track.
     pub rolling_speed: D,
     /// Magnitude of the entrainment speed, including the creep speed (Y14).
     pub entrainment: D,
@@ -82,18 +84,18 @@ pub struct ScaledFilm<D> {
     pub thickness: D,
     /// Ratio of film thickness to roughness.
     pub ratio: D,
-    /// Friction law at the points of the contact.
+    /// Local friction law of the contact.
     pub law: MixedFriction<D>,
     /// Rolling force of the oil `$F_R$` (Y16).
     pub(crate) force: D,
     /// Couple of the rolling resistance `$C$` (Y18).
     pub couple: D,
-    /// `$2 R_x/r_b - 1$`.
+    /// Lever arm `$2 R_x/r_b - 1$` of (Y19).
     lever: D,
 }
 
 impl<P: Real> EhlPoint<P> {
-    /// Creates the contacts at nut and screw with their oil.
+    /// Creates the lubrication data for the contacts at nut and screw.
     ///
     /// * `kelvin`: temperature of the oil \[K\].
     /// * `curvatures`: relative curvatures at nut and screw \[1/m\].
@@ -117,12 +119,12 @@ impl<P: Real> EhlPoint<P> {
         Self { lubricant: *lubricant, oil, gaps, units }
     }
 
-    /// Returns the film for a load and a motion in the axes of the contact.
+    /// Calculates the film for a load and a motion in contact coordinates.
     ///
     /// * `i`: nut (0) or screw (1).
     /// * `[rate, speed, around]`: precession rate, speed of the ball center along `$t$` and angular
     ///   velocity about `$t \times N$`, relative to the raceway.
-    /// * `k_c`: `$k \cdot (t \times N)$`.
+    /// * `k_c`: component `$k \cdot (t \times N)$` of the screw axis.
     #[inline(always)]
     pub fn of_motion<D: RealOver<P>>(
         &self,
@@ -175,12 +177,12 @@ impl<P: Real> EhlPoint<P> {
     }
 }
 
-/// A contact with its film; powers are in scaled units.
+/// A lubricated contact with its power losses, in scaled units except for the semi-axes.
 #[derive(Debug, Clone, Copy)]
 pub struct FilmLoss<F = f64> {
-    /// Film of the contact.
+    /// Oil film of the contact.
     pub film: ScaledFilm<F>,
-    /// Sliding power.
+    /// Sliding power in the contact.
     pub sliding: F,
     /// Sliding power for a friction coefficient of one.
     pub unit: F,
@@ -213,11 +215,12 @@ impl<F: Real> FilmLoss<F> {
 }
 
 impl<F: Real> EhlPoint<F> {
-    /// Returns the state of the films at nut and screw, with the power losses of all balls.
+    /// Returns the state of the films at nut and screw with the power losses of all balls, in SI
+    /// units.
     ///
     /// * `losses`: contacts at nut and screw.
     /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
-    /// * `outside`: powers lost outside the contacts \[W\].
+    /// * `outside`: power losses outside the contacts \[W\].
     /// * `(back, tan_a, efficiency)`: mask that is true if linear motion drives, tangent of the
     ///   lead angle, and efficiency.
     #[inline(always)]
@@ -270,7 +273,7 @@ fn film_heating<F: Real>(
     (thickness, entrainment): (F, F),
     conductivity: f64,
 ) -> F {
-    /// Product of thermal conductivity, density and specific heat capacity of steel \[SI\].
+    /// Product of thermal conductivity, density and specific heat capacity of steel in SI units.
     const STEEL: f64 = 46.0 * 7800.0 * 460.0;
     // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
     let heat = power / (a * std::f64::consts::PI * b);
@@ -278,9 +281,10 @@ fn film_heating<F: Real>(
         + heat * (b / (entrainment * STEEL)).sqrt() * 0.53
 }
 
-/// Returns the constant friction coefficient with the same power loss of both contacts (Y30).
+/// Returns the constant friction coefficient for which both contacts together have the same power
+/// loss (Y30).
 ///
-/// * `power`: sliding and rolling power.
+/// * `power`: sum of sliding and rolling power.
 /// * `of_one`: sliding power for a friction coefficient of one.
 #[inline(always)]
 fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
@@ -328,7 +332,7 @@ impl EhlPoint {
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// Creates an operating point with its oil at a temperature \[K\].
+    /// Creates the lubrication data of an operating point at an oil temperature \[K\].
     ///
     /// # Errors
     ///
@@ -352,10 +356,10 @@ impl<P: Scalar> EhlPoint<P> {
 }
 
 impl<P: Real> Gap<P> {
-    /// Creates the gap between ball and raceway.
+    /// Creates the constants of the contact between ball and raceway.
     ///
-    /// * `modulus`: `$E' = 2 E^*$` \[Pa\].
-    /// * `raceway`: roughness of the groove \[m\].
+    /// * `modulus`: reduced modulus `$E' = 2 E^*$` \[Pa\].
+    /// * `raceway`: roughness of the groove surface \[m\].
     #[inline(always)]
     fn of(
         (lubricant, oil, modulus): (&Lubricant<P>, &OilState<P>, P),
@@ -398,17 +402,19 @@ impl<P: Real> Gap<P> {
 
     /// Returns the dimensionless load parameter `$M$` (Y17).
     ///
-    /// * `root`: `$U_2^{3/4}$`.
-    /// * `weight`: `$W$`.
+    /// * `root`: power `$U_2^{3/4}$` of the dimensionless speed.
+    /// * `weight`: dimensionless load `$W$`.
     #[inline(always)]
     fn elasticity<D: RealOver<P>>(&self, root: D, weight: D) -> D {
         // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)
         weight * self.elastic / root
     }
 
-    /// Returns the rolling force of the oil in the inlet without heating \[N\] (Y16).
+    /// Returns the rolling force due to the oil in the inlet, without the effect of heating \[N\]
+    /// (Y16).
     ///
-    /// Source: Biboulet and Houpert (2010), part 2, point contacts from rigid to elastic.
+    /// Source: Biboulet and Houpert (2010), part 2, formula for point contacts from rigid to
+    /// elastic.
     #[inline(always)]
     fn rolling_force<D: RealOver<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
         // U₂ = 2 η u/(E' R_x)                                             (Y17)
@@ -428,14 +434,15 @@ pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
     /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Sliding power divided by `$W$`, with derivatives with respect to constants only.
+    /// Sliding power divided by `$W$`. It has derivatives with respect to the inputs, but not with
+    /// respect to the unknowns.
     pub(crate) sliding: D,
     /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// Returns films, friction and rolling resistance at nut and screw.
+    /// Calculates films, friction and rolling resistance at nut and screw.
     ///
     /// * `motions`: motions relative to the raceways.
     pub(crate) fn losses<D: Integrate<P>>(
@@ -458,9 +465,9 @@ impl<P: Scalar> EhlPoint<P> {
         })
     }
 
-    /// Returns film, sliding power and rolling resistance with one friction coefficient for the
-    /// whole contact, at the load-weighted means of pressure and slip (Y23). The wrench does not
-    /// include friction.
+    /// Calculates film, sliding power and rolling resistance with a single friction coefficient for
+    /// the whole contact, evaluated at the load-weighted means of pressure and slip speed (Y23).
+    /// The wrench does not include friction.
     ///
     /// * `unit`: sliding power for a friction coefficient of one, divided by `$W$`.
     pub(crate) fn mean_loss<D: Over<P>>(
@@ -476,8 +483,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { sliding: mean * unit, ..loss }
     }
 
-    /// Returns film and rolling resistance for a given sliding power. The wrench does not include
-    /// friction.
+    /// Calculates film and rolling resistance for a given sliding power. The wrench does not
+    /// include friction.
     ///
     /// * `sliding`: sliding power divided by `$W$`.
     pub(crate) fn loss_of<D: Over<P>>(
@@ -516,7 +523,7 @@ impl<P: Scalar> EhlPoint<P> {
 
 impl<D: Real> ScaledFilm<D> {
     /// Returns the friction coefficient of the contact at the load-weighted means of pressure and
-    /// slip (Y23).
+    /// slip speed (Y23).
     ///
     /// * `slip`: load-weighted mean slip speed `$\int|v|\,dQ/Q$` in scaled units.
     #[inline(always)]
@@ -548,7 +555,7 @@ impl<D: Real> ScaledFilm<D> {
     }
 }
 
-/// Memory of the solves, which can be reused.
+/// Reusable memory for solving lubricated models.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
     pub(crate) oil: Rules,
@@ -556,14 +563,15 @@ pub struct LubricatedWorkspace {
 }
 
 impl LubricatedWorkspace {
-    /// Returns the quadratures of an accuracy for an oil and for a constant coefficient.
+    /// Returns two quadrature rules with the given accuracy: one for oil, and one for a constant
+    /// friction coefficient.
     pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
         let ([[oil, _]], [[dry, _]]) = (self.oil.of_oil([accuracy]), self.dry.dry([accuracy]));
         [oil, dry]
     }
 }
 
-/// A lubricated ball in steady motion, in scaled units except for the torque.
+/// A lubricated ball in steady motion, in scaled units except for the torque in SI units.
 pub(crate) struct LubricatedState<D = f64> {
     pub(crate) loaded: BallLoads<D>,
     pub(crate) to_nut: Motion<D>,
@@ -582,13 +590,13 @@ pub(crate) struct SteadyRoot {
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
     pub(crate) control: Option<ControllingRaceway>,
-    /// Bound of the quadrature error of the efficiency, if estimated (T25).
+    /// Error bound of the efficiency due to quadrature (T25), if it was estimated.
     pub(crate) error: Option<f64>,
 }
 
 impl EhlPoint {
-    /// Returns the larger upper limit of the friction coefficients at nut and screw, at which the
-    /// oil has its limiting shear stress everywhere.
+    /// Returns the larger of the friction coefficients at nut and screw that result if the oil
+    /// reaches its limiting shear stress everywhere in the contact.
     pub(crate) fn friction_scale(
         &self,
         contacts: &ElasticContacts,

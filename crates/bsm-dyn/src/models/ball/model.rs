@@ -1,9 +1,9 @@
-//! Names of the models.
+//! The models of the ball screw and their names.
 
 use crate::outcome::named;
 
 named! {
-    /// A model of the ball screw. The models are ordered from the fewest to the most inputs.
+    /// A model of the ball screw. The models are ordered by increasing number of inputs.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum Model {
         /// Closed form of Lin, Velinsky and Ravani, Eqs 14-19.

@@ -1,4 +1,4 @@
-//! Inputs that all models of one ball share: geometry, friction, speeds and load.
+//! Inputs that all single-ball models share: geometry, friction, speeds and load.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equation (R1).
 
@@ -8,21 +8,22 @@ use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
 use crate::outcome::{Direction, NoAnswer, Reason};
 
-/// Minimum inertia ratio (dimensionless) whose square and whose ratios to loads are representable in double precision.
-/// Extreme operating points are above 1e-45.
+/// Minimum inertia ratio (dimensionless). Its square and its ratios to loads are representable in
+/// double precision. Even extreme operating points are above 1e-45.
 const MIN_INERTIA_RATIO: f64 = 1e-100;
 
-/// Maximum inertia ratio (dimensionless) at which inertia forces and loads balance in double precision. Extreme operating
-/// points are below 1e20.
+/// Maximum inertia ratio (dimensionless) at which the balance of inertia forces and loads can be
+/// solved in double precision. Even extreme operating points are below 1e20.
 const MAX_INERTIA_RATIO: f64 = 1e28;
 
-/// Minimum friction coefficient (dimensionless) that the rounding errors of the loads do not hide.
+/// Minimum friction coefficient (dimensionless). Smaller friction forces are hidden by rounding
+/// errors of the loads.
 const MIN_FRICTION: f64 = 1e-12;
 
-/// Returns true if friction and inertia are within the range of the models with friction in the balance of forces, for one
-/// point or for several points side by side.
+/// Returns true if friction and inertia are within the range of the models whose force balance
+/// includes friction, for one point or for several points side by side.
 ///
-/// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
+/// * `inertia_ratio`: ratio of inertia force to axial load, `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
 pub fn is_in_range<F: Real>(friction: F, inertia_ratio: F) -> F::Mask {
     is_friction_in_range(friction) & is_inertia_in_range(inertia_ratio)
@@ -47,15 +48,16 @@ pub struct OperatingPoint<D = f64> {
     pub contact_angle: D,
     /// The ball.
     pub ball: Ball<D>,
-    /// Friction coefficient; it must be positive for models with friction in the balance of forces.
+    /// Friction coefficient, which must be positive for models whose force balance includes
+    /// friction.
     pub friction: Coulomb<D>,
-    /// Speeds of screw and nut.
+    /// Angular speeds of screw and nut.
     pub drive: Drive<D>,
     /// Load on the balls.
     pub load: Load<D>,
 }
 
-/// An operating point in units of ball radius, axial load per ball and relative speed.
+/// An operating point in scaled units: ball radius, axial load per ball and relative speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallUnits<D> {
     /// Helix with radius `$r_m/r_b$`.
@@ -64,7 +66,7 @@ pub(crate) struct BallUnits<D> {
     pub(crate) mass: D,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(crate) nut_speed: D,
-    /// Direction of drive, which is the sign of `$W$`.
+    /// Direction of the drive, which is the sign of `$W$`.
     pub(crate) direction: Direction,
 }
 
@@ -75,7 +77,7 @@ pub struct AnswerUnits<F = f64> {
     pub length: F,
     /// Axial load per ball `$F_a$` \[N\].
     pub load: F,
-    /// Torque unit of all balls together `$r_b F_a Z$` \[N·m\].
+    /// Torque unit for all balls together, `$r_b F_a Z$` \[N·m\].
     pub torque: F,
     /// Relative speed `$W$` \[rad/s\].
     pub speed: F,
@@ -88,7 +90,7 @@ impl<F: Real> AnswerUnits<F> {
         self.speed.lt(self.speed.constant(0.0))
     }
 
-    /// Returns efficiency, torque and powers, with the error of the power balance.
+    /// Returns efficiency, torque and powers, together with the error of the power balance.
     ///
     /// * `ideal`: torque of the frictionless screw \[N·m\].
     /// * `torque`: scaled torque on the screw.
@@ -108,7 +110,7 @@ impl<D: Scalar> OperatingPoint<D> {
         AnswerUnits { length, load: load.per_ball(), torque: length * load.axial, speed }
     }
 
-    /// Returns the point without derivatives.
+    /// Returns the operating point without derivatives.
     pub(crate) fn values(&self) -> OperatingPoint {
         let Self { helix, ball, drive, load, .. } = self;
         OperatingPoint {
@@ -121,11 +123,11 @@ impl<D: Scalar> OperatingPoint<D> {
         }
     }
 
-    /// Checks that the friction is large enough for models with friction in the balance of forces.
+    /// Checks that the friction is large enough for models whose force balance includes friction.
     ///
     /// # Errors
     ///
-    /// [`Reason::Frictionless`].
+    /// [`Reason::Frictionless`] if the friction coefficient is too small.
     pub(crate) fn require_friction(&self) -> Result<(), NoAnswer> {
         if !is_friction_in_range(self.friction.0.re()) {
             return Err(NoAnswer::invalid(Reason::Frictionless));
@@ -133,11 +135,12 @@ impl<D: Scalar> OperatingPoint<D> {
         Ok(())
     }
 
-    /// Returns the point in units of ball radius, axial load per ball and relative speed (R1).
+    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
+    /// speed (R1).
     ///
     /// # Errors
     ///
-    /// [`Reason::NoRelativeSpeed`], [`Reason::InertiaOutOfRange`].
+    /// [`Reason::NoRelativeSpeed`] or [`Reason::InertiaOutOfRange`].
     pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, NoAnswer> {
         let Self { helix, ball, drive, load, .. } = self;
         let w = drive.relative_speed();

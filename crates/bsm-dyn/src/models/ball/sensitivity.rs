@@ -1,6 +1,7 @@
-//! Derivatives of efficiency and torque at a solved point, by the implicit function theorem.
+//! Derivatives of efficiency and torque at a solved point, calculated with the implicit function
+//! theorem.
 //!
-//! The inputs are jets with one variable each. Theory: `docs/theory/12-sensitivities.md`, equations
+//! Each input is a jet with its derivatives. Theory: `docs/theory/12-sensitivities.md`, equations
 //! (V1) to (V3), (V5).
 
 use std::array::from_fn;
@@ -14,14 +15,15 @@ use crate::outcome::{NoAnswer, Reason, domain_error};
 /// Efficiency and torque of a screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Performance<D> {
-    /// Efficiency.
+    /// Efficiency of the screw.
     pub efficiency: D,
     /// Torque of all balls on the screw \[N·m\], if the model calculates the torque.
     pub screw_torque: Option<D>,
 }
 
 impl<D: Scalar> Performance<D> {
-    /// Returns the linear extrapolation from `far` through `self`, beyond `self` by `ratio` times their difference.
+    /// Extrapolates linearly from `far` through `self`. The distance beyond `self` is `ratio` times
+    /// their difference.
     fn extrapolated(&self, far: &Self, ratio: f64) -> Self {
         let extrapolated = |near: D, far: D| near + (near - far) * ratio;
         let torques = self.screw_torque.zip(far.screw_torque);
@@ -34,12 +36,13 @@ impl<D: Scalar> Performance<D> {
 
 /// Returns the root `x` of `system` with its derivatives with respect to the inputs (V1), (V2).
 ///
-/// * `weights`: weights of the equations, as in the solve.
-/// * `residual`: the equations of `system` in jets, whose inputs carry the derivatives.
+/// * `weights`: weights of the equations, equal to the weights in the solve.
+/// * `residual`: the equations of `system`, evaluated with jets whose inputs carry the derivatives.
 ///
 /// # Errors
 ///
-/// [`Reason::Newton`] if the Jacobian is singular, [`Reason::Refused`] if the equations cannot be evaluated.
+/// [`Reason::Newton`] if the Jacobian is singular, and [`Reason::Refused`] if the equations cannot
+/// be evaluated.
 pub(crate) fn moving_root<const N: usize, const M: usize>(
     system: &impl Equations<N>,
     x: &[f64; N],
@@ -59,15 +62,15 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }
 
-/// Returns the performance of a point, extrapolated from points with `factor` and `2 factor` times the inertia (V5) if the
-/// inertia of the point is hidden by the rounding errors of the loads. With a factor of at most one, the point itself is
-/// evaluated.
+/// Returns the performance at an operating point. If `factor` is above one, the inertia is too
+/// small compared with the rounding errors of the loads; the result is then extrapolated from
+/// operating points with `factor` times and `2 factor` times the inertia (V5).
 ///
-/// * `at`: returns the performance with the inertia multiplied by its argument.
+/// * `at`: returns the performance with the inertia multiplied by the argument.
 ///
 /// # Errors
 ///
-/// The error of `at`.
+/// Returns the error of `at`.
 pub(crate) fn inertia_limit<D: Scalar, E>(
     factor: f64,
     mut at: impl FnMut(f64) -> Result<Performance<D>, E>,

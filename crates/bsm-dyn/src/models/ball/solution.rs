@@ -8,28 +8,28 @@ use crate::outcome::{Evidence, NoAnswer, Reason, Status};
 
 /// Result of one model at one operating point.
 #[derive(Debug, Clone, PartialEq)]
-#[must_use = "a solution may say that there is none"]
+#[must_use = "a solution may report that the solve failed"]
 pub struct Solution {
-    /// The model.
+    /// The model that was solved.
     pub model: Model,
     /// The steady state, or the reason why there is none.
     pub answer: Result<SteadyState, NoAnswer>,
-    /// Reason for the choice of the model; `None` if the model was given.
+    /// Reason why the model was chosen; `None` if the model was specified.
     pub choice: Option<Choice>,
 }
 
 impl Solution {
-    /// Creates the solution of a given model.
+    /// Creates the solution of a specified model.
     pub fn new(model: Model, answer: Result<SteadyState, NoAnswer>) -> Self {
         Self { model, answer, choice: None }
     }
 
-    /// Returns how the solve ended.
+    /// Returns the status of the solve.
     pub fn status(&self) -> Status {
         self.answer.as_ref().map_or_else(NoAnswer::status, |_| Status::Converged)
     }
 
-    /// Returns why there is no steady state; `None` if the solve converged.
+    /// Returns the reason why there is no steady state; `None` if the solve converged.
     pub fn reason(&self) -> Option<&Reason> {
         self.answer.as_ref().err().map(NoAnswer::reason)
     }
@@ -44,7 +44,8 @@ impl Solution {
         self.answer.as_ref().ok()
     }
 
-    /// Returns the contact at a site, if the solve converged and the model has this contact.
+    /// Returns the state of the contact at a site, if the solve converged and the model has this
+    /// contact.
     pub fn contact(&self, site: Site) -> Option<&ContactState> {
         self.solved()?.ball.contact(site)
     }
@@ -54,7 +55,7 @@ impl Solution {
         Some(self.solved()?.transmission.efficiency)
     }
 
-    /// Returns whether friction prevents the motion in this direction; `None` if this is unknown.
+    /// Returns true if friction prevents the motion in this direction; `None` if this is unknown.
     pub fn self_locking(&self) -> Option<bool> {
         match &self.answer {
             Ok(solved) => Some(solved.transmission.self_locking),
@@ -66,17 +67,17 @@ impl Solution {
     }
 }
 
-/// Reason for the choice of a model by error bounds.
+/// Reason for a choice of model that is based on error bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
-    /// Basis of the error bound.
+    /// Slip regime or quadrature on which the error bound is based.
     pub basis: Basis,
-    /// Requested error bound of the efficiency. The stated bound, which holds at 99 % of all points, is larger if no model is
-    /// accurate enough.
+    /// Requested error bound of the efficiency. If no model is accurate enough, the bound in the
+    /// result is larger. The bound in the result holds for 99 % of all points.
     pub tolerance: f64,
 }
 
-/// Basis of an error bound.
+/// Slip regime or quadrature on which an error bound is based.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Basis {
@@ -90,7 +91,8 @@ pub enum Basis {
         /// Onset number (W11).
         onset_number: f64,
     },
-    /// Friction is integrated over the contact ellipses, because the ball neither rolls nor skids clearly.
+    /// Friction is integrated over the contact ellipses, because the ball is between rolling and
+    /// gross skid.
     Integrated {
         /// Accuracy of the quadrature.
         accuracy: f64,
@@ -98,7 +100,7 @@ pub enum Basis {
 }
 
 impl Basis {
-    /// Returns the model with this basis.
+    /// Returns the model that belongs to this basis.
     pub fn model(&self) -> Model {
         match self {
             Self::Rolling { .. } => Model::RacewayControl,

@@ -1,4 +1,5 @@
-//! Result of a model: the state of the ball, torque and powers of the screw, and how the result was found.
+//! Result of a model: state of the ball, torque and powers of the screw, and information about the
+//! solve.
 //!
 //! All quantities are in SI units and radians. Loads are per ball; torque and powers are for all
 //! loaded balls.
@@ -21,9 +22,9 @@ pub struct BallState<F = f64> {
     pub unloaded: Option<ContactState<F>>,
     /// Displacement of the nut along the screw axis \[m\] (J15); `None` for rigid contacts.
     pub axial_displacement: Option<F>,
-    /// Axial play of one nut below which friction presses the ball onto a far flank \[m\] (AC7),
-    /// zero if friction presses it onto no far flank at any play; `None` if friction across the
-    /// grooves is not part of the force balance of the model.
+    /// Axial play of one nut \[m\] below which friction presses the ball onto a far flank (AC7).
+    /// The value is zero if friction presses the ball onto no far flank even without play, and
+    /// `None` if the force balance of the model does not include friction across the grooves.
     pub threshold_play: Option<F>,
 }
 
@@ -32,41 +33,44 @@ pub struct BallState<F = f64> {
 pub struct ContactState<F = f64> {
     /// Contact angle \[rad\].
     pub angle: F,
-    /// Normal load \[N\]; `None` if the load on the screw is not given.
+    /// Normal load \[N\]; `None` if the axial load is not given.
     pub load: Option<F>,
     /// Direction of friction on the ball \[rad\].
     pub slip_angle: Option<F>,
-    /// Slip at the contact center and spin, if the model determines the motion.
+    /// Slip at the contact center, and spin, if the model determines the motion.
     pub slip: Option<Slip<F>>,
     /// Contact ellipse; `None` for rigid contacts.
     pub pressed: Option<HertzContact<F>>,
 }
 
-/// State of the far flanks, opposite to the loaded flanks, for gothic arches with a given axial play.
+/// State of the far flanks (opposite to the loaded flanks) of gothic arches with a given axial
+/// play.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FarFlank<F = f64> {
-    /// Gap between the ball and the nearer far flank \[m\]; negative if the ball is pressed against this flank.
+    /// Gap between the ball and the nearer far flank \[m\], negative if the ball is pressed against
+    /// this flank.
     pub gap: F,
-    /// Far contact with the larger load, if the ball is pressed against a far flank.
+    /// Contact with the more heavily loaded far flank, if the ball is pressed against a far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls with two contacts each \[W\], if a ball with two contacts has a steady motion.
+    /// Friction power of all balls \[W\] if each ball has only two contacts, provided that such a
+    /// ball has a steady motion.
     pub two_contact_power: Option<F>,
 }
 
-/// A contact with a far flank: the third contact of a ball.
+/// Contact with a far flank, which is the third contact of the ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThirdContact<F = f64> {
-    /// Body that the ball touches: [`Site::Nut`] or [`Site::Screw`].
+    /// Body that the ball touches at this contact: [`Site::Nut`] or [`Site::Screw`].
     pub site: Site,
     /// Normal load \[N\].
     pub load: F,
-    /// Slip speed at its center \[m/s\].
+    /// Slip speed at the contact center \[m/s\].
     pub slip: F,
-    /// Ratio of the friction power at this contact to the friction power of the ball.
+    /// Ratio of the friction power at this contact to the total friction power of the ball.
     pub power_share: F,
 }
 
-/// Velocities of the ball relative to the body at a contact.
+/// Slip and spin of the ball relative to the body at a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slip<F = f64> {
     /// Slip speed at the contact center \[m/s\].
@@ -80,7 +84,7 @@ pub struct Slip<F = f64> {
 pub struct HertzContact<F = f64> {
     /// Semi-axes of the ellipse across and along the groove \[m\].
     pub semi_axes: (F, F),
-    /// Largest pressure \[Pa\].
+    /// Maximum pressure \[Pa\].
     pub max_pressure: F,
     /// Elastic approach \[m\].
     pub approach: F,
@@ -93,40 +97,43 @@ pub struct Transmission<F: Real = f64> {
     pub efficiency: F,
     /// True if friction prevents the motion in this direction.
     pub self_locking: F::Mask,
-    /// Torque on the screw in steady motion \[N·m\]; `None` if the load is not given.
+    /// Torque on the screw in steady motion \[N·m\]; `None` if the axial load is not given.
     pub screw_torque: Option<F>,
-    /// Powers \[W\]; `None` if the speed is not given.
+    /// Input, output and dissipated powers \[W\]; `None` if the speed is not given.
     pub power: Option<Power<F>>,
     /// Relative error of the power balance (B10); `None` if the model does not calculate the friction power separately.
     pub power_balance: Option<F>,
 }
 
-/// Dimensionless numbers that tell rolling balls from skidding balls.
+/// Dimensionless numbers that distinguish rolling balls from skidding balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkidNumbers<F = f64> {
     /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without friction.
     pub skid_number: Option<F>,
-    /// Ratio of the slip across the grooves, which the lead imposes, to the slip due to spin (W10); `None` without spin.
+    /// Ratio of the slip across the grooves due to the lead to the slip due to spin (W10); `None`
+    /// without spin.
     pub cross_slip: Option<F>,
 }
 
 impl SkidNumbers {
-    /// Creates the numbers; a number that is not finite becomes `None`.
+    /// Creates the numbers. Numbers that are not finite become `None`.
     pub(crate) fn new(skid_number: f64, cross_slip: f64) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
         Self { skid_number: finite(skid_number), cross_slip: finite(cross_slip) }
     }
 
-    /// Returns the slip regime of the ball, if both numbers are defined.
+    /// Returns the slip regime of the ball, if both skid numbers are defined.
     pub fn regime(&self) -> Option<SlipRegime> {
         self.onset_number().map(SlipRegime::of)
     }
 }
 
 impl<F: Real> SkidNumbers<F> {
-    /// Returns the onset number (W11), the skid number of a ball whose friction also acts against the slip due to the lead.
+    /// Returns the onset number (W11), a skid number for balls whose friction also opposes the slip
+    /// due to the lead.
     ///
-    /// The ball rolls below [`MAX_ROLLING_ONSET`]; above 2, friction is nearly saturated.
+    /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If it is above 2, friction is
+    /// nearly saturated.
     #[inline(always)]
     pub fn onset_number(&self) -> Option<F> {
         Some(onset_number(self.skid_number?, self.cross_slip?))
@@ -142,7 +149,7 @@ pub struct SolveInfo {
     pub residual: f64,
 }
 
-/// Steady state of the screw according to a model.
+/// Steady state of the screw, calculated by one model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyState<F: Real = f64> {
     /// State of the ball.
@@ -153,12 +160,12 @@ pub struct SteadyState<F: Real = f64> {
     pub skid: Option<SkidNumbers<F>>,
     /// Cost and accuracy of the solve; `None` for closed forms.
     pub info: Option<SolveInfo>,
-    /// Controlling raceway; `None` except for raceway control.
+    /// Controlling raceway; only for the model raceway control.
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions; `None` if the model did not search for other solutions.
     pub alternatives: Option<Alternatives>,
-    /// Error bound. For `traction`, it bounds the quadrature error; for the choice by error bounds,
-    /// it bounds the difference from `traction`.
+    /// Error bound. In the model `traction`, it is a bound of the quadrature error. After an
+    /// automatic choice of model, it is a bound of the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
     /// Films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
@@ -168,39 +175,41 @@ pub struct SteadyState<F: Real = f64> {
     pub far_flank: Option<FarFlank<F>>,
 }
 
-/// Error bounds of a result.
+/// Error bounds of the efficiency and of the power loss.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorBound<F = f64> {
     /// Absolute error bound of the efficiency.
     pub efficiency: F,
-    /// Relative error bound of the power loss; `None` above 0.5.
+    /// Relative error bound of the power loss; `None` if it exceeds 0.5.
     pub loss: Option<F>,
 }
 
 impl ErrorBound {
-    /// Returns the bounds that follow from an efficiency and its error bound. The load is given on the driven side, the
-    /// screw or the nut.
+    /// Calculates both bounds from an efficiency and its error bound, if the given load acts on the
+    /// driven side (screw or nut).
     pub fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
         Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MAX_LOSS_ERROR) }
     }
 }
 
-/// Maximum relative error bound of a power loss that is stated; above it, the true loss may differ by a factor.
+/// Maximum relative error bound of the power loss that is reported. Above this limit, the true loss
+/// may differ by a large factor.
 const MAX_LOSS_ERROR: f64 = 0.5;
 
-/// Returns the error bound of an efficiency that is integrated over the contact ellipses (T25).
+/// Returns the error bound of an efficiency that was calculated by integrating friction over the
+/// contact ellipses (T25).
 ///
-/// * `difference`: difference from the efficiency of another quadrature rule.
-/// * `accuracy`: accuracy of the quadrature rule in use.
+/// * `difference`: difference from the efficiency of a second quadrature rule.
+/// * `accuracy`: accuracy of the quadrature rule that was used.
 pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
     let (error, least) = (20.0 * difference.abs(), (accuracy / 200.0).max(1e-9));
-    // A difference that is NaN stays NaN.
+    // The comparison keeps a NaN difference as NaN.
     if error < least { least } else { error }
 }
 
-/// Returns the error bound of an efficiency due to quadrature and creep speed together (A6).
+/// Returns the error bound of an efficiency due to both quadrature and creep speed (A6).
 ///
 /// * `by_quadrature`: error bound due to the quadrature.
 /// * `by_creep`: relative effect of the creep speed on the friction power, from 0 to 1 (A8).
@@ -209,9 +218,9 @@ pub(crate) fn integrated_error(by_quadrature: f64, efficiency: f64, by_creep: f6
     by_quadrature + (1.0 - efficiency).abs() * by_creep
 }
 
-/// Returns the relative effect of a creep speed on the friction power, at most 1 (A8).
+/// Returns the relative effect of the creep speed on the friction power, limited to 1 (A8).
 ///
-/// * `friction_forces`: `$f Q$` at nut and screw.
+/// * `friction_forces`: friction forces `$f Q$` at nut and screw.
 /// * `sliding`: friction powers at nut and screw.
 pub(crate) fn creep_effect(creep: f64, friction_forces: [f64; 2], sliding: [f64; 2]) -> f64 {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
@@ -227,14 +236,15 @@ pub fn onset_number<F: Real>(skid_number: F, cross_slip: F) -> F {
     skid_number * (cross_slip.square() + 1.0).sqrt()
 }
 
-/// Returns the direction of a friction force on the ball \[rad\] from its components across the groove and along the helix;
-/// see [`bsm_kin::Contact::slip_angle`].
+/// Returns the direction of a friction force on the ball \[rad\] from its components across the
+/// groove and along the helix; see [`bsm_kin::Contact::slip_angle`].
 #[inline(always)]
 pub fn friction_angle<F: Real>([across, along]: [F; 2]) -> F {
     along.atan2(across)
 }
 
-/// Returns the relative error bound of the power loss (A7); not finite if the error bound exceeds the efficiency.
+/// Returns the relative error bound of the power loss (A7), which is not finite if the error bound
+/// exceeds the efficiency.
 ///
 /// * `back`: true if the load drives.
 /// * `bound`: error bound of the efficiency.
@@ -245,26 +255,27 @@ fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
     bound / (least * (1.0 - efficiency).abs())
 }
 
-/// The raceway at which the ball does not spin.
+/// The raceway on which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControllingRaceway {
     /// The controlling raceway.
     pub raceway: Control,
-    /// True if criterion (W7), evaluated at this solution, selects the same raceway; `None` if the raceway was given.
+    /// True if criterion (W7), evaluated for this solution, selects the same raceway; `None` if the
+    /// raceway was specified.
     pub consistent: Option<bool>,
 }
 
 /// Other admissible solutions of the same equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternatives {
-    /// Number of other solutions.
+    /// Number of other admissible solutions.
     pub count: usize,
-    /// Efficiency of the other solution that differs most.
+    /// Efficiency of the alternative solution that differs most from this solution.
     pub farthest_efficiency: Option<f64>,
 }
 
 impl<F: Real> SteadyState<F> {
-    /// Creates a state with ball and transmission only.
+    /// Creates a steady state that consists of ball and transmission only.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
         Self {
@@ -283,7 +294,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Returns the state supplemented by other solutions of the same equations.
+    /// Returns the state, supplemented with the number of other solutions of the same equations and
+    /// with the efficiency that differs most.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();
@@ -306,7 +318,8 @@ impl<F: Copy> BallState<F> {
         }
     }
 
-    /// Creates a ball of which only the common contact angle of both loaded contacts \[rad\] is known.
+    /// Creates the state of a ball for which only the common contact angle of both loaded contacts
+    /// \[rad\] is known.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         let contact = ContactState::at_angle(angle);
@@ -322,7 +335,7 @@ impl<F: Copy> BallState<F> {
 }
 
 impl<F> ContactState<F> {
-    /// Creates a contact of which only the contact angle \[rad\] is known.
+    /// Creates a contact for which only the contact angle \[rad\] is known.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         Self { angle, load: None, slip_angle: None, slip: None, pressed: None }
@@ -330,7 +343,7 @@ impl<F> ContactState<F> {
 }
 
 impl<F: Real> Transmission<F> {
-    /// Returns efficiency and powers for a torque on the screw.
+    /// Calculates efficiency and powers from the torque on the screw.
     ///
     /// * `back`: true if the load drives.
     /// * `ideal`: torque of the frictionless screw \[N·m\].
@@ -348,7 +361,7 @@ impl<F: Real> Transmission<F> {
         }
     }
 
-    /// Returns the transmission supplemented by the error of the power balance with a friction power \[W\].
+    /// Adds the error of the power balance, calculated from a friction power \[W\].
     #[inline(always)]
     #[must_use]
     pub fn against(self, friction_power: F) -> Self {
@@ -359,7 +372,8 @@ impl<F: Real> Transmission<F> {
         Self { power_balance, ..self }
     }
 
-    /// Returns true if the error of the power balance is at most the tolerance; false if there is no power balance.
+    /// Returns true if the error of the power balance is at most the tolerance, and false if there
+    /// is no power balance.
     #[inline(always)]
     pub fn is_balanced(&self) -> F::Mask {
         let imbalance = self.power_balance.unwrap_or(self.efficiency.constant(f64::NAN));
@@ -368,11 +382,11 @@ impl<F: Real> Transmission<F> {
 }
 
 impl Transmission {
-    /// Returns the transmission if its powers balance.
+    /// Returns the transmission after checking its power balance.
     ///
     /// # Errors
     ///
-    /// [`Reason::PowerDoesNotBalance`].
+    /// [`Reason::PowerDoesNotBalance`] if the error of the power balance exceeds the tolerance.
     pub(crate) fn balanced(self) -> Result<Self, NoAnswer> {
         if self.is_balanced() {
             return Ok(self);
@@ -382,14 +396,14 @@ impl Transmission {
     }
 }
 
-/// Maximum onset number (dimensionless, W11) of a rolling ball, at any cross slip.
+/// Maximum onset number (dimensionless, W11) of a rolling ball, for any cross slip.
 pub const MAX_ROLLING_ONSET: f64 = 0.1;
 
 /// Minimum onset number (dimensionless, W11) of a ball whose friction is nearly saturated.
 const MIN_SKIDDING_ONSET: f64 = 2.0;
 
 named! {
-    /// Slip regime of a ball, selected by its onset number (W11).
+    /// Slip regime of a ball, determined by its onset number (W11).
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum SlipRegime {
         /// The ball rolls on both raceways.
@@ -402,7 +416,7 @@ named! {
 }
 
 impl SlipRegime {
-    /// Returns the slip regime at an onset number.
+    /// Returns the slip regime for an onset number.
     pub fn of(onset_number: f64) -> Self {
         if onset_number < MAX_ROLLING_ONSET {
             Self::Rolling
@@ -418,8 +432,8 @@ impl SlipRegime {
 mod tests {
     use super::*;
 
-    /// At coarse accuracies two quadrature rules formerly agreed by chance, and the stated bound was a thousandth of the
-    /// error.
+    /// At coarse accuracies, two quadrature rules agreed by chance in an earlier version, and the
+    /// calculated bound was a thousandth of the true error.
     #[test]
     fn error_bound_is_positive_even_if_two_quadrature_rules_agree() {
         for (difference, accuracy, bound) in
@@ -430,11 +444,11 @@ mod tests {
         }
     }
 
-    /// A bound near 1 was formerly printed for a loss that was 32 times the true loss.
+    /// An earlier version printed a bound near 1 for a loss that was 32 times the true loss.
     #[test]
-    fn loss_bound_above_one_half_is_not_stated() {
+    fn loss_bound_above_one_half_is_not_reported() {
         let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;
-        // δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
+        // The bound δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
         assert!(loss(0.042).is_some_and(|loss| loss < 0.5), "{:?}", loss(0.042));
         assert_eq!(loss(0.043), None);
     }

@@ -1,4 +1,4 @@
-//! The first steady motion on the curve of force balance, for one point.
+//! Search for the first steady motion on the curve of force balance, for a single operating point.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
@@ -13,8 +13,8 @@ use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
 use crate::cost::{count_of, searched};
 use crate::models::ball::{BALL, ElasticContacts, Evidence, NoAnswer, Reason};
 
-/// Step control along the curve, in units of the sizes of the unknowns. About thirty steps are usual. Newton's method refines
-/// the root.
+/// Step control along the curve. Step lengths are in units of the scales of the unknowns. A curve
+/// usually needs about thirty steps. Roots are refined afterwards by Newton's method.
 const STEP_CONTROL: StepControl = StepControl {
     first: 1.0,
     longest: 1.0,
@@ -26,29 +26,30 @@ const STEP_CONTROL: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// Step control with roots accurate to rounding errors, for roots that Newton's method does not refine.
+/// Step control for roots that Newton's method does not refine. The roots are accurate to rounding
+/// errors.
 const EXACT_STEP_CONTROL: StepControl =
     StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
-/// Maximum distance by which Newton's method refines a root, in units of the sizes of the unknowns: twice the root tolerance of
-/// [`STEP_CONTROL`].
+/// Maximum distance between a root of the continuation and its refinement by Newton's method, in
+/// units of the scales of the unknowns. It is twice the root tolerance of [`STEP_CONTROL`].
 const MAX_REFINEMENT: f64 = 0.1;
 
-/// A steady motion on the curve, and the sign of its `$P/W$`.
+/// A steady motion on the curve, and the sign of `$P/W$`.
 type CurveRoot = (SlidingPoint<f64>, f64);
 
-/// Returns the unknowns of the first root on the curve and the number of Newton steps.
+/// Returns the unknowns at the first root on the curve, and the number of Newton steps.
 ///
-/// * `any`: true if any root that serves as a starting point is sufficient.
+/// * `any`: true if any root is acceptable because it only serves as a starting value.
 ///
 /// # Errors
 ///
-/// [`NoAnswer`] if there is no root, or if no root was found.
+/// [`NoAnswer`] if there is no root, or if no root is found.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
-    // The direct solve runs Newton's method from the beginning of the curve.
+    // The first attempt is Newton's method from the beginning of the curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
@@ -56,17 +57,17 @@ pub(super) fn root(
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
-    // The fallback is continuation along the curve.
+    // The second attempt is continuation along the curve.
     let (root, sign) = SlidingCurve::of(contacts, &mut steps)?.root()?;
     Ok((ball.unknowns(&root, sign), steps))
 }
 
-/// The curve of force balance of a point, on which a root is searched.
+/// The curve of force balance at an operating point, along which a root is searched.
 struct SlidingCurve<'a> {
     ball: SlidingBall<f64>,
-    /// Beginning of the curve, at zero inertia.
+    /// Beginning of the curve, where inertia is zero.
     start: CurveState<f64>,
-    /// Number of Newton steps.
+    /// Counter of Newton steps.
     steps: &'a mut usize,
 }
 
@@ -75,9 +76,10 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, or if no root was found.
+    /// [`NoAnswer`] if there is no root, or if no root is found.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
-        // Newton's method refines the roots of a coarse continuation, unless it converges to another root.
+        // Newton's method refines the roots of a coarse continuation. If it converges to a
+        // different root, the continuation is repeated with an accurate step control.
         let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
         found.unwrap_or(Err(NoAnswer::LOST))
     }
@@ -88,16 +90,17 @@ impl<'a> SlidingCurve<'a> {
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
 
-    /// Counts Newton steps.
+    /// Adds to the number of Newton steps.
     fn count(&mut self, steps: f64) {
         *self.steps += count_of(steps);
     }
 
-    /// Returns the curve of a point.
+    /// Creates the curve of force balance for an operating point.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the beginning was not found.
+    /// [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the
+    /// beginning of the curve is not found.
     fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, NoAnswer> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
@@ -119,18 +122,20 @@ impl<'a> SlidingCurve<'a> {
         Ok(curve)
     }
 
-    /// Returns the distance in `$\ln q$` from the beginning of the curve to the root of a straight curve.
+    /// Returns the distance in `$\ln q$` from the beginning of the curve to the root, if the curve
+    /// were straight.
     fn rise(&self) -> f64 {
         self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
     }
 
-    /// Returns the first root along the whole curve, or the reason why there is none; `None` if a root cannot be refined.
+    /// Follows the whole curve and returns the first root, or the reason why there is no root.
+    /// Returns `None` if a root cannot be refined.
     fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, NoAnswer>> {
         searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
-        // These are the smallest and the largest inertia ratio of a ball that slides against
-        // friction on its flanks.
+        // `seen` contains the smallest and the largest inertia ratio at which a ball on its flanks
+        // slides against friction.
         let mut seen = None::<(f64, f64)>;
         if start.at.is_admissible() {
             seen = Some((0.0, start.at.log_inertia().exp()));
@@ -163,7 +168,7 @@ impl<'a> SlidingCurve<'a> {
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
-                // Beyond these limits, friction would have the direction of the slip.
+                // Beyond these limits, friction would act in the direction of the slip.
                 let [log, nut, screw, _] = *z;
                 root.is_none()
                     && refined
@@ -191,7 +196,8 @@ impl<'a> SlidingCurve<'a> {
         Some(Err(NoAnswer::none(evidence, reason)))
     }
 
-    /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, with their derivatives along the curve.
+    /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, each with its derivative
+    /// along the curve.
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
@@ -201,8 +207,8 @@ impl<'a> SlidingCurve<'a> {
         })
     }
 
-    /// Returns the steady motion near a crossing, accurate to rounding errors; `None` if Newton's method converges to another
-    /// motion.
+    /// Returns the steady motion near a zero crossing of (S26), accurate to rounding errors.
+    /// Returns `None` if Newton's method converges to a different motion.
     fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint<f64>> {
         let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
@@ -220,16 +226,16 @@ impl<'a> SlidingCurve<'a> {
         (found.found && near && same).then_some(found.at)
     }
 
-    /// Returns a state with less inertia than the first root, up to which the curve is straight.
+    /// Returns a state on the straight part of the curve with less inertia than the first root.
     fn below(&mut self) -> CurveState<f64> {
         let (ball, start) = (self.ball, self.start);
         let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
-        // The search starts at a seventh of the inertia, exp(−2).
+        // The search starts at about a seventh (exp(−2)) of the inertia.
         let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
-            // The inertia ratio of a root contains the square of `inertia / drive`. On a straight
-            // curve, this square changes by less than a factor of seven.
+            // The inertia ratio at a root contains the factor (`inertia / drive`)². Along a
+            // straight curve, this factor changes by less than a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
             if state.found && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
@@ -241,7 +247,7 @@ impl<'a> SlidingCurve<'a> {
     }
 }
 
-/// Returns the sign of `$P/W$` at a crossing.
+/// Returns the sign of `$P/W$` at a zero crossing of (S26).
 fn sign(at: &EventRoot<CURVE>) -> f64 {
     if at.event == 0 { 1.0 } else { -1.0 }
 }
@@ -276,15 +282,17 @@ mod tests {
             let (direct, sign) = (direct.at, direct.rate.signum());
             let (first, same) =
                 curve.trace(&EXACT_STEP_CONTROL).expect("a result").expect("a root");
-            // Where friction nearly holds the load, the normal load is a million times the axial load, which leaves ten
-            // digits. Another root would differ by percents.
+            // Where friction nearly holds the load, the normal load is a million times the axial
+            // load, and only ten digits remain accurate. A different root would differ by several
+            // percent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
             close(direct.state.centrifugal, first.state.centrifugal);
             close(direct.state.slip_cotangents[1], first.state.slip_cotangents[1]);
             close(sign, same);
             *found += 1;
         }
-        // There are 1000 points each. Nearly all practical points and the slow extreme points have a direct root.
+        // Of 1000 practical and 1000 extreme points, nearly all practical points and the slow
+        // extreme points have a direct root.
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 
@@ -308,7 +316,8 @@ mod tests {
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
-                    // The tolerance is chosen for the same reason as in the test above.
+                    // The tolerance allows for the loss of digits where friction nearly holds the
+                    // load. A different root would differ by several percent.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
                     close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);
@@ -324,7 +333,8 @@ mod tests {
         assert!(fewer > 1000, "{fewer}");
     }
 
-    /// The search for the beginning formerly did not end if the cotangent of the contact angle overflowed.
+    /// In an earlier version, the search for the beginning of the curve did not end if the
+    /// cotangent of the contact angle overflowed.
     #[test]
     fn number_of_steps_to_the_beginning_of_the_curve_is_bounded() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);
@@ -336,7 +346,7 @@ mod tests {
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
             let _ = SlidingCurve::of(&contacts, &mut steps);
-            // The limit includes the steps of the bracket and the Newton steps to the curve.
+            // The limit includes the evaluations of the bracket and the Newton steps to the curve.
             assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }

@@ -1,4 +1,4 @@
-//! The curve of force balance of a ball with saturated friction, for any inertia.
+//! The curve on which the forces on a ball with saturated friction balance, for any inertia.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
@@ -12,12 +12,13 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, linear};
 
-/// Residual tolerance of (S20) for the starting point of the Newton iteration that finds the
-/// beginning of the curve (dimensionless).
+/// Residual tolerance of (S20) for the estimate from which the Newton iteration to the beginning of
+/// the curve starts (dimensionless).
 const START_RESIDUAL_TOL: f64 = 1e-9;
 
-/// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load makes the contact angle steeper, up to
-/// nearly 90 degrees on soft material. The upper limit excludes an unloaded contact angle whose cotangent overflows.
+/// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load increases the
+/// contact angle, up to nearly 90 degrees on soft materials. The upper limit excludes unloaded
+/// contact angles whose cotangent overflows.
 const COTANGENT_RANGE: [f64; 2] = [1e-12, 1e12];
 
 /// Number of equations of the curve: (S14), (S19) and (S20).
@@ -26,7 +27,7 @@ pub(super) const HELD: usize = 3;
 /// Number of unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
 pub(super) const CURVE: usize = HELD + 1;
 
-/// Error of a point at which the forces have no balance.
+/// Error at points where the forces cannot balance.
 const NO_FORCES: EvalError = EvalError {
     quantity: "ratio of normal load to axial load",
     value: f64::NAN,
@@ -57,7 +58,8 @@ impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
 }
 
 impl SlidingBall<f64> {
-    /// Returns the state at a point, and the residuals of (S14), (S20) and (S19); `None` if the forces have no balance.
+    /// Returns the state at a point of the curve, and the residuals of (S14), (S20) and (S19).
+    /// Returns `None` if the forces cannot balance.
     pub(super) fn state_at<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
@@ -69,8 +71,8 @@ impl SlidingBall<f64> {
         Some((state, [rotation, closure, nut.square() - square]))
     }
 
-    /// Returns the state for `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the residuals of (S14) and (S20); `None`
-    /// if the forces have no balance.
+    /// Returns the state for given `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the
+    /// residuals of (S14) and (S20). Returns `None` if the forces cannot balance.
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],
@@ -83,7 +85,7 @@ impl SlidingBall<f64> {
         (along > 0.0 && along.is_finite()).then_some((state, residual))
     }
 
-    /// Returns the unknowns (S1) of a root of (S26).
+    /// Returns the unknowns (S1) at a root of (S26).
     ///
     /// * `sign`: sign of `$P/W$`.
     pub(super) fn unknowns(&self, at: &SlidingPoint<f64>, sign: f64) -> [f64; BALL] {
@@ -101,7 +103,8 @@ impl SlidingBall<f64> {
         y
     }
 
-    /// Returns an estimate of `$x$` and `$c$` at the beginning of the curve, at zero inertia; `None` if there is none.
+    /// Estimates `$x$` and `$c$` at the beginning of the curve, where inertia is zero. Returns
+    /// `None` if no estimate is found.
     ///
     /// * `unloaded`: unloaded contact angle \[rad\].
     /// * `steps`: counter of the evaluations.
@@ -112,8 +115,8 @@ impl SlidingBall<f64> {
             f_tol: START_RESIDUAL_TOL,
             ..Bracket::new(COTANGENT_RANGE.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
         };
-        // Returns the residual of (S20) as a function of the logarithm of the cotangent; infinite
-        // if friction holds the load.
+        // The function is the residual of (S20) as a function of the logarithm of the cotangent. It
+        // is infinite if friction holds the load.
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();
@@ -135,7 +138,7 @@ impl SlidingBall<f64> {
     }
 }
 
-/// Returns `$x$` and `$c$` of equal contact angles, if these angles carry the load.
+/// Returns `$x$` and `$c$` for equal contact angles if contacts at these angles carry the load.
 fn carried<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
     (effect.re() > 0.0).then_some(point)
 }

@@ -1,5 +1,5 @@
-//! Force balance of a ball with saturated friction, and the corresponding motion, for one point or for several points side by
-//! side.
+//! Force balance of a ball with saturated friction, and the resulting motion, for one point or for
+//! several points side by side.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
 
@@ -9,17 +9,17 @@ use crate::contact::Sines;
 use crate::cost;
 use crate::models::ball::{ElasticContacts, ScaledBall};
 
-/// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed. Pairs contain the
-/// values at nut and screw.
+/// A ball that slides at both contacts, in scaled units (ball radius, axial load per ball, relative
+/// speed). Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
-    /// Friction coefficient with the sign of the speed `$F = f\,\mathrm{sign} W$`.
+    /// Friction coefficient with the sign of the speed, `$F = f\,\mathrm{sign} W$`.
     pub friction: P,
-    /// `$\sin\alpha$`.
+    /// Sine of the lead angle, `$\sin\alpha$`.
     pub sin: P,
-    /// `$\cos\alpha$`.
+    /// Cosine of the lead angle, `$\cos\alpha$`.
     pub cos: P,
-    /// `$\cot\alpha$`.
+    /// Cotangent of the lead angle, `$\cot\alpha$`.
     pub cot: P,
     /// Arc length of the helix per radian `$d/r_b$`.
     pub arc: P,
@@ -29,13 +29,13 @@ pub struct SlidingBall<P> {
     pub nut_speed: P,
     /// Distances `$l_0$` between arc center and ball center at first contact.
     pub offsets: [P; 2],
-    /// Hertz approaches under a normal load of one axial load per ball.
+    /// Hertz approaches under a normal load that equals the axial load per ball.
     pub approaches: [P; 2],
-    /// Radial distance of the groove arc centers `$A_2$`.
+    /// Radial distance `$A_2$` of the groove arc centers.
     pub radial_distance: P,
 }
 
-/// Forces in balance. Pairs contain the values at nut and screw.
+/// Forces on a ball in equilibrium. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingState<D> {
     /// Cotangents `$x$` of the slip angles.
@@ -46,36 +46,37 @@ pub struct SlidingState<D> {
     pub cos: [D; 2],
     /// Load ratios `$Q/F_a$`.
     pub loads: [D; 2],
-    /// Load parameter `$Y$` (S15). The forces have a balance only if it is positive and finite.
+    /// Load parameter `$Y$` (S15). The forces can balance only if `$Y$` is positive and finite.
     pub push: D,
-    /// Centrifugal force `$M$` (S16).
+    /// Scaled centrifugal force `$M$` (S16).
     pub centrifugal: D,
-    /// Sine and cosine of `$2\nu$`.
+    /// Sine and cosine of the difference of the contact angles, `$2\nu$`.
     pub angle_difference: (D, D),
 }
 
-/// Motion of a ball whose forces are in balance.
+/// Motion of a ball whose forces balance.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingMotion<D> {
-    /// Slip speeds at nut and screw, divided by `$r_b|W|$`; positive if opposite to friction.
+    /// Slip speeds at nut and screw, divided by `$r_b|W|$`; positive if the slip is opposite to
+    /// friction.
     pub slip: [D; 2],
     /// Gyroscopic factor `$1 - g$` of (S26).
     pub inertia: D,
-    /// Precession of the slip `$\pi/d + \Omega_n/W$` of (S26).
+    /// Precession rate `$\pi/d + \Omega_n/W$` that corresponds to the slip (S26).
     pub drive: D,
 }
 
-/// A point of the curve: forces in balance, and the corresponding motion.
+/// A point on the curve of force balance: the forces, and the corresponding motion.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingPoint<D> {
-    /// Forces.
+    /// Forces on the ball.
     pub state: SlidingState<D>,
-    /// Motion.
+    /// Motion of the ball.
     pub motion: SlidingMotion<D>,
 }
 
 impl<P: Real> SlidingBall<P> {
-    /// Returns a ball.
+    /// Creates a sliding ball from a ball in scaled units.
     ///
     /// * `friction`: friction coefficient with the sign of the speed.
     #[inline(always)]
@@ -103,11 +104,11 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
 }
 
 impl<F: Real> SlidingBall<F> {
-    /// Returns the efficiency without inertia at the loaded contact angle, accurate to two digits; zero if friction holds any
-    /// load.
+    /// Returns the efficiency without inertia at the loaded contact angle, accurate to two digits.
+    /// The result is zero if friction holds any load.
     ///
-    /// The contact angle follows from a few steps of a contraction. If friction holds the load at a contact angle, the angle is
-    /// increased.
+    /// The contact angle is calculated with a few steps of a fixed-point iteration. If friction
+    /// holds the load at a contact angle, the contact angle is increased.
     ///
     /// * `back`: true if the load drives.
     #[inline(always)]
@@ -136,7 +137,7 @@ impl<F: Real> SlidingBall<F> {
         F::select(carried, sines.efficiency(back, friction), zero)
     }
 
-    /// Returns sines and cosines of the lead angle and of a contact angle that is given by its cosine.
+    /// Returns sines and cosines of the lead angle and of the contact angle with a given cosine.
     #[inline(always)]
     fn at_angle(&self, cos_b: F) -> Sines<F> {
         let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();
@@ -145,7 +146,7 @@ impl<F: Real> SlidingBall<F> {
 }
 
 impl<P: Real> SlidingBall<P> {
-    /// Returns `$1 + F^2$`.
+    /// Returns the factor `$1 + F^2$`.
     #[inline(always)]
     fn stretch(&self) -> P {
         self.friction.square() + 1.0
@@ -207,8 +208,8 @@ impl<P: Real> SlidingBall<P> {
         )
     }
 
-    /// Returns `$x$` and `$c$` of equal contact angles, from the cotangent of the angle, and the effective load component, which
-    /// is positive unless friction holds the load.
+    /// Returns `$x$` and `$c$` for equal contact angles with a given cotangent, together with the
+    /// effective load component. The load component is positive unless friction holds the load.
     #[inline(always)]
     pub fn equal_angles<D: RealOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();
@@ -219,7 +220,7 @@ impl<P: Real> SlidingBall<P> {
         ([x, (w * cos + x * sin * f) / effect], effect)
     }
 
-    /// Returns the motion of forces in balance.
+    /// Returns the motion that corresponds to forces in equilibrium.
     ///
     /// Assumes: `$r_m > 1.21\,r_b$`, so that `$Y > 0$` for slips opposite to friction.
     #[inline(always)]
@@ -251,7 +252,7 @@ impl<P: Real> SlidingBall<P> {
 }
 
 impl<F: Real> SlidingPoint<F> {
-    /// Returns true if the ball is on its flanks and slides in the direction opposite to friction.
+    /// Returns true if the ball is on its flanks and the slip is opposite to friction.
     #[inline(always)]
     pub(super) fn is_admissible(&self) -> F::Mask {
         let SlidingState { sin, cos, push, .. } = &self.state;
@@ -264,8 +265,9 @@ impl<F: Real> SlidingPoint<F> {
             & cos[1].gt(zero)
     }
 
-    /// Returns true if, compared with another point, the centrifugal force differs by a factor and all other factors of (S27) are
-    /// equal, up to a relative `change`.
+    /// Returns true if the centrifugal force is `factor` times the centrifugal force at `begin` and
+    /// all other factors of (S27) are equal to their values at `begin`, within a relative tolerance
+    /// `change`.
     #[inline(always)]
     pub(super) fn has_only_grown(&self, begin: &Self, factor: F, change: f64) -> F::Mask {
         is_near(self.state.centrifugal / begin.state.centrifugal, factor, change)
@@ -273,7 +275,8 @@ impl<F: Real> SlidingPoint<F> {
             & is_near(self.motion.drive, begin.motion.drive, change)
     }
 
-    /// Returns the logarithm of the inertia ratio `$\mu$` at which the point is a steady motion (S27).
+    /// Returns the logarithm of the inertia ratio `$\mu$` for which the point is a steady motion
+    /// (S27).
     #[inline(always)]
     pub(super) fn log_inertia(&self) -> F {
         let SlidingMotion { inertia, drive, .. } = self.motion;
@@ -282,7 +285,7 @@ impl<F: Real> SlidingPoint<F> {
     }
 }
 
-/// Returns true if two numbers are equal up to a relative `change`.
+/// Returns true if two numbers agree within a relative tolerance `change`.
 #[inline(always)]
 fn is_near<F: Real>(x: F, y: F, change: f64) -> F::Mask {
     (x - y).abs().le(y.abs() * change)

@@ -1,5 +1,6 @@
-//! Newton's method for points of the curve of force balance and for steady motions. It finds the first steady motion if the
-//! curve is nearly straight up to this motion, for one point or for several points side by side.
+//! Newton's method for points on the curve of force balance and for steady motions, for one point
+//! or for several points side by side. It finds the first steady motion if the curve is nearly
+//! straight up to this motion.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
@@ -10,99 +11,109 @@ use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::friction_torque;
 use crate::models::ball::{friction_power, is_in_range};
 
-/// Logarithm of `$q$` (dimensionless) at zero inertia, close to the logarithm of the smallest normal number.
+/// Value of `$\ln q$` (dimensionless) that represents zero inertia. It is close to the logarithm of
+/// the smallest normal floating-point number.
 pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 
-/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless) at which the curve counts as
-/// straight, so that the inertia increases monotonically.
+/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless)
+/// up to which the curve is treated as straight. On a straight curve, inertia increases
+/// monotonically.
 pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 
-/// Maximum change of a position on a straight curve, in units of its scale and of [`STRAIGHTNESS_TOL`] (dimensionless), because
-/// the scale is about a third of the position.
+/// Maximum change of a coordinate along a straight curve, divided by its scale and by
+/// [`STRAIGHTNESS_TOL`] (dimensionless). The scale is about a third of the coordinate.
 const MAX_POSITION_CHANGE: f64 = 3.0;
 
-/// Residual tolerance of (S14) and (S20) for a result (dimensionless). Newton's method reaches rounding errors.
+/// Residual tolerance of (S14) and (S20) for a final result (dimensionless). Newton's method
+/// converges to rounding errors.
 const RESIDUAL_TOL: f64 = 1e-10;
 
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
 const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Newton's method for a state. Lengths of steps are in units of the scale of the state. After a step of 1e-8, the error is of
-/// the order of its square, which is below rounding errors. If more steps are necessary, the starting point was not near a state.
+/// Limits of Newton's method for a state on the curve. Step lengths are in units of the scale of
+/// the state. After a step of 1e-8, the error is of the order of the square of the step, which is
+/// below rounding errors. If Newton's method needs more steps, the starting value was not near a
+/// state.
 const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, max_steps: 8 };
 
-/// Newton's method for the contact angle at zero inertia. Lengths of steps are changes of the logarithm of its cotangent
-/// (dimensionless). The result is the starting point for the state at zero inertia, which requires three digits.
+/// Limits of Newton's method for the contact angle at zero inertia. Step lengths are changes of the
+/// logarithm of the cotangent (dimensionless). The result needs only three digits, because it is
+/// the starting value for the state at zero inertia.
 const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, max_steps: 8 };
 
-/// Maximum ratio of normal load to axial load (dimensionless) of a direct root. Above it, friction nearly holds the axial load, and
-/// rounding errors affect the result.
+/// Maximum ratio of normal load to axial load (dimensionless) of a direct root. Above this ratio,
+/// friction nearly holds the axial load, and rounding errors affect the result.
 const MAX_LOAD: f64 = 1e3;
 
-/// Maximum ratio of nut speed to relative speed (dimensionless) of a direct root. Above it, the residual consists of the rounding
-/// errors of both speeds.
+/// Maximum ratio of nut speed to relative speed (dimensionless) of a direct root. Above this ratio,
+/// rounding errors of both speeds dominate the residual.
 const MAX_NUT_SPEED: f64 = 1e4;
 
 /// Distance in `$\ln\mu$` (dimensionless) between the first state of the continuation and the root.
 const START_DISTANCE: f64 = 3.0;
 
-/// Initial step of `$\ln q$` of the continuation (dimensionless).
+/// Initial step length of the continuation in `$\ln q$` (dimensionless).
 const FIRST_STEP: f64 = 1.0;
 
-/// Maximum step of `$\ln q$` of the continuation (dimensionless).
+/// Maximum step length of the continuation in `$\ln q$` (dimensionless).
 const MAX_STEP: f64 = 1.5;
 
 /// Maximum number of steps of the continuation, including rejected steps.
 const MAX_STEPS: usize = 12;
 
-/// Maximum ratio of the step of `$\ln q$` to the step of `$\ln\mu$` (dimensionless), twice the largest ratio of a straight curve.
+/// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). It is twice
+/// the largest ratio along a straight curve.
 const MAX_SLOPE: f64 = 4.0;
 
-/// Tolerance of the last Newton step of an intermediate state, in units of the scale of the state (dimensionless).
+/// Step length at which Newton's method stops for an intermediate state, in units of the scale of
+/// the state (dimensionless).
 const PREDICTOR_STEP_TOL: f64 = 1e-4;
 
-/// Unknowns `$\ln q$`, `$x_B$` and `$c$`, from which `$x_A$` follows (S19).
+/// Coordinates `$\ln q$`, `$x_B$` and `$c$` of a state. The fourth coordinate `$x_A$` is calculated
+/// from (S19).
 pub(super) type Coordinates<F> = [F; 3];
 
-/// A state on the curve of force balance.
+/// A state on the curve of force balance, with the solve that found it.
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Real> {
     pub(super) point: Coordinates<F>,
-    /// Forces and motion.
+    /// Forces on the ball, and its motion.
     pub(super) at: SlidingPoint<F>,
     /// Largest residual of (S14) and (S20).
     pub(super) residual: F,
     /// Number of Newton steps.
     pub(super) steps: F,
-    /// True if Newton's method has converged to a state.
+    /// True if Newton's method converged.
     pub(super) found: F::Mask,
 }
 
 /// A steady motion of a ball that slides at both contacts.
 #[derive(Clone, Copy)]
 pub struct SlidingRoot<F: Real> {
-    /// The ball.
+    /// The sliding ball.
     pub ball: SlidingBall<F>,
-    /// Forces and motion.
+    /// Forces on the ball, and its motion.
     pub at: SlidingPoint<F>,
-    /// Absolute precession `$P/W$`.
+    /// Absolute precession rate `$P/W$`.
     pub rate: F,
     /// Sine and cosine of the tilt `$\nu$`.
     pub tilt: (F, F),
     /// Number of Newton steps.
     pub steps: F,
-    /// Scaled residual.
+    /// Largest scaled residual of the equations.
     pub residual: F,
-    /// True if this is a steady motion, which serves as a starting point.
+    /// True if the result is a steady motion and can serve as a starting value.
     pub steady: F::Mask,
-    /// True if this is the first steady motion on the curve.
+    /// True if the result is certain to be the first steady motion on the curve.
     pub found: F::Mask,
 }
 
-/// Returns the angular velocity relative to the nut, divided by `$W$`, in the triad of the mean normal (S3), (S5), (S6).
+/// Returns the angular velocity relative to the nut, divided by `$W$`, in the triad of the mean
+/// contact normal (S3), (S5), (S6).
 ///
-/// * `[across, along]`: slip at the nut across the groove and along it.
-/// * `(moment, gyration)`: `$s$` and `$I P/(r_b F_a)$`.
+/// * `[across, along]`: slip at the nut across and along the groove.
+/// * `(moment, gyration)`: spin moment `$s$`, and `$I P/(r_b F_a)$`.
 /// * `(sin, cos)`: sine and cosine of the tilt `$\nu$`.
 #[inline(always)]
 pub(super) fn rotation<P, D: RealOver<P>>(
@@ -121,14 +132,16 @@ pub(super) fn rotation<P, D: RealOver<P>>(
 }
 
 impl<F: Real> CurveState<F> {
-    /// Returns true if the curve is straight from `start` to this state: the centrifugal force is proportional to `$q$`, and all
-    /// other factors of (S27) and all other unknowns are constant, up to a relative `change`.
+    /// Returns true if the curve is straight from `start` to this state. On a straight curve, the
+    /// centrifugal force is proportional to `$q$`, and all other factors of (S27) and all other
+    /// coordinates are constant within a relative tolerance `change`.
     #[inline(always)]
     pub(super) fn is_straight_from(&self, start: &Self, scale: &[F; 3], change: f64) -> F::Mask {
         let rise = self.point[0] - start.point[0];
         let limit = rise.constant(-LOG_NO_INERTIA);
         let growth = F::select(rise.lt(limit), rise, limit).exp();
-        // The factors may have the same values at a distant position of the curve.
+        // Checking the factors of (S27) is not enough, because they may have equal values at a
+        // distant point of the curve.
         let max_change = MAX_POSITION_CHANGE * change;
         let [x, begin] = [self.at.state.slip_cotangents[0], start.at.state.slip_cotangents[0]];
         self.at.has_only_grown(&start.at, growth, change)
@@ -137,7 +150,8 @@ impl<F: Real> CurveState<F> {
             & (self.point[2] - start.point[2]).abs().le(scale[2] * max_change)
     }
 
-    /// Returns true if the distance from a point is at most one step of the continuation.
+    /// Returns true if the distance from a point of the curve is at most one step of the
+    /// continuation.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
         (self.point[0] - point[0]).abs().le(by_c.constant(MAX_STEP))
@@ -153,8 +167,9 @@ impl<F: Real> CurveState<F> {
     }
 }
 
-/// Returns the ratio of the rounding errors of the residuals to [`RESIDUAL_TOL`], at least one. Rounding errors are large if
-/// friction nearly holds the load, because `$Y$` is the reciprocal of a small difference.
+/// Returns the ratio of the rounding errors of the residuals to [`RESIDUAL_TOL`], but at least one.
+/// Rounding errors are large if friction nearly holds the load, because `$Y$` is then the
+/// reciprocal of a small difference.
 #[inline(always)]
 pub(super) fn rounding_floor<F: Real>(state: &SlidingState<F>) -> F {
     let one = state.push.constant(1.0);
@@ -162,17 +177,17 @@ pub(super) fn rounding_floor<F: Real>(state: &SlidingState<F>) -> F {
 }
 
 impl<F: Real> SlidingBall<F> {
-    /// Returns true if the contacts carry an axial load at some contact angle (S12).
+    /// Returns true if the contacts can carry an axial load at some contact angle (S12).
     #[inline(always)]
     pub fn carries(&self) -> F::Mask {
-        // F tanα < 1, or no contact angles carry an axial load            (S12)
+        // F tanα < 1; otherwise, no contact angles carry an axial load    (S12)
         self.friction.lt(self.cot)
     }
 
-    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`, changes of about a third.
+    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is a change of about a third.
     #[inline(always)]
     pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
-        // −x_A is always less than this limit.
+        // sinα/d is an upper limit of −x_A.
         let (sum, least) = (nut + screw, self.sin / self.arc);
         [
             (nut.abs() + least) * 0.3,
@@ -181,7 +196,7 @@ impl<F: Real> SlidingBall<F> {
         ]
     }
 
-    /// Returns `$I P/(r_b F_a)$` for `rate`, `$P/W$`.
+    /// Returns the factor `$I P/(r_b F_a)$` for the precession rate `$P/W$`.
     #[inline(always)]
     fn gyration(&self, rate: F) -> F {
         self.inertia_ratio / (self.arc * self.cos) * 0.4 * rate
@@ -211,11 +226,11 @@ where
     Jet<1, F>: RealOver<F> + Real<Mask = F::Mask>,
     Jet<3, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
-    /// Returns an estimate of `$x$` and `$c$` at the beginning of the curve, the number of Newton steps, and true if the estimate
-    /// was found.
+    /// Estimates `$x$` and `$c$` at the beginning of the curve. Also returns the number of Newton
+    /// steps, and a mask that is true if the estimate was found.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
-    /// * `expected`: true if the result is requested.
+    /// * `expected`: mask of the points for which a result is requested.
     #[inline(always)]
     pub(super) fn static_beginning(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
         let mut at = LaneIterate::starting_at([unloaded.ln()], expected);
@@ -224,23 +239,24 @@ where
         (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
     }
 
-    /// Returns the state at zero inertia near given `$x$` and `$c$`.
+    /// Finds the state at zero inertia near given `$x$` and `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
         let guess = [x.constant(LOG_NO_INERTIA), x, c];
         self.iterate::<false>(guess, &self.scale([x, x], c), expected)
     }
 
-    /// Returns the first steady motion, if the inertia (S27) increases monotonically from the beginning of the curve, so that no
-    /// other root precedes the motion. The motion is found by Newton's method if the curve is straight, otherwise by continuation.
+    /// Finds the first steady motion if the inertia (S27) increases monotonically from the
+    /// beginning of the curve, so that no root comes before this motion. If the curve is straight,
+    /// the motion is found by Newton's method, otherwise by continuation.
     ///
-    /// * `any`: true if any root that serves as a starting point is sufficient.
+    /// * `any`: true if any root is acceptable because it only serves as a starting value.
     #[inline(always)]
     pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
-        // M ~ q on a straight curve. If nut and screw turn together, the inertia at the beginning underflows, but its
-        // logarithm does not.
+        // On a straight curve, M is proportional to q. If nut and screw rotate together, the
+        // inertia at the beginning of the curve underflows, but its logarithm does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
         let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
@@ -251,7 +267,7 @@ where
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // The variable covers rounding errors of the terms and of the logarithm of q.
+            // `rounding` covers rounding errors of the terms and of the logarithm of q.
             let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
             let near = if continued {
@@ -289,11 +305,12 @@ where
         }
     }
 
-    /// Returns an estimate of the first steady motion by continuation in inertia, true if it was found, and the number of Newton
-    /// steps. The continuation begins at a steady motion on the straight part of the curve, and stops unless every step is short
-    /// in the scale of the states and the inertia increases.
+    /// Estimates the first steady motion by continuation in inertia. Also returns a mask that is
+    /// true if the motion was found, and the number of Newton steps. The continuation begins at a
+    /// steady motion on the straight part of the curve. It stops if a step is long compared with
+    /// the scale of the state or if the inertia does not increase.
     ///
-    /// * `root`: `$\ln q$` of the root of a straight curve.
+    /// * `root`: `$\ln q$` of the root if the curve were straight.
     #[inline(always)]
     fn continued(
         &self,
@@ -304,8 +321,8 @@ where
     ) -> (Coordinates<F>, F::Mask, F) {
         let (zero, one) = (root.constant(0.0), root.constant(1.0));
         let (mut point, mut before) = (start.point, start.point);
-        // `below` is the distance to the root in ln μ, `slope` is the ratio of the steps of ln q
-        // and ln μ, and `length` is the step of ln q.
+        // `below` is the distance to the root in ln μ, `slope` is the ratio of the step in ln q to
+        // the step in ln μ, and `length` is the step in ln q.
         let (mut below, mut slope, mut length) = (zero, one, one * FIRST_STEP);
         let (mut steps, mut active, mut arrived) = (zero, expected, zero.mask(false));
         for step in 0..=MAX_STEPS {
@@ -314,7 +331,7 @@ where
             if step > 0 {
                 to = (below - length / slope).larger(zero);
                 let rise = (below - to) * slope;
-                // x_B and c are extrapolated linearly in q.
+                // x_B and c are extrapolated linearly as functions of q.
                 let growth = (rise.exp() - 1.0) / (-(before[0] - point[0]).exp() + 1.0);
                 guess[0] = point[0] + rise;
                 for k in 1..3 {
@@ -350,7 +367,7 @@ where
         (point, arrived, steps)
     }
 
-    /// Returns the state near a starting point: a steady motion, or the state with the same `$q$`.
+    /// Finds the state near a starting value: a steady motion, or the state with the given `$q$`.
     #[inline(always)]
     pub(super) fn iterate<const STEADY: bool>(
         &self,
@@ -362,9 +379,9 @@ where
         self.iterate_to::<STEADY>((STATE_NEWTON.step_tol, RESIDUAL_TOL), at, scale, expected)
     }
 
-    /// Returns the state near a starting point, with given tolerances.
+    /// Finds the state near a starting value, with given tolerances.
     ///
-    /// * `below`: distance in `$\ln\mu$` from the steady motion to the ball.
+    /// * `below`: distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
     #[inline(always)]
     fn iterate_to<const STEADY: bool>(
         &self,
@@ -391,12 +408,13 @@ where
         CurveState { point, at, residual, steps, found }
     }
 
-    /// Solves for the first steady motion by Newton's method from the beginning of the curve. A point at which another root could
-    /// precede the result, or at which rounding errors could affect the result, is not `found`.
+    /// Finds the first steady motion by Newton's method from the beginning of the curve. The field
+    /// `found` of the result is false if another root could come before the result or if rounding
+    /// errors could affect the result.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
-    /// * `requested`: true if the point is solved.
-    /// * `any`: true if any root that serves as a starting point is sufficient.
+    /// * `requested`: mask of the points to solve.
+    /// * `any`: true if any root is acceptable because it only serves as a starting value.
     #[inline(always)]
     pub fn direct_root(&self, unloaded: F, requested: F::Mask, any: bool) -> SlidingRoot<F> {
         let max_nut_speed = unloaded.constant(MAX_NUT_SPEED);
@@ -413,7 +431,8 @@ where
     }
 }
 
-/// Equation (S20) for the logarithm of the cotangent of equal contact angles at zero inertia.
+/// Equation (S20) at zero inertia. The unknown is the logarithm of the cotangent of the equal
+/// contact angles.
 struct StaticAngle<'a, F> {
     ball: &'a SlidingBall<F>,
 }
@@ -433,12 +452,12 @@ where
     }
 }
 
-/// Equations (S14) and (S20) with (S27) for a steady motion, or with a constant `$q$`.
+/// Equations (S14) and (S20), together with (S27) for a steady motion or with a fixed `$q$`.
 struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
     scale: [F; 2],
-    /// Distance in `$\ln\mu$` from the steady motion to the ball.
+    /// Distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
     below: F,
 }
 
@@ -492,14 +511,15 @@ impl<F: Real> SlidingRoot<F> {
         [along, cos * normal - sin * across, sin * normal + cos * across]
     }
 
-    /// Returns the precession relative to the nut `$p$`.
+    /// Returns the precession rate relative to the nut, `$p$`.
     #[inline(always)]
     pub fn precession(&self) -> F {
         // P = Ω_n + p W                                                   (S2)
         self.rate - self.ball.nut_speed
     }
 
-    /// Returns the friction forces on the ball at nut and screw, divided by `$F_a$`, across the groove and along it.
+    /// Returns the friction forces on the ball at nut and screw, divided by `$F_a$`. Each force has
+    /// a component across the groove and a component along the groove.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
         let SlidingState { slip_cotangents: [x_a, x_b], push, .. } = self.at.state;

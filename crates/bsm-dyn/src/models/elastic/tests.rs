@@ -1,5 +1,5 @@
-//! Compares the roots on the curve with the seven equations, with limits, and with searches from
-//! many starting points.
+//! Tests of the elastic model: compares the roots on the curve of force balance with the seven
+//! equations, with limiting cases, and with searches from many starting values.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,7 +14,8 @@ use super::*;
 use crate::extreme::extreme;
 use crate::{Status, angles::Angles};
 
-/// Returns a random starting point in the unknowns (S1) whose nut contact carries the axial load.
+/// Returns a random starting value in the unknowns (S1) for which the nut contact carries the axial
+/// load.
 fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
     let friction = contacts.directed_friction();
@@ -23,11 +24,11 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     let (circling, slip, noise) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
     let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
-    // The direction of slip is (R12) with random noise.
+    // The slip direction is (R12) plus random noise.
     let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
-    // The precession is a few W, or corresponds to a centrifugal force of any size.
+    // The precession rate is either a few W, or the rate for a random centrifugal force.
     let rate = if rng.random_bool(0.5) {
         rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {
@@ -44,7 +45,8 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     (load > 0.0).then_some(y)
 }
 
-/// Returns an admissible root of the seven equations from random starting points, if one is found.
+/// Returns an admissible root of the seven equations that is found from random starting values, or
+/// `None`.
 fn root_from_random_starts(
     contacts: &ElasticContacts,
     starts: usize,
@@ -60,9 +62,9 @@ fn root_from_random_starts(
         let report = solve(&GrossSlipEquations(contacts), &mut y, &scales, &options, newton);
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
-        // With the weights of the starting point, any state with P → 0 or P → ∞ would count as a
-        // root. Therefore the residual is compared with the forces at the end point: moments are
-        // compared with friction, and the moment about the mean normal is compared with inertia.
+        // With the weights of the starting value, any state with P → 0 or P → ∞ would look like a
+        // root. Therefore each residual is compared with a force at the end point: moments with
+        // friction, and the moment about the mean normal with inertia.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force = load
@@ -70,7 +72,7 @@ fn root_from_random_starts(
         let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
             && (residual[MOMENT[1]] * weights(contacts, &y)[MOMENT[1]]).abs() < 1e-6;
-        // Slips below the rounding error of the moment about N (R23) have no direction.
+        // Slips below the rounding error of the moment about N (R23) have no defined direction.
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         let resolved =
             contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
@@ -78,7 +80,7 @@ fn root_from_random_starts(
     })
 }
 
-/// Comparison of the search with the results of the model.
+/// Comparison of random searches with the results of the model.
 #[derive(Debug, Default)]
 struct Tally {
     no_solution: usize,
@@ -87,7 +89,7 @@ struct Tally {
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Searches at the same number of points with and without a solution.
+/// Runs random searches at equal numbers of points with and without a solution.
 fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
@@ -95,7 +97,7 @@ fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
-        // The search does not resolve the roots of slower balls.
+        // The random search cannot resolve the roots of balls with less inertia.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
             continue;
         }
@@ -120,9 +122,10 @@ fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     tally
 }
 
-/// Random starting points lead to no root if there is no solution, and mostly to a root otherwise.
+/// If there is no solution, random starting values lead to no root; otherwise they usually lead to
+/// a root.
 #[test]
-fn many_starts_find_no_root_where_there_is_no_solution() {
+fn random_starts_find_no_root_where_there_is_no_solution() {
     let tally = search_points(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
@@ -130,7 +133,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
 
 #[test]
 #[ignore = "minutes: 1000 points of 1000 starts"]
-fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
+fn thousands_of_random_starts_find_no_root_where_there_is_no_solution() {
     let tally = search_points(2026, 500, 1000);
     println!(
         "{} no_solution, {} refuted, {} of {} seen",
@@ -171,7 +174,8 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
         let p = (rigid + g * contacts.scaled.nut_speed) / (1.0 - g);
         let rate = p + contacts.scaled.nut_speed;
         let inertia = contacts.inertia_ratio() * rate * rate;
-        // Near resonance, g = 1, and near self-locking, the first-order solution has a smaller range.
+        // Near resonance (g = 1) and near self-locking, the range of the first-order solution is
+        // smaller.
         if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
             continue;
         }
@@ -180,7 +184,8 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
         // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
         let slip = tangent * contacts.scaled.arc * rigid / (cos_psi + tangent * sin_psi);
-        // The error is of second order in an inertia of 1e-8, divided by the smallest cosine and by the resonance term.
+        // The relative error is of second order in the inertia of 1e-8, divided by the smallest
+        // cosine and by the resonance term.
         let close = |x: f64, y: f64| {
             assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
         };
@@ -194,8 +199,9 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
     }
 }
 
-/// Points with P → 0 or P → ∞ formerly counted as roots, because their residual vanished with the weights of the starting point.
-/// The precession of a root on the curve must match its centrifugal force.
+/// In an earlier version, points with P → 0 or P → ∞ were accepted as roots, because their residual
+/// vanished with the weights of the starting value. At a root on the curve, the precession rate
+/// must match the centrifugal force.
 #[test]
 fn precession_of_a_root_matches_its_centrifugal_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -205,7 +211,7 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let state = GrossSlipEquations(&contacts).state(&y).expect("a root");
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
-        // The centrifugal force is the difference of the radial components of the loads.
+        // The centrifugal force is the difference between the radial components of the loads.
         let held = state.wrench[0].force + state.wrench[1].force;
         let held = held.dot(&state.loaded.frame.n) / contacts.inertia_ratio();
         let rounding = 1e-13 * y[NUT_LOAD] / contacts.inertia_ratio();
@@ -214,9 +220,10 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
     }
 }
 
-/// If nut and screw turn nearly together, the inertia ratio underflows on the curve, and no solution was formerly found.
+/// If nut and screw rotate at nearly equal speeds, the inertia ratio on the curve underflows. An
+/// earlier version found no solution in this case.
 #[test]
-fn solution_exists_if_nut_and_screw_turn_nearly_together() {
+fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut work = ElasticWorkspace::default();
     let mut converged = 0;

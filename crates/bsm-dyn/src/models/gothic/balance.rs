@@ -1,5 +1,5 @@
-//! Balance of a ball in gothic arches with friction at all loaded contacts, generic over the
-//! scalar.
+//! Force and moment balance of a ball in gothic arches with friction at all loaded contacts,
+//! generic over the scalar type.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC4) to (AC6).
 
@@ -32,16 +32,16 @@ const ROWS: [&str; UNKNOWNS] = [
     "axial position of the nut",
 ];
 
-/// Maximum Newton steps of the position, divided by the approach, and of the motion, divided by its
-/// magnitude.
+/// Maximum Newton steps: change of position divided by the approach, and relative change of the
+/// motion.
 const MAX_STEP: [f64; 2] = [0.5, 0.2];
 
-/// Numbers of nodes at the four contacts, which stay fixed near a root.
+/// Node counts of the quadrature at the four contacts, which stay fixed near a root.
 #[derive(Default)]
 pub(super) struct FrozenRules([OnceCell<FrozenRule>; FLANKS]);
 
-/// A ball with friction at its contacts. Forces are divided by a load, lengths by an approach, and
-/// speeds by `$|W|$`.
+/// Force and moment balance of a ball with friction. Forces are divided by a reference load,
+/// lengths by a reference approach, and speeds by `$|W|$`.
 #[derive(Clone, Copy)]
 pub(super) struct Balance<'a, P = f64> {
     pub(super) at: &'a ElasticPoint<P>,
@@ -59,7 +59,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
 
-/// A loaded contact.
+/// A loaded contact of the ball.
 #[derive(Clone, Copy)]
 pub(super) struct Pressed<D> {
     pub(super) contact: Contact<D>,
@@ -69,7 +69,7 @@ pub(super) struct Pressed<D> {
     pub(super) semi_axes: (D, D),
     /// Wrench of normal load and friction on the ball.
     pub(super) wrench: Wrench<D>,
-    /// Friction power \[W\], without derivatives.
+    /// Friction power \[W\] without derivatives.
     pub(super) power: f64,
 }
 
@@ -78,13 +78,13 @@ pub(super) struct ArchState<D> {
     pub(super) place: [D; PLACE],
     pub(super) to_nut: Motion<D>,
     pub(super) to_screw: Motion<D>,
-    /// Approaches of all contacts \[m\], negative for a gap.
+    /// Approaches of all contacts \[m\]; a negative approach is a gap.
     pub(super) approaches: [D; FLANKS],
     pub(super) pressed: [Option<Pressed<D>>; FLANKS],
 }
 
 impl<D: Scalar> ArchState<D> {
-    /// Returns the total wrench of some flanks on the ball.
+    /// Returns the total wrench of the given flanks on the ball.
     pub(super) fn wrench(&self, flanks: std::ops::Range<usize>) -> Wrench<D> {
         let pressed = self.pressed[flanks].iter().flatten();
         pressed.fold(Wrench::zero(), |sum, pressed| sum + pressed.wrench)
@@ -92,7 +92,7 @@ impl<D: Scalar> ArchState<D> {
 }
 
 impl<P: Scalar> Balance<'_, P> {
-    /// Returns the speed by which the speeds at the contacts are divided, `$r_b |W|$` \[m/s\].
+    /// Returns the unit of the speeds at the contacts, `$r_b |W|$` \[m/s\].
     fn speed(&self) -> P {
         let point = &self.at.point;
         point.ball.radius * magnitude(point.drive.relative_speed())
@@ -117,7 +117,7 @@ impl<P: Scalar> Balance<'_, P> {
             touching[count] = i;
             count += 1;
         }
-        // Sums over two ellipses at once are faster than two separate sums.
+        // Integrating over two ellipses at once is faster than integrating twice.
         for pair in touching[..count].chunks(2) {
             let places = [pair[0], pair[pair.len() - 1]];
             let contacts = places.map(|i| {
@@ -140,7 +140,7 @@ impl<P: Scalar> Balance<'_, P> {
         ArchState { place, to_nut, to_screw, approaches, pressed }
     }
 
-    /// Returns the nodes of the quadrature at a flank.
+    /// Returns the quadrature nodes at a flank.
     fn nodes(&self, flank: usize) -> Placement<'_> {
         Placement {
             frozen_rule: self.frozen_rules.map(|rules| &rules.0[flank]),
@@ -148,7 +148,8 @@ impl<P: Scalar> Balance<'_, P> {
         }
     }
 
-    /// Returns a loaded contact without friction, and the patch over which friction is integrated.
+    /// Returns a loaded contact without friction, together with the patch over which friction is
+    /// integrated.
     fn contact<D: Integrate<P>>(
         &self,
         i: usize,
@@ -168,7 +169,8 @@ impl<P: Scalar> Balance<'_, P> {
             ball_radius: point.ball.radius,
         };
         let local = contact_motion(motion, &contact, D::from(point.helix.arc_length_per_radian()));
-        // Friction depends only on the ratio of slip and creep speed, so speeds are divided by r_b
+        // Friction depends only on the ratio of slip speed to creep speed, so all speeds are
+        // divided by r_b
         // |W|.
         let patch = ellipse.patch(&local.over(D::from(self.speed())), self.creep);
         let (semi_axes, wrench, power) = (ellipse.semi_axes, Wrench::zero(), 0.0);
@@ -216,13 +218,13 @@ impl<P: Scalar> Balance<'_, P> {
 }
 
 impl Balance<'_> {
-    /// Returns the approximate angular speed of a rolling ball divided by `$|W|$`.
+    /// Returns the approximate angular speed of a rolling ball, divided by `$|W|$`.
     pub(super) fn turning(&self) -> f64 {
         self.at.point.helix.arc_length_per_radian() / self.at.point.ball.radius
     }
 
-    /// Returns the motion, divided by `$|W|$`, of a ball that rolls on both flanks of a diagonal
-    /// without rotation about the principal normal.
+    /// Returns the motion, divided by `$|W|$`, of a ball that rolls on both loaded flanks without
+    /// rotation about the principal normal.
     pub(super) fn without_spin(
         &self,
         place: &[f64; PLACE],
@@ -232,16 +234,16 @@ impl Balance<'_> {
         let point = &self.at.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.cos_lead);
-        // (t × N)_b at nut and screw
+        // Components of t × N along b at nut and screw
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
-        // There is no slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
+        // Without slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));
         let [_, along, ..] = motion;
         [-radius / arc * around * nut, along, 0.0, around]
     }
 
-    /// Returns the friction forces of some flanks and the inertia force for given values of the
-    /// unknowns.
+    /// Returns the sum of inertia force and friction forces at the selected flanks for given values
+    /// of the unknowns.
     pub(super) fn friction(&self, y: &[f64; UNKNOWNS], flanks: [bool; FLANKS]) -> FixedForces {
         let ArchState { to_nut, pressed, .. } = self.state(y);
         let friction = |i: usize| {

@@ -1,4 +1,5 @@
-//! Gothic arches of nut and screw around one ball: arc centers, approaches and loads.
+//! Gothic arches of nut and screw around one ball: arc centers, elastic approaches and normal
+//! loads.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4).
 
@@ -10,21 +11,21 @@ use crate::models::ball::{
     ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
 };
 
-/// Number of contacts of a ball in two gothic arches, in the order nut +, nut −, screw +, screw −.
-/// The + flanks carry a positive axial load.
+/// Number of contacts of a ball in two gothic arches. Their order is nut +, nut −, screw +, screw
+/// −. The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
-/// Fit of a ball in its gothic arches.
+/// Fit of a ball in the gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ArchFit<D = f64> {
-    /// Axial play `$s$` of one nut at the nominal ball diameter \[m\], not negative. Half of the
-    /// play shifts the far flank of each groove; the contact angle at first contact stays
-    /// `$\beta_0$`. With infinite play, no ball touches a far flank.
+    /// Axial play `$s$` of one nut with a ball of nominal diameter \[m\], not negative. Half of the
+    /// play shifts the far flank of each groove; the contact angle at first contact remains
+    /// `$\beta_0$`. Infinite play means that no ball touches a far flank.
     pub axial_play: D,
     /// Radial gap `$g$` between nut and screw grooves \[m\], which increases the contact angle at
     /// first contact.
     pub radial_gap: D,
-    /// Excess `$\Delta r$` of the ball radius \[m\].
+    /// Excess `$\Delta r$` of the ball radius over the nominal radius \[m\].
     pub oversize: D,
 }
 
@@ -33,8 +34,8 @@ pub struct ArchFit<D = f64> {
 pub enum AxialCondition<D = f64> {
     /// Axial force of the nut on the ball \[N\], not negative.
     Force(D),
-    /// Axial displacement of the nut \[m\] from the position in which both diagonals have the same
-    /// length.
+    /// Axial displacement of the nut \[m\] from the middle position, in which both diagonals have
+    /// equal length.
     Displacement(D),
 }
 
@@ -48,18 +49,19 @@ pub struct Grooves<D = f64> {
     pub stiffness: [D; 2],
     radial_gap: D,
     pub(super) oversize: D,
-    /// `$l_0\sin\beta_0$` at nut and screw.
+    /// Distances `$l_0\sin\beta_0$` between arc center and ball center along the binormal, at nut
+    /// and screw.
     across: [D; 2],
     /// Distances `$y$` of the arc centers from the pitch circle.
     outward: [D; 2],
-    /// Shift of an arc center toward the middle due to play, `$s\cos\alpha/4$`.
+    /// Shift of an arc center toward the middle of the groove due to play, `$s\cos\alpha/4$`.
     shift: D,
     hertz: [Hertz<D>; 2],
     pub(super) cos_lead: D,
 }
 
 /// Maximum shift of an arc center due to play, divided by `$l_0\sin\beta_0$`. At this shift, the
-/// arc of the far flank ends beside the ball, and the gap is largest; more play does not increase
+/// arc of the far flank ends beside the ball and the gap is largest. More play does not increase
 /// the gap.
 const MAX_SHIFT_RATIO: f64 = 0.5;
 
@@ -79,40 +81,40 @@ impl<D: Scalar> ArchFit<D> {
     }
 }
 
-/// A contact for a given position of the ball.
+/// State of one contact for a given position of the ball.
 #[derive(Debug, Clone, Copy)]
 pub struct FlankApproach<D = f64> {
-    /// Elastic approach \[m\], negative for a gap.
+    /// Elastic approach \[m\]; a negative approach is a gap.
     pub approach: D,
     /// Distance from the ball center to the arc center \[m\].
     pub length: D,
-    /// Components along the binormal and the principal normal of the unit vector from the ball
-    /// center to the arc center.
+    /// Unit vector from the ball center to the arc center: components along the binormal and the
+    /// principal normal.
     pub normal: [D; 2],
 }
 
-/// Number of coordinates \[m\]: position of the ball along the binormal and the principal normal,
-/// and position of the nut along the binormal.
+/// Number of position coordinates \[m\]: the ball along the binormal and the principal normal, and
+/// the nut along the binormal.
 pub(super) const PLACE: usize = 3;
 
-/// Returns the body of a contact.
+/// Returns the body (nut or screw) at a contact.
 pub(super) fn site(flank: usize) -> Site {
     if flank < 2 { Site::Nut } else { Site::Screw }
 }
 
 impl<P: Scalar> Grooves<P> {
-    /// Returns the gothic arches of a ball of nominal radius, without play (AC1).
+    /// Creates the gothic arches of a ball with nominal radius, without play (AC1).
     ///
     /// # Errors
     ///
     /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
-    /// groove.
+    /// groove than along it.
     pub fn without_play(at: &ElasticPoint<P>) -> Result<Self, Reason> {
         Ok(Self::with_hertz(at, at.hertz()?))
     }
 
-    /// Returns the arches around a ball of another radius and with a radial gap. The stiffness of
-    /// the contacts stays unchanged.
+    /// Returns the arches with a different ball radius and with a radial gap. The contact stiffness
+    /// stays unchanged.
     #[must_use]
     pub fn fitted(&self, radial_gap: P, oversize: P) -> Self {
         Self { radial_gap, oversize, ..*self }
@@ -135,7 +137,7 @@ impl<P: Scalar> Grooves<P> {
         }
     }
 
-    /// Returns the gothic arches around a ball.
+    /// Creates the gothic arches around a ball.
     ///
     /// # Errors
     ///
@@ -143,7 +145,7 @@ impl<P: Scalar> Grooves<P> {
     /// degrees.
     pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
-        // The curvatures are those of a ball with nominal diameter at first contact.
+        // The curvatures are calculated for a ball with nominal diameter at first contact.
         let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(NoAnswer::invalid)?;
         let nominal = Self::with_hertz(at, hertz);
         let [nut, screw] = nominal.across;
@@ -157,7 +159,8 @@ impl<P: Scalar> Grooves<P> {
         }
         let height = grooves.height().re();
         if !(height > 0.0 && grooves.diagonal().re() > height) {
-            let requirement = "such that balls touch at contact angles between 0 and 90 degrees";
+            let requirement =
+                "such that the ball touches the grooves at contact angles between 0 and 90 degrees";
             return Err(refused("radial gap of a ball [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
@@ -179,7 +182,7 @@ impl<P: Scalar> Grooves<P> {
         self.across[body] - self.shift
     }
 
-    /// Returns a contact for a given position \[m\] of ball and nut (AC4).
+    /// Calculates a contact for a given position of ball and nut \[m\] (AC4).
     pub fn flank<D: Over<P>>(
         &self,
         flank: usize,
@@ -201,7 +204,7 @@ impl<P: Scalar> Grooves<P> {
         FlankApproach { approach, length, normal: v.map(|v| v / length) }
     }
 
-    /// Returns the normal load of an approach \[N\], zero if there is a gap (H9).
+    /// Returns the normal load for an approach \[N\], which is zero for a gap (H9).
     pub fn load<D: Over<P>>(&self, flank: usize, approach: D) -> D {
         if approach.re() <= 0.0 {
             return D::from(0.0);
@@ -209,8 +212,8 @@ impl<P: Scalar> Grooves<P> {
         approach * approach.sqrt() * self.stiffness[flank / 2]
     }
 
-    /// Returns the semi-axes for a positive approach \[m\], calculated without the cube root of the
-    /// load, whose slope at zero is infinite.
+    /// Returns the semi-axes for a positive approach \[m\]. They are not calculated from the cube
+    /// root of the load, which has an infinite slope at zero.
     pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
         let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
         let a = approach.sqrt() * (semi_axis * self.stiffness[flank / 2].cbrt());
@@ -219,22 +222,22 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the distance between the arc centers of a diagonal along the binormal \[m\], with
-    /// the nut in the middle.
+    /// Returns the distance between the arc centers of a diagonal along the binormal \[m\], for the
+    /// middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
 
     /// Returns the displacement of the nut along the binormal at which the + flanks touch the ball
-    /// \[m\], which is negative if the ball is clamped in the middle.
+    /// \[m\], which is negative if the ball is already clamped in the middle position.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
         let (l, y) = (self.diagonal(), self.height());
         ((l - y) * (l + y)).sqrt() - self.width()
     }
 
-    /// Returns the position of ball and nut for given approaches \[m\] and contact angles \[rad\]
-    /// of the + flanks.
+    /// Returns the position of ball and nut \[m\] for given approaches \[m\] and contact angles
+    /// \[rad\] at the + flanks.
     pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);
@@ -249,7 +252,7 @@ impl Grooves {
     }
 
     /// Returns the axial play below which the far flank of nut or screw touches a ball on two
-    /// contacts \[m\], or zero if no far flank touches the ball without play.
+    /// contacts \[m\], or zero if no far flank touches the ball even without play.
     ///
     /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
@@ -266,13 +269,13 @@ impl Grooves {
         self.hertz.map(|hertz| hertz.approach(load))
     }
 
-    /// Returns the cosine of the contact angle at first contact with a ball of nominal diameter.
+    /// Returns the cosine of the contact angle at first contact for a ball of nominal diameter.
     pub(super) fn cos_first_contact(&self) -> f64 {
         self.height() / (self.offsets[0] + self.offsets[1])
     }
 
-    /// Returns the normal forces of all contacts on the ball, and the normal forces of the nut
-    /// \[N\].
+    /// Returns the sum of all normal forces on the ball, and the sum of the normal forces of the
+    /// nut \[N\].
     fn normal_forces<D: Over<f64>>(&self, place: &[D; PLACE]) -> ([D; 2], [D; 2]) {
         let zero = D::from(0.0);
         let (mut ball, mut nut) = ([zero; 2], [zero; 2]);
@@ -289,7 +292,7 @@ impl Grooves {
         (ball, nut)
     }
 
-    /// Returns the largest normal load \[N\] for a position, and its approach \[m\].
+    /// Returns the largest normal load \[N\] at a position, together with its approach \[m\].
     pub(super) fn largest(&self, place: &[f64; PLACE]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
             let approach = self.flank(flank, place).approach;
@@ -321,7 +324,7 @@ impl Grooves {
                 ((load / stiffness).cbrt().powi(2) / sin + touch.max(0.0), axial)
             }
         };
-        // The ball lies between the arc centers of the diagonal with the larger load.
+        // The ball lies between the arc centers of the more heavily loaded diagonal.
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let (g_b, g_n) = (sign * self.width() + w, self.height());
         let length = g_b.hypot(g_n);
@@ -342,9 +345,10 @@ impl Grooves {
         self.settled(condition, &FixedForces::default(), (&y, units), newton)
     }
 
-    /// Returns the position of ball and nut \[m\] under the normal loads and other given forces.
+    /// Returns the position of ball and nut \[m\] in equilibrium under the normal loads and the
+    /// given fixed forces.
     ///
-    /// * `near`: position to start from \[m\].
+    /// * `near`: starting value of the position \[m\].
     /// * `units`: units of force \[N\] and length \[m\].
     pub(super) fn settled(
         &self,
@@ -375,7 +379,7 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
     domain_error(EvalError {
         quantity,
         value,
-        requirement: "such that the flanks + or an oversize ball carry it",
+        requirement: "such that the + flanks or an oversize ball can carry the load",
     })
 }
 
@@ -384,17 +388,17 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
 pub(super) struct FixedForces {
     /// Forces on the ball along the binormal and along the principal normal.
     pub(super) ball: [f64; 2],
-    /// Axial force of the nut on the ball in addition to the normal loads.
+    /// Axial force of the nut on the ball, in addition to the normal loads.
     pub(super) of_nut: f64,
 }
 
-/// The balance of a ball under its normal loads and given forces; lengths are divided by an
+/// Force balance of a ball under normal loads and fixed forces. Lengths are divided by a reference
 /// approach.
 struct Rest<'a> {
     grooves: &'a Grooves,
     condition: AxialCondition,
     forces: &'a FixedForces,
-    /// Units of force and length.
+    /// Units of force \[N\] and length \[m\].
     force: f64,
     length: f64,
 }

@@ -1,4 +1,5 @@
-//! Running preload and drag of two nuts that are preloaded by an offset, with one ball in each nut.
+//! Running preload and drag torque of two nuts that are preloaded against each other by an offset,
+//! with one ball in each nut.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC8) and (AC9).
 
@@ -10,8 +11,8 @@ use crate::models::ball::{NoAnswer, domain_error};
 /// A pair of nuts with one ball each, preloaded against each other by an offset of their grooves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicPair {
-    /// Ball that moves its load against the axial force. The ball of the other nut is its mirror
-    /// image and is driven by the axial force.
+    /// Ball of the nut that moves against its axial force. The ball of the other nut is the mirror
+    /// image, and its axial force drives the motion.
     pub driving: GothicBall,
     /// Offset of the nuts relative to each other, measured from first contact of both balls \[m\],
     /// positive.
@@ -21,15 +22,16 @@ pub struct GothicPair {
 /// A pair of nuts in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningPair {
-    /// Ball that moves its load.
+    /// Ball of the nut that moves against its axial force.
     pub driving: GothicState,
-    /// Ball that is driven by its load, mirrored onto the + flanks with reversed speeds.
+    /// Ball of the nut that is driven by its axial force, mirrored onto the + flanks with reversed
+    /// speeds.
     pub back_driven: GothicState,
     /// Friction torque of both balls \[N·m\].
     pub friction_torque: f64,
 }
 
-/// Relative tolerance of the displacement of the nuts. The relative error of the forces is 3/2
+/// Relative tolerance of the nut displacement. The resulting relative error of the forces is 3/2
 /// times as large.
 const DISPLACEMENT_TOL: f64 = 1e-11;
 
@@ -43,7 +45,8 @@ impl GothicPair {
         self.driving.force_at_rest(0.5 * self.offset, work)
     }
 
-    /// Creates the pair whose force without friction and external load is `preload` \[N\].
+    /// Creates the pair for which the force between the nuts without friction and external load is
+    /// `preload` \[N\].
     ///
     /// # Errors
     ///
@@ -96,7 +99,7 @@ impl GothicPair {
             // (w − w_t)_drive + (w − w_t)_back = O cosα,  F_d − F_b = F   (AC8)
             let [driving, back_driven] = found.map(|ball| ball.axial_force);
             let excess = driving - back_driven - external;
-            // Each force is approximately proportional to its deflection to the power 3/2.
+            // Each force is approximately proportional to the deflection to the power 3/2.
             let rough = 1.5 * (driving / u + back_driven / (self.offset - u));
             let secant =
                 last.replace((u, excess)).map(|(before, value)| (excess - value) / (u - before));
@@ -108,7 +111,7 @@ impl GothicPair {
         let lifted = domain_error(EvalError {
             quantity: "external load on a preloaded pair [N]",
             value: external,
-            requirement: "so small that both nuts stay loaded",
+            requirement: "small enough for both nuts to stay loaded",
         });
         let root = found.root().ok_or_else(|| lifted.clone())?;
         let [driving, back_driven] = at(root.x, balls.as_ref(), work)?;
@@ -124,13 +127,13 @@ impl GothicPair {
 }
 
 impl RunningPair {
-    /// Returns the mean of the forces of both nuts \[N\], which is the running preload of a pair
-    /// without external load.
+    /// Returns the mean force on both nuts \[N\], which is the running preload of a pair without
+    /// external load.
     pub fn force(&self) -> f64 {
         0.5 * (self.driving.axial_force + self.back_driven.axial_force)
     }
 
-    /// Returns the drag coefficient `$K_p$` for a preload \[N\] and a lead \[m\].
+    /// Returns the drag coefficient `$K_p$` for a given preload \[N\] and lead \[m\].
     pub fn drag_coefficient(&self, preload: f64, lead: f64) -> f64 {
         // K_p = T_f/(F_p h)                                               (AC9)
         self.friction_torque / (preload * lead / std::f64::consts::TAU)

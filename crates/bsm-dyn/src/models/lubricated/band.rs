@@ -1,4 +1,4 @@
-//! Uncertainty of the loss of the contacts.
+//! Uncertainty of the power loss in lubricated contacts.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, section "Uncertainty".
 
@@ -9,53 +9,55 @@ use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::Traction;
 use crate::models::workspace::ModelWorkspace;
 
-/// 90 % interval over random draws of the uncertain inputs.
+/// 90 % interval from random draws of the uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LossInterval {
-    /// Loss of the contacts divided by the stated loss.
+    /// Power loss of the contacts divided by the nominal power loss.
     pub loss: [f64; 2],
-    /// Torque on the screw \[N·m\], from the smallest to the largest loss.
+    /// Torque on the screw \[N·m\], for the lower and the upper limit of the power loss.
     pub screw_torque: [f64; 2],
-    /// Efficiency, from the smallest to the largest loss.
+    /// Efficiency, for the lower and the upper limit of the power loss.
     pub efficiency: [f64; 2],
-    /// Model that solves the draws.
+    /// Model that was used for the draws.
     pub model: Model,
 }
 
-/// Number of random draws.
+/// Number of random draws per operating point.
 const DRAWS: u32 = 250;
 
-/// Accuracy of the friction integrals of a draw. The error of a quantile due to [`DRAWS`] is about
-/// one percent.
+/// Accuracy of the friction integrals in each draw. The error of a quantile due to the limited
+/// number of [`DRAWS`] is about one percent.
 const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the uncertain inputs.
 const UNCERTAIN: [(f64, f64); 12] = [
-    // These factors multiply boundary friction, rolling force, and film ratio in the load share.
+    // Factors for boundary friction, for the rolling force, and for the film ratio in the load
+    // share.
     (0.75, 1.25),
     (0.5 / 0.85, 1.2 / 0.85),
     (0.8 / 1.4, 2.3 / 1.4),
-    // These factors multiply roughness, oil supply, and limiting shear stress.
+    // Factors for roughness, for the oil supply, and for the limiting shear stress.
     (0.6, 1.4),
     (0.6, 1.0),
     (0.8, 1.2),
-    // These factors multiply film thickness, pressure-viscosity coefficient, viscosity, and
-    // hysteresis.
+    // Factors for film thickness, pressure-viscosity coefficient, viscosity and hysteresis.
     (0.8, 1.2),
     (0.85, 1.15),
     (0.9, 1.1),
     (0.3, 3.4),
-    // These values are added to the temperature [K] and to the conformity.
+    // Offsets of the temperature [K] and of the conformity.
     (-5.0, 5.0),
     (-0.005, 0.005),
 ];
 
 impl LubricatedBall {
-    /// Returns the band of a solved point, or `None` if too few draws have a solution.
+    /// Returns the uncertainty interval at a solved operating point, or `None` if too few draws
+    /// have a solution.
     ///
-    /// The draws are uniform over their ranges and always the same. Their effect on the loss is
-    /// calculated by raceway control with one friction coefficient per contact while the ball
-    /// rolls, and by traction from the onset of skidding on.
+    /// The draws are uniform over the ranges, and the same draws are used for every point. While
+    /// the ball rolls, the power losses of the draws are calculated by raceway control with one
+    /// friction coefficient per contact. From the onset of skidding, they are calculated by
+    /// traction.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);
@@ -85,8 +87,8 @@ impl LubricatedBall {
         })
     }
 
-    /// Returns the point of a draw at an oil temperature \[K\], for raceway control or traction.
-    /// Without an index, it returns the point itself.
+    /// Returns the operating point with the inputs of a draw at an oil temperature \[K\], for
+    /// raceway control or traction. If `number` is `None`, the inputs stay unchanged.
     fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {
@@ -105,9 +107,9 @@ impl LubricatedBall {
         lubricant.boundary_friction *= factor(0);
         let film = factor(6);
         lubricant.film_factor *= factor(4) * film;
-        // The rolling force does not depend on the film formula.
+        // The uncertainty of the film formula must not change the rolling force.
         lubricant.rolling_factor *= factor(1) / film;
-        // A larger exponent in the load share has the same effect as a smoother surface.
+        // A larger exponent in the load share has the same effect as smoother surfaces.
         let rough = factor(3) / factor(2);
         let Roughness { ball, nut, screw: raceway } = lubricant.roughness;
         lubricant.roughness =

@@ -10,8 +10,8 @@ use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Temperature step of a finite difference \[K\]. It is small compared with the tens of kelvins
-/// over which the slope of the losses changes.
+/// Temperature step of a finite difference \[K\]. It is much smaller than the tens of kelvins over
+/// which the temperature derivative of the losses changes.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> LubricatedBall<Jet<M>> {
@@ -38,7 +38,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         Ok(self.slopes(kelvin, work)?.0)
     }
 
-    /// Returns efficiency and torque without derivatives.
+    /// Returns the inputs without derivatives.
     pub(crate) fn values(&self) -> LubricatedBall {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
@@ -50,7 +50,8 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         LubricatedBall { lubricant: self.lubricant.map(|x| x.re), model }
     }
 
-    /// Returns efficiency and torque at a temperature \[K\], and the total loss \[W\].
+    /// Returns efficiency and torque with their derivatives at a temperature \[K\], and the total
+    /// power loss \[W\].
     fn slopes(
         &self,
         kelvin: Jet<M>,

@@ -1,4 +1,4 @@
-//! Solution of a lubricated ball by raceway control or traction, and of its heat balance.
+//! Solution of a lubricated ball by raceway control or traction, including its heat balance.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
@@ -23,35 +23,36 @@ named! {
     /// Friction law of the raceway-control model.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum RacewayFriction {
-        /// The friction coefficient follows from pressure and slip at each point of the ellipses.
+        /// The friction coefficient is calculated from pressure and slip at each point of the
+        /// ellipses.
         #[default]
         Local = "local",
-        /// Each contact has one friction coefficient (Y23).
+        /// Each contact has a single friction coefficient (Y23).
         PerContact = "contact",
     }
 }
 
-/// Model of a lubricated ball; the friction coefficient of the operating point is ignored.
+/// Model of a lubricated ball. The friction coefficient of the operating point is ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LubricatedModel<D = f64> {
-    /// Raceway control: the ball rolls, and friction does not enter its force balance.
+    /// Raceway control: the ball rolls, and its force balance does not include friction.
     RacewayControl(RacewayControl<D>, RacewayFriction),
-    /// Traction: friction enters the balance of the ball.
+    /// Traction: the force balance of the ball includes friction.
     Traction(Traction<D>),
 }
 
 /// A lubricated screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LubricatedBall<D = f64> {
-    /// Lubricant that determines friction.
+    /// Lubricant that determines the friction.
     pub lubricant: Lubricant<D>,
     /// Model of the ball.
     pub model: LubricatedModel<D>,
 }
 
 impl RacewayFriction {
-    /// Returns the accuracy of the quadrature. With one coefficient per contact, a coarser
-    /// quadrature suffices.
+    /// Returns the accuracy of the quadrature. A coarser quadrature suffices if each contact has a
+    /// single friction coefficient.
     pub(super) fn accuracy(self) -> f64 {
         match self {
             Self::Local => Traction::ACCURACY,
@@ -67,8 +68,8 @@ pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
 }
 
 impl RacewayFriction {
-    /// Returns the sliding powers for a friction coefficient of one, and the wrenches and power
-    /// losses of both contacts of a rolling ball.
+    /// Calculates the sliding powers for a friction coefficient of one, and the wrenches and power
+    /// losses at both contacts of a rolling ball.
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
@@ -99,7 +100,7 @@ impl<D: Scalar> LubricatedBall<D> {
         }
     }
 
-    /// Returns the powers lost outside the contacts \[W\].
+    /// Returns the power losses outside the contacts \[W\].
     pub(super) fn outside(
         &self,
         contacts: &ElasticContacts<D>,
@@ -123,10 +124,10 @@ impl<D: Scalar> LubricatedBall<D> {
     }
 }
 
-/// Step of the search for the lubricant temperature \[K\].
+/// Temperature step of the search for the lubricant temperature \[K\].
 const TEMPERATURE_STEP: f64 = 5.0;
 
-/// Maximum lubricant temperature of the search \[K\].
+/// Maximum lubricant temperature in the search \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
 /// Tolerance of the lubricant temperature \[K\].
@@ -141,7 +142,7 @@ impl LubricatedBall {
         }
     }
 
-    /// Solves for the steady motion of the ball and its power loss.
+    /// Solves for the steady motion of the ball and the power loss.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solved = match self.lubricant.temperature {
             Temperature::Known(kelvin) => self.at(kelvin, work),
@@ -152,8 +153,8 @@ impl LubricatedBall {
         Solution::new(self.name(), solved)
     }
 
-    /// Returns a ball of a train, or `None` if the model is not traction, the temperature is not
-    /// known, or the motion without pushes is not found.
+    /// Creates a ball of a train. Returns `None` if the model is not traction, if the temperature
+    /// is not given, or if the motion without pushes is not found.
     ///
     /// * `free`: steady state of the ball without pushes.
     /// * `contact_friction`: friction coefficient between balls.
@@ -169,10 +170,10 @@ impl LubricatedBall {
         TrainBall::of(case, Some(&ehl), free, contact_friction, work)
     }
 
-    /// Returns the steady state at the lowest temperature at which power loss and cooling balance
-    /// (Y28).
+    /// Returns the steady state at the lowest lubricant temperature at which power loss and cooling
+    /// balance (Y28).
     ///
-    /// * `heat_transfer`: heat transfer coefficient times area \[W/K\].
+    /// * `heat_transfer`: product of heat transfer coefficient and area \[W/K\].
     /// * `ambient`: ambient temperature \[K\].
     fn in_heat_balance(
         &self,
@@ -211,7 +212,7 @@ impl LubricatedBall {
                 }
             }
         });
-        // If the root is an end of the bracket, this end was solved before the other end.
+        // If the root is an end of the bracket, `answer` may belong to a different temperature.
         match found.root() {
             Some(root) if ends.contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
             _ => answer,

@@ -1,5 +1,5 @@
-//! Compares parts of the lubricant model with published results, independent results and limits,
-//! and the whole model with an independent solution.
+//! Tests of the lubricant model: compares its parts with published results, independent results and
+//! limiting cases, and the whole model with an independent solution.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ use crate::{
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Returns the feed drive of the examples.
+/// Returns the feed drive that is used in the examples.
 fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
     let (radius, lead) = (20.75e-3, 20e-3);
     ElasticPoint {
@@ -33,7 +33,7 @@ fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
     }
 }
 
-/// Returns a mineral oil of grade ISO VG 68 at 40 °C with ground grooves.
+/// Returns a lubricant setup with mineral oil of grade ISO VG 68 at 40 °C and ground grooves.
 fn vg_68() -> Lubricant {
     Lubricant {
         oil: Oil {
@@ -77,26 +77,26 @@ fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
-/// The oil has its given viscosities at 40 °C and 100 °C, and the temperature coefficient is the
-/// slope of the logarithm of the viscosity.
+/// At 40 °C and 100 °C, the viscosities equal the given values, and the temperature coefficient is
+/// the slope of the logarithm of the viscosity.
 #[test]
-fn oil_has_its_given_viscosities_and_slope() {
+fn oil_has_the_given_viscosities_and_temperature_slope() {
     let oil = vg_68().oil;
     let [warm, hot] = [313.15, 373.15].map(|kelvin| oil.at(kelvin));
     assert_relative_eq!(warm.kinematic_viscosity, 68e-6, max_relative = 1e-13);
     assert_relative_eq!(hot.kinematic_viscosity, 8.53e-6, max_relative = 1e-13);
     let [below, above] = [312.65, 313.65].map(|kelvin| oil.at(kelvin).viscosity.ln());
-    // The truncation error of the difference is 1/24 of the third derivative, about 1e-5 of the
-    // slope.
+    // The truncation error of the finite difference is 1/24 of the third derivative, about 1e-5 of
+    // the slope.
     assert_relative_eq!(below - above, warm.temperature_coefficient, max_relative = 5e-5);
 }
 
-/// Compares the intermediate results at the nut with an independent solution.
+/// Compares intermediate results at the nut with an independent solution.
 #[test]
 fn intermediate_results_match_an_independent_solution() {
     let (screw, lubricant) = (feed_drive(1500.0, 8000.0), vg_68());
     let oil = lubricant.oil.at(313.15);
-    // The tolerance is the rounding error of the printed digits.
+    // The tolerance is the rounding error of the digits in the reference.
     let digits = 2e-8;
     assert_relative_eq!(oil.viscosity, 58.8676e-3, max_relative = 1e-7);
     assert_relative_eq!(oil.temperature_coefficient, 0.050_756_4, max_relative = 1e-6);
@@ -109,7 +109,7 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // The tolerance is the quadrature error over the ellipse.
+    // The tolerance covers the quadrature error over the ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
@@ -117,8 +117,8 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(all.transmission.efficiency, 0.978_959_23, max_relative = 1e-8);
 }
 
-/// Compares the torque of the feed drive with the printed digits of an independent table, for
-/// speeds from boundary friction to a full film.
+/// Compares the torque of the feed drive with the printed digits of an independent table. The
+/// speeds range from boundary friction to a full film.
 #[test]
 fn torque_over_speed_matches_an_independent_table() {
     let rows = [
@@ -146,8 +146,8 @@ fn torque_over_speed_matches_an_independent_table() {
     }
 }
 
-/// Compares the 5 % and 95 % quantiles of the loss, divided by the nominal loss, with the quantiles
-/// of a second set of random draws.
+/// Compares the 5 % and 95 % quantiles of the relative power loss with the quantiles of a second
+/// set of random draws.
 #[test]
 fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
     let mut work = ModelWorkspace::default();
@@ -162,16 +162,16 @@ fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
         let solution = case.solve(&mut work);
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
-        // Both sets of 250 draws have sampling errors of a few percent, and the distributions over
-        // the ranges are not stated.
+        // Each set of 250 draws has a sampling error of a few percent, and the reference does not
+        // state its distributions over the ranges.
         assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
         assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
     }
 }
 
-/// The loss of a skidding ball depends on the boundary coefficient and the limiting shear stress.
-/// An independent program solved the full model for 25, 40 and 30 draws at these points. Raceway
-/// control would give 0.49 to 1.25 at all points.
+/// The power loss of a skidding ball depends on the boundary friction coefficient and the limiting
+/// shear stress. For these points, an independent program solved the full model with 25, 40 and 30
+/// draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
 #[test]
 fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
     let mut work = ModelWorkspace::default();
@@ -191,11 +191,12 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
         assert_eq!(band.model, Model::Traction);
-        // The standard error is that of the difference between the 5 % or 95 % quantiles of `draws`
-        // and of our 250 draws, for normal distributions: the density at these quantiles is 0.103
-        // divided by the standard deviation, and the interval is 3.29 standard deviations wide. A
-        // tolerance of twice this error, 0.19 at the first point, would accept the lower end of
-        // raceway control, 0.51 instead of 0.62.
+        // The tolerance is the standard error of the difference between two quantiles (5 % or 95 %)
+        // from `draws` draws and from 250 draws, for normal distributions. The density at these
+        // quantiles is 0.103 divided by the standard deviation, and the interval is 3.29 standard
+        // deviations wide. Twice this tolerance would not detect the use of raceway control: it
+        // would be 0.19 at the first point, where the lower limit is 0.62 for traction and 0.51 for
+        // raceway control.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
         assert!((band.loss[0] - low).abs() < error, "{error}: {band:?}");
@@ -203,10 +204,10 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
     }
 }
 
-/// If asperities carry the whole load and rolling resistance is zero, friction has a constant
-/// coefficient.
+/// If asperities carry the whole load and there is no rolling resistance, the friction coefficient
+/// is constant.
 #[test]
-fn rough_surfaces_match_a_constant_coefficient() {
+fn very_rough_surfaces_have_a_constant_friction_coefficient() {
     let coarse = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
     let lubricant =
         Lubricant { roughness: coarse, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
@@ -217,20 +218,20 @@ fn rough_surfaces_match_a_constant_coefficient() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { at: screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
-        // The tolerance covers the errors of both quadratures in the efficiency.
+        // The tolerance covers the quadrature errors of both efficiencies.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }
 }
 
-/// At very low speed, asperities carry the whole load and rolling resistance is hysteresis.
-/// Perfectly smooth surfaces have no asperity contact.
+/// At very low speed, asperities carry the whole load, and rolling resistance is due to hysteresis
+/// alone. Perfectly smooth surfaces have no asperity contact.
 #[test]
 fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
     let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
     assert!(film.nut.asperity_share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
     let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
     let hysteresis = solved(stiff, traction(feed_drive(1e-3, 8000.0))).film.unwrap();
-    // At this speed, the oil adds less than 1 %.
+    // At this speed, the oil adds less than 1 % to the rolling resistance.
     assert_relative_eq!(film.rolling_power, hysteresis.rolling_power, max_relative = 1e-2);
     let smooth = Roughness { ball: 1e-9, nut: 1e-9, screw: 1e-9 };
     let film =
@@ -239,7 +240,7 @@ fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
     assert!(film.nut.asperity_share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
 }
 
-/// Without inertia of the balls, the loss does not depend on whether screw or nut rotates. It
+/// For balls without inertia, the power loss does not depend on whether screw or nut rotates. It
 /// depends on the direction of rotation only because friction changes the contact angles.
 #[test]
 fn screw_drive_and_nut_drive_have_equal_losses() {
@@ -257,14 +258,14 @@ fn screw_drive_and_nut_drive_have_equal_losses() {
     by_nut.point.drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
     assert_relative_eq!(lost(by_nut), by_screw, max_relative = 1e-6);
     // A friction coefficient of 0.05 changes contact angles of 45° by up to 0.05 rad in either
-    // direction, which changes the loss by 6 %.
+    // direction, and thus the power loss by 6 %.
     assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
 }
 
-/// No solution contains NaN for loads from 0.1 N per ball to 5 GPa, speeds from 1e-3 to 10 000 rpm
-/// and viscosities from 1 mPa·s to 100 Pa·s.
+/// No solution contains NaN for contact conditions from 0.1 N per ball to 5 GPa, speeds from 1e-3
+/// to 10 000 rpm, and viscosities from 1 mPa·s to 100 Pa·s.
 #[test]
-fn extremes_have_finite_results_or_no_solution() {
+fn extreme_inputs_have_finite_results_or_no_solution() {
     let mut work = ModelWorkspace::default();
     let (mut answers, mut points) = (0, 0);
     for axial in [7.0, 2e5] {
@@ -294,8 +295,8 @@ fn extremes_have_finite_results_or_no_solution() {
                         numbers.iter().all(|x| x.is_finite()),
                         "{axial} {rpm} {viscosity}: {film:?}"
                     );
-                    // The coefficient is at most the larger of boundary friction and limiting
-                    // shear.
+                    // The friction coefficient is at most the larger of boundary friction and
+                    // limiting shear.
                     assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
                 }
             }
@@ -304,7 +305,8 @@ fn extremes_have_finite_results_or_no_solution() {
     assert!(2 * answers > points, "{answers} of {points}");
 }
 
-/// Compares one coefficient per contact with the friction law at each point.
+/// Compares the model with a single friction coefficient per contact with the model that evaluates
+/// the friction law at each point.
 #[test]
 fn error_of_one_coefficient_per_contact_is_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
@@ -328,13 +330,13 @@ fn error_of_one_coefficient_per_contact_is_a_few_percent() {
         [200, 380, 399].map(|place| off[place])
     });
     println!("sliding {sliding:?}, all {all:?}");
-    // Independent results exist for 120 screws: the median error of the sliding power is 0.7 %, its
-    // 95 % quantile is 6.6 %, and the maximum error of the total loss is 3.2 %.
+    // An independent calculation for 120 screws found a median error of the sliding power of 0.7 %,
+    // a 95 % quantile of 6.6 %, and a maximum error of the total power loss of 3.2 %.
     assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
     assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
 }
 
-/// Returns a random screw and lubricant within everyday ranges.
+/// Returns a random screw and lubricant with typical parameters.
 fn random_everyday_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
     use rand::RngExt;
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
@@ -365,7 +367,7 @@ fn random_everyday_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lu
     (screw, lubricant)
 }
 
-/// Returns the number of random everyday screws that traction does not solve.
+/// Returns the number of random typical screws for which the traction model finds no solution.
 fn unsolved_everyday_screws(seed: u64, points: u64) -> u64 {
     let mut work = ModelWorkspace::default();
     let mut rng = rand::SeedableRng::seed_from_u64(seed);
@@ -395,16 +397,16 @@ fn ten_thousand_everyday_screws_have_a_solution() {
     assert!(unsolved_everyday_screws(1904, 10_000) <= 10);
 }
 
-/// Returns the median of some numbers.
+/// Returns the median of the numbers.
 fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers[numbers.len() / 2]
 }
 
-/// Measures the ratio of the solve time with a lubricant to the solve time with a constant
-/// coefficient, as medians over random everyday points. Each point is solved dry and lubricated in
-/// turn, and the fastest of several runs counts. The dry solve uses the coefficient that the
-/// lubricated solve reports.
+/// Measures the ratio of the solve time with a lubricant to the solve time with a constant friction
+/// coefficient. The results are medians over random typical screws. Each screw is solved dry and
+/// lubricated in turn, and the fastest of several runs counts. The dry solve uses the friction
+/// coefficient that the lubricated solve reports.
 ///
 /// `cargo test --release -p bsm-dyn --lib cost_of_a_lubricant -- --ignored --nocapture`
 #[test]

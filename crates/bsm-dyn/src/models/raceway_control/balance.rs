@@ -1,4 +1,5 @@
-//! Roots of the static balance of the rolling ball for one point, by Newton's method and by bracketing.
+//! Roots of the static balance of the rolling ball for a single point, found by Newton's method and
+//! by bracketing.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
@@ -21,24 +22,25 @@ use crate::models::ball::{
 /// Maximum number of Newton steps that refine a bracketed root.
 const MAX_STEPS_FROM_BRACKET: usize = 8;
 
-/// Maximum number of fixed-point steps of the lower bound (W14). Newton steps could pass the first root. Thousands of steps are
-/// necessary if the centrifugal force is close to the largest force that the flanks can hold.
+/// Maximum number of fixed-point steps for the lower bound (W14). Newton steps are not used because
+/// they could pass the first root. Thousands of fixed-point steps are necessary if the centrifugal
+/// force is close to the largest force that the flanks can hold.
 const MAX_BOUND_STEPS: usize = 20_000;
 
-/// Number of intervals in which the scan searches for other roots.
+/// Number of intervals that the scan for other roots examines.
 const SCAN_INTERVALS: u8 = 48;
 
-/// Number of ends of these intervals.
+/// Number of interval ends of the scan.
 const SAMPLES: usize = SCAN_INTERVALS as usize + 1;
 
-/// Minimum relative distance of another root from the first root (dimensionless).
+/// Minimum relative distance between another root and the first root (dimensionless).
 const MIN_ROOT_DISTANCE: f64 = 1e-6;
 
-/// Maximum relative change of the unknown by which Newton's method refines a bracketed root (dimensionless); after a larger
-/// change, it has converged to another root.
+/// Maximum relative change of the unknown during the refinement of a bracketed root
+/// (dimensionless). After a larger change, Newton's method has converged to a different root.
 const MAX_REFINEMENT: f64 = 1e-3;
 
-/// Static balance of the ball in the normal plane.
+/// Static force balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P: Scalar = f64> {
     pub(super) contacts: &'a ElasticContacts<P>,
     pub(super) control: Control,
@@ -46,7 +48,7 @@ pub(super) struct Balance<'a, P: Scalar = f64> {
 }
 
 impl<'a, P: Scalar> Balance<'a, P> {
-    /// Returns the balance of a ball with a given controlling raceway.
+    /// Creates the static balance of a ball with a given controlling raceway.
     pub(super) fn new(contacts: &'a ElasticContacts<P>, control: Control) -> Self {
         let statics = StaticBalance::of(&contacts.into(), control == Control::Nut);
         Self { contacts, control, statics }
@@ -62,7 +64,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         Ok(self.equations(x))
     }
 
-    /// Returns loads, contact angles and contacts for given unknowns.
+    /// Returns loads, contact angles and contact geometry for given unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
         let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;
@@ -90,12 +92,12 @@ impl<'a, P: Scalar> Balance<'a, P> {
     }
 }
 
-/// A root of the static balance.
+/// A root of the static balance of the rolling ball.
 pub(super) struct StaticRoot {
     pub(super) unknowns: [f64; STATIC],
     /// Number of Newton steps.
     pub(super) steps: usize,
-    /// Scaled residual.
+    /// Scaled residual at the root.
     pub(super) residual: f64,
 }
 
@@ -107,35 +109,37 @@ impl From<&RollingRoot<f64>> for StaticRoot {
 }
 
 impl Balance<'_> {
-    /// Returns the weights of both equations, the reciprocals of the sizes of their terms.
+    /// Returns the weights of both equations, which are the reciprocals of the magnitudes of their
+    /// terms.
     pub(super) fn weights(&self) -> [f64; STATIC] {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
-        // The limits keep the weight within the range of double precision.
+        // The limits keep the weights within the range of double precision.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
     }
 
-    /// Returns the root with the smallest difference of the contact angles.
+    /// Finds the root with the smallest difference of the contact angles.
     ///
     /// # Errors
     ///
-    /// [`Reason::FlanksCannotHold`] with the proof that no root is on the flanks, or [`Reason::Newton`].
+    /// [`Reason::FlanksCannotHold`] if there is provably no root on the flanks, or
+    /// [`Reason::Newton`].
     pub(super) fn first_root(
         &self,
         newton: &mut Workspace<STATIC>,
     ) -> Result<StaticRoot, NoAnswer> {
-        // The direct solve runs Newton's method from equal contact angles.
+        // The first attempt is Newton's method from equal contact angles.
         let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
         if direct.found {
             return Ok(StaticRoot::from(&direct));
         }
 
-        // The fallback is bracketing.
+        // The second attempt is bracketing.
         let bracketed = self.bracketed()?;
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
         let steps = count_of(direct.steps) + report.steps.len();
-        // If two roots are close, Newton's method may converge to the other root.
+        // If two roots are close together, Newton's method may converge to the wrong root.
         let change = (x[0] - bracketed[0]).abs();
         if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
             return Ok(StaticRoot { unknowns: x, steps, residual: report.residual });
@@ -143,13 +147,13 @@ impl Balance<'_> {
         Err(NoAnswer::not_converged(Reason::from(report)))
     }
 
-    /// Returns true if a second root is excluded.
+    /// Returns true if a second root is provably excluded.
     pub(super) fn is_unique(&self) -> bool {
         self.statics.is_unique(true)
     }
 
-    /// Returns the roots on the flanks whose contact angles differ by more than the contact angles
-    /// of the first root, up to the resolution of a scan.
+    /// Finds the roots on the flanks whose contact angles differ by more than those of the first
+    /// root. The scan may miss pairs of roots that are closer together than its resolution.
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],
@@ -158,7 +162,7 @@ impl Balance<'_> {
         if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
     }
 
-    /// Returns the roots with a larger difference of the cotangents than the first root.
+    /// Scans for roots with a larger difference of the cotangents than the first root.
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
         searched();
         let farthest = self.farthest();
@@ -183,7 +187,8 @@ impl Balance<'_> {
         found
     }
 
-    /// Returns the root near a difference of the cotangents; `None` if Newton's method converges to another root.
+    /// Returns the root near a given difference of the cotangents, or `None` if Newton's method
+    /// converges to a different root.
     fn refined(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
         let mut x = [near, self.statics.closed(near)];
         let report = self.run(&mut x, newton);
@@ -205,7 +210,8 @@ impl Balance<'_> {
     fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
-        // The goal is the rounding error of the lengths, because the displacement is a difference of lengths.
+        // The residual goal is the rounding error of the lengths, because the displacement is a
+        // difference of lengths.
         let options = Options {
             convergence: Convergence {
                 residual_goal: 3e-15,
@@ -218,7 +224,8 @@ impl Balance<'_> {
         solve(self, x, &scales, &options, newton).report
     }
 
-    /// Returns the largest difference of the cotangents on the flanks, for which the contact angle at the screw is 90 degrees.
+    /// Returns the largest difference of the cotangents on the flanks. At this difference, the
+    /// contact angle at the screw is 90 degrees.
     fn farthest(&self) -> f64 {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_component() - self.statics.radial_distance
@@ -231,15 +238,16 @@ impl Balance<'_> {
         root.map_or(most, |root| root.ends[0])
     }
 
-    /// Returns the first root by bracketing, for any inertia.
+    /// Finds the first root by bracketing, for any inertia.
     ///
-    /// The rate `$P/W$` is monotonic in the difference `c` of the cotangents. Up to its sign change, the centrifugal term either
-    /// decreases, so that it equals `c` at most once, or increases, so that its value at any lower bound of the first root is
-    /// another lower bound.
+    /// The precession rate `$P/W$` is monotonic in the difference `c` of the cotangents. Up to the
+    /// sign change of the rate, the centrifugal term either decreases, so that it equals `c` at
+    /// most once, or increases. In the second case, the value of the centrifugal term at a lower
+    /// bound of the first root is another lower bound.
     ///
     /// # Errors
     ///
-    /// [`Reason::FlanksCannotHold`] with the proof that there is no root.
+    /// [`Reason::FlanksCannotHold`] if there is provably no root.
     fn bracketed(&self) -> Result<[f64; STATIC], NoAnswer> {
         let farthest = self.farthest();
         let outwards = match self.control {
@@ -257,7 +265,8 @@ impl Balance<'_> {
         let c = if outwards * at_rest >= 0.0 {
             self.rising(farthest).ok_or_else(none)?
         } else {
-            // Beyond a rate of zero there is no root, and the difference counts as positive.
+            // Beyond the sign change of the rate there is no root, so the function returns a
+            // positive value there.
             let above = |c: f64| {
                 let rate = self.statics.rate_at(c);
                 if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
@@ -272,8 +281,8 @@ impl Balance<'_> {
         Ok([c, self.statics.closed(c)])
     }
 
-    /// Returns the difference of the cotangents at the first root if the centrifugal force increases with this difference;
-    /// `None` if no root is on the flanks.
+    /// Returns the difference of the cotangents at the first root if the centrifugal force
+    /// increases with this difference, or `None` if there is no root on the flanks.
     fn rising(&self, farthest: f64) -> Option<f64> {
         let mut bound = 0.0;
         for _ in 0..MAX_BOUND_STEPS {

@@ -1,4 +1,4 @@
-//! The ball of raceway control, and the criterion that selects its controlling raceway.
+//! The ball in the raceway-control model, and the criterion that selects its controlling raceway.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W7), (W16).
 
@@ -7,14 +7,16 @@ use bsm_kin::{Real, Scalar};
 use super::rolling::rolling;
 use crate::models::ball::{BallContacts, ElasticContacts, LoadedContact, ScaledBall};
 
-/// Minimum ratio of the relative excess of one spin moment to the difference of the balls that both raceways control
-/// (dimensionless), at which both balls have the same controlling raceway. The margin covers terms of higher order.
+/// Minimum ratio of the relative difference of the spin moments to `$\Delta c$` (W16)
+/// (dimensionless) at which the nut-controlled and the screw-controlled ball have the same
+/// controlling raceway. The margin covers terms of higher order.
 const CONTROL_MARGIN: f64 = 4.0;
 
-/// A ball between elastic raceways, with the inputs of raceway control, for one point or for several points side by side.
+/// A ball between elastic raceways with the inputs of the raceway-control model, for one point or
+/// for several points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct RacewayBall<P> {
-    /// The ball in the units of the equations.
+    /// The ball in scaled units.
     pub scaled: ScaledBall<P>,
     /// Cotangent of the unloaded contact angle.
     pub unloaded_cot: P,
@@ -46,8 +48,9 @@ impl<P: Scalar> From<&ElasticContacts<P>> for RacewayBall<P> {
 }
 
 impl<F: Real> RacewayBall<F> {
-    /// Returns the relative excess of the spin friction moment at the nut, weighted with the cosine of the difference of the
-    /// contact angles, over the spin friction moment at the screw (W7). The nut controls if it is positive.
+    /// Returns the relative excess of the spin friction moment at the nut over the spin friction
+    /// moment at the screw. The moment at the nut is multiplied by the cosine of the difference of
+    /// the contact angles (W7). The nut controls if the excess is positive.
     ///
     /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
     #[inline(always)]
@@ -60,12 +63,14 @@ impl<F: Real> RacewayBall<F> {
         at_nut * (a.cos * b.cos + a.sin * b.sin) / at_screw - 1.0
     }
 
-    /// Returns true if (W7) selects the same raceway at the balls that both raceways control.
+    /// Returns true if (W7) selects the same raceway for the nut-controlled ball and for the
+    /// screw-controlled ball.
     ///
-    /// Their centrifugal forces differ, and so do the cotangents of their contact angles, by `$\Delta c$` (W16). To first order,
-    /// this changes the ratio of the spin moments by at most `$\Delta c$`.
+    /// The centrifugal forces of the two balls differ, so the cotangents of their contact angles
+    /// differ by `$\Delta c$` (W16). To first order, this changes the ratio of the spin moments by
+    /// at most `$\Delta c$`.
     ///
-    /// * `excess`: result of (W7) for these contacts.
+    /// * `excess`: excess of the spin moment (W7) for these contacts.
     #[inline(always)]
     pub(super) fn is_control_clear(&self, [a, b]: &[LoadedContact<F>; 2], excess: F) -> F::Mask {
         let ScaledBall { lead, arc, nut_speed, .. } = self.scaled;

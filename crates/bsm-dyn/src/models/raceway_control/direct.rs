@@ -1,5 +1,5 @@
-//! Direct solve of raceway control for one point or for several points side by side: static balance, controlling raceway and
-//! rolling motion.
+//! Direct solve of the raceway-control model (static balance, controlling raceway and rolling
+//! motion) for one point or for several points side by side.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
 
@@ -11,18 +11,18 @@ use super::rolling::rolling;
 use super::statics::{STATIC, StaticBalance};
 use crate::models::ball::{Control, LoadedContact, ScaledBall};
 
-/// Minimum relative difference of the spin moments (dimensionless) that rounding errors do not affect; below it, the controlling
-/// raceway is undecided.
+/// Minimum relative difference of the spin moments (dimensionless). If the difference is smaller,
+/// it may be a rounding error, and the controlling raceway is undecided.
 const MIN_SPIN_EXCESS: f64 = 1e-9;
 
-/// Minimum cotangent of the contact angles (dimensionless) that rounding errors do not affect; below it, the loaded flank is
-/// undecided.
+/// Minimum cotangent of the contact angles (dimensionless). If a cotangent is smaller, its sign may
+/// be due to rounding errors, and the loaded flank is undecided.
 const MIN_COTANGENT: f64 = 1e-9;
 
-/// Result of the direct solve.
+/// Result of the direct solve by Newton's method.
 #[derive(Debug, Clone, Copy)]
 pub struct RollingRoot<F: Real> {
-    /// True if the nut controls.
+    /// True if the nut is the controlling raceway.
     pub by_nut: F::Mask,
     /// Unknowns of the static balance (W12).
     pub unknowns: [F; STATIC],
@@ -32,17 +32,18 @@ pub struct RollingRoot<F: Real> {
     pub steps: F,
     /// Scaled residual of the static balance.
     pub residual: F,
-    /// True if this is the first root, and (W7) selects its controlling raceway.
+    /// True if this is the first root and (W7) selects the same controlling raceway.
     pub found: F::Mask,
-    /// True if no other rolling ball exists.
+    /// True if no other rolling ball exists for the same inputs.
     pub unique: F::Mask,
 }
 
 impl<F: Real> RollingRoot<F> {
-    /// Solves for the rolling ball by Newton's method from equal contact angles. A point at which the result is not the first
-    /// root, or at which rounding errors could affect the controlling raceway or the loaded flank, is not `found`.
+    /// Solves for the rolling ball by Newton's method from equal contact angles. The field `found`
+    /// of the result is false if the root may not be the first root, or if rounding errors could
+    /// affect the controlling raceway or the loaded flank.
     ///
-    /// * `control`: controlling raceway; `None` selects the raceway by (W7).
+    /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     /// * `requested`: mask of the points to solve.
     #[inline(always)]
     pub fn direct(ball: &RacewayBall<F>, control: Option<Control>, requested: F::Mask) -> Self {
@@ -52,7 +53,7 @@ impl<F: Real> RollingRoot<F> {
         }
     }
 
-    /// Solves for the ball that a given raceway controls.
+    /// Solves for the ball with a given controlling raceway.
     #[inline(always)]
     fn controlled(ball: &RacewayBall<F>, raceway: Control, requested: F::Mask) -> Self {
         let by_nut = ball.unloaded_cot.mask(raceway == Control::Nut);
@@ -64,7 +65,7 @@ impl<F: Real> RollingRoot<F> {
         Self::checked(&balance, &at, found & (unique | balance.is_first(at.x)), unique)
     }
 
-    /// Solves for the ball whose controlling raceway is selected by (W7).
+    /// Solves for the ball whose controlling raceway is selected by criterion (W7).
     #[inline(always)]
     fn selected(ball: &RacewayBall<F>, requested: F::Mask) -> Self {
         let (zero, one) = (ball.unloaded_cot.constant(0.0), ball.unloaded_cot.constant(1.0));
@@ -72,7 +73,7 @@ impl<F: Real> RollingRoot<F> {
         let nut = StaticBalance::of(ball, one.mask(true));
         let screw = StaticBalance::of(ball, one.mask(false));
 
-        // (W7) selects the raceway at the first root with nut control.
+        // Criterion (W7) is evaluated at the first root with nut control.
         let mut at = nut.start(requested);
         nut.iterate(&mut at);
         let sides = nut.loaded(at.x);
@@ -84,7 +85,8 @@ impl<F: Real> RollingRoot<F> {
         found = found & excess.abs().gt(min_excess);
         let is_screw_unique = screw.is_unique(found);
 
-        // Near a tie, (W7) must not select the screw at the ball that the screw controls.
+        // Near a tie, (W7) must not select the screw when it is evaluated for the screw-controlled
+        // ball.
         let close = found & by_nut & !ball.is_control_clear(&sides, excess);
         if F::any(close) {
             let mut other = LaneIterate { has_ended: !close, ..at };
@@ -95,21 +97,21 @@ impl<F: Real> RollingRoot<F> {
             found = found & (!close | other.has_ended & is_first & selects_nut);
         }
 
-        // Newton's method continues with screw control.
+        // Where the screw controls, Newton's method continues with screw control.
         let balance = StaticBalance { by_nut, ..nut };
         at.has_ended = by_nut | !found;
         balance.iterate(&mut at);
         found = found & at.has_ended & (is_screw_unique | by_nut | balance.is_first(at.x));
         let unique = is_screw_unique & (is_nut_unique | !by_nut);
 
-        // (W7) must select the same raceway at the result.
+        // Criterion (W7) must select the same raceway when it is evaluated for the result.
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
         let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));
         Self { found: root.found & is_consistent, ..root }
     }
 
-    /// Checks residual and contact angles of a root.
+    /// Creates the result after checking the residual and the contact angles of a root.
     #[inline(always)]
     fn checked(
         balance: &StaticBalance<F>,
@@ -127,7 +129,7 @@ impl<F: Real> RollingRoot<F> {
         Self { by_nut: balance.by_nut, unknowns, sides, steps, residual, found, unique }
     }
 
-    /// Returns half the difference of the contact angles at screw and nut \[rad\].
+    /// Returns half the difference between the contact angles at screw and nut \[rad\].
     #[inline(always)]
     pub fn tilt(&self) -> F {
         let [a, b] = &self.sides;
@@ -141,21 +143,21 @@ impl<F: Real> RollingRoot<F> {
 /// Motion of a rolling ball relative to the nut, divided by `$W$`.
 #[derive(Debug, Clone, Copy)]
 pub struct RollingMotion<F> {
-    /// Precession relative to the nut `$p$`.
+    /// Precession rate relative to the nut `$p$`.
     pub p: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub omega: [F; 3],
-    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. The ball rotates about `$t \times N$` in the
-    /// opposite sense.
+    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. They also equal the
+    /// negative angular velocities about `$t \times N$`.
     pub speed: [F; 2],
     /// Spins about the contact normals relative to nut and screw.
     pub spin: [F; 2],
 }
 
 impl<F: Real> RollingMotion<F> {
-    /// Returns the motion of a ball (W3) to (W6).
+    /// Calculates the motion of a rolling ball (W3) to (W6).
     ///
-    /// * `by_nut`: true if the nut controls.
+    /// * `by_nut`: true if the nut is the controlling raceway.
     /// * `[a, b]`: contacts at nut and screw.
     #[inline(always)]
     pub fn of(ball: &ScaledBall<F>, by_nut: F::Mask, [a, b]: &[LoadedContact<F>; 2]) -> Self {
@@ -173,8 +175,8 @@ impl<F: Real> RollingMotion<F> {
         }
     }
 
-    /// Returns skid number (W9) and cross slip (W10). The skid number is not finite without friction, and the cross slip is not
-    /// finite without spin.
+    /// Returns the skid number (W9) and the cross slip (W10). Without friction, the skid number is
+    /// not finite; without spin, the cross slip is not finite.
     ///
     /// * `friction`: friction coefficient.
     /// * `[a, b]`: contacts at nut and screw.

@@ -4,15 +4,16 @@
 
 use bsm_kin::{Real, RealOver};
 
-/// Returns the rolling motion relative to the nut, divided by the relative speed: the precession `$p$` and the angular velocity
-/// in `$(t, n, b)$` (W3) to (W6).
+/// Returns the rolling motion relative to the nut, divided by the relative speed: the precession
+/// rate `$p$` and the angular velocity in `$(t, n, b)$` (W3) to (W6).
 ///
-/// Both contact centers roll along the groove and share the slip across the groove, which the lead imposes.
+/// Both contact centers roll along the groove and share the slip across the groove that is due to
+/// the lead.
 ///
-/// * `by_nut`: true if the nut controls.
+/// * `by_nut`: true if the nut is the controlling raceway.
 /// * `lead`: sine and cosine of the lead angle.
-/// * `arc`: `$d/r_b$`.
-/// * The last argument contains sines and cosines of the contact angles at nut and screw.
+/// * `arc`: arc length of the helix per radian, `$d/r_b$`.
+/// * The last argument contains the sines and cosines of the contact angles at nut and screw.
 #[inline(always)]
 pub fn rolling<F: Real>(
     by_nut: F::Mask,
@@ -32,10 +33,11 @@ pub fn rolling<F: Real>(
     (p, [along, F::select(by_nut, nut[0], screw[0]), F::select(by_nut, nut[1], screw[1])])
 }
 
-/// Returns the precession of the rolling ball relative to the nut, divided by the relative speed (W4), (W6).
+/// Returns the precession rate of the rolling ball relative to the nut, divided by the relative
+/// speed (W4), (W6).
 ///
-/// * `by_nut`: true if the nut controls.
-/// * `lever`: `$(r_b/d)\cos\alpha$`.
+/// * `by_nut`: true if the nut is the controlling raceway.
+/// * `lever`: ratio `$(r_b/d)\cos\alpha$`.
 /// * `[nut, screw]`: cosines of the contact angles.
 /// * `between`: cosine of the difference of the contact angles.
 #[inline(always)]

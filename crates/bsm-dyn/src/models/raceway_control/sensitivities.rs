@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque of raceway control.
+//! Derivatives of efficiency and torque of the raceway-control model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
@@ -11,11 +11,11 @@ use crate::models::ball::{
     BallLoads, ElasticContacts, NoAnswer, Performance, Workspace, moving_root,
 };
 
-/// A point, with loads and motion of its ball.
+/// An operating point with the loads and the motion of its ball.
 type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, for a constant controlling raceway.
+    /// Returns efficiency and torque with their derivatives, with a constant controlling raceway.
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,
@@ -28,14 +28,15 @@ impl<const M: usize> RacewayControl<Jet<M>> {
             let (ideal, torque) = self.at.rolling_torques(nut + screw);
             [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
-        // The derivatives require a finer rule, because they do not include the motion of the nodes.
+        // The derivatives need a finer quadrature rule, because they do not include the motion of
+        // the nodes.
         let (values, slopes) = (transmitted(quadrature), transmitted(sensitivity_quadrature));
         let [efficiency, torque] =
             std::array::from_fn(|i| Jet { re: values[i].re, eps: slopes[i].eps });
         Ok(Performance { efficiency, screw_torque: Some(torque) })
     }
 
-    /// Returns the point with loads and motion of the ball, and their derivatives.
+    /// Returns the operating point with the loads and the motion of its ball, all with derivatives.
     fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
@@ -48,7 +49,8 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         Ok((inputs, loaded, to_nut))
     }
 
-    /// Returns the point with loads and motion of the ball, and their derivatives, with the memory of a workspace.
+    /// Returns the operating point with the loads and the motion of its ball, all with derivatives.
+    /// The solve uses the memory of a workspace.
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,

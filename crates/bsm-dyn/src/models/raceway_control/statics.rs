@@ -1,4 +1,4 @@
-//! Static balance of the rolling ball in two unknowns, solved by Newton's method, for one point or
+//! Static balance of the rolling ball with two unknowns, solved by Newton's method for one point or
 //! for several points side by side.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
@@ -12,52 +12,58 @@ use super::rolling::rolling_precession;
 use crate::cost;
 use crate::models::ball::{LoadedContact, ScaledBall};
 
-/// Number of unknowns: the difference of the cotangents of the contact angles, and the cotangent at the screw (W12).
+/// Number of unknowns of the static balance: the difference of the cotangents of the contact
+/// angles, and the cotangent at the screw (W12).
 pub(crate) const STATIC: usize = 2;
 
-/// Newton's method for the static balance. Lengths of steps are changes of the contact angles \[rad\]; the error after a step of
-/// 1e-9 is of the order of its square. A point that requires more steps is left to bracketing.
+/// Limits of Newton's method for the static balance. Step lengths are changes of the contact angles
+/// \[rad\]. After a step of 1e-9, the error is of the order of the square of the step. Points that
+/// need more steps are solved by bracketing.
 const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: f64::INFINITY, max_steps: 6 };
 
-/// Maximum number of steps that solve (W13) for the cotangent at the screw; as many bisections reach rounding errors.
+/// Maximum number of steps in the solution of (W13) for the cotangent at the screw. The same number
+/// of bisections would reach rounding errors.
 const MAX_CLOSURE_STEPS: usize = 60;
 
-/// Tolerance of the cotangent that solves (W13), relative to the cotangent of the unloaded contact angle (dimensionless): a few
-/// rounding errors.
+/// Tolerance of the cotangent in the solution of (W13), relative to the cotangent of the unloaded
+/// contact angle (dimensionless). It corresponds to a few rounding errors.
 const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
-/// Maximum number of steps of the upper bound (W18); most points need two or three, and the others are scanned for roots.
+/// Maximum number of steps for the upper bound (W18). Most points need two or three steps; the
+/// remaining points are scanned for roots.
 const MAX_BOUND_STEPS: usize = 4;
 
-/// Tolerance of the cotangent that solves (W13) at an upper bound, relative to the cotangent of the unloaded contact angle
-/// (dimensionless). The bound is shifted by this error, so that it remains a bound.
+/// Tolerance of the cotangent in the solution of (W13) for an upper bound, relative to the
+/// cotangent of the unloaded contact angle (dimensionless). The bound is shifted by the tolerance,
+/// so it remains a bound.
 const BOUND_CLOSURE_TOL: f64 = 1e-3;
 
-/// Static balance of a ball with a given controlling raceway.
+/// Static force balance of a ball with a given controlling raceway.
 #[derive(Clone, Copy)]
 pub(super) struct StaticBalance<P: Real> {
-    /// True if the nut controls.
+    /// True if the nut is the controlling raceway.
     pub(super) by_nut: P::Mask,
-    /// `$1/\cos\alpha$`.
+    /// Ratio `$1/\cos\alpha$` of the load component along the binormal to the axial load.
     pub(super) axial: P,
-    /// `$\mu\cos\alpha$`.
+    /// Inertia coefficient `$\mu\cos\alpha$` of (W12).
     pub(super) inertia: P,
-    /// `$(r_b/d)\cos\alpha$`.
+    /// Ratio `$(r_b/d)\cos\alpha$`.
     pub(super) lever: P,
-    /// `$\Omega_n/W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
     /// Radial distance of the groove arc centers `$A_2$`.
     pub(super) radial_distance: P,
-    /// Distances `$l_0$`, and approaches under the axial load, at nut and screw.
+    /// Distances `$l_0$` and approaches under a normal load that equals the axial load per ball, at
+    /// nut and screw.
     pub(super) contacts: [(P, P); 2],
     /// Cotangent of the unloaded contact angle.
     pub(super) unloaded_cot: P,
 }
 
 impl<P: Real> StaticBalance<P> {
-    /// Returns the balance of a ball.
+    /// Creates the static balance of a ball.
     ///
-    /// * `by_nut`: true if the nut controls.
+    /// * `by_nut`: true if the nut is the controlling raceway.
     #[inline(always)]
     pub(super) fn of(ball: &RacewayBall<P>, by_nut: P::Mask) -> Self {
         let RacewayBall { scaled, unloaded_cot, .. } = *ball;
@@ -75,7 +81,8 @@ impl<P: Real> StaticBalance<P> {
         }
     }
 
-    /// Returns the contact at the nut (0) or the screw (1) for a cotangent of the contact angle.
+    /// Returns the contact at the nut (0) or the screw (1) for a given cotangent of the contact
+    /// angle.
     #[inline(always)]
     pub(super) fn contact<D: RealOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
         cost::evaluated();
@@ -88,7 +95,7 @@ impl<P: Real> StaticBalance<P> {
         [self.contact(0, screw + c), self.contact(1, screw)]
     }
 
-    /// Returns the precession `$p$` of the rolling ball.
+    /// Returns the precession rate `$p$` of the rolling ball.
     #[inline(always)]
     fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
     where
@@ -98,7 +105,7 @@ impl<P: Real> StaticBalance<P> {
         rolling_precession(self.by_nut, self.lever, [nut.cos, screw.cos], between)
     }
 
-    /// Returns `$P/W$` of the rolling ball.
+    /// Returns the absolute precession rate `$P/W$` of the rolling ball.
     #[inline(always)]
     fn rate<D>(&self, contacts: &[LoadedContact<D>; 2]) -> D
     where
@@ -128,18 +135,19 @@ impl<F: Real> StaticBalance<F> {
     /// Maximum scaled residual of a root (dimensionless).
     pub(super) const RESIDUAL_TOL: f64 = 1e-12;
 
-    /// Maximum inertia term (W17) (dimensionless) at which no ball has a second root. The smallest value with a second root that
-    /// has been seen is 3.8, and (W15) proves uniqueness below 0.25.
+    /// Maximum inertia term (W17) (dimensionless) at which no ball has a second root. The smallest
+    /// known value with a second root is 3.8, and (W15) proves uniqueness below 0.25.
     const UNIQUE_INERTIA: f64 = 2.0;
 
-    /// Returns the starting point: equal contact angles, separated by the centrifugal force unless it is too large.
+    /// Returns the starting value: contact angles that are equal except for the effect of the
+    /// centrifugal force. If the centrifugal force is too large, its effect is ignored.
     ///
     /// * `requested`: mask of the points to iterate.
     #[inline(always)]
     pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC> {
         let zero = self.unloaded_cot.constant(0.0);
         let [nut, screw] = self.loaded([zero, self.unloaded_cot]);
-        // The starting contact angle follows from the loads at the unloaded contact angle.
+        // The starting contact angle is calculated from the loads at the unloaded contact angle.
         let cos = self.radial_distance / (nut.length + screw.length);
         let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
         let rate = self.rate(&self.loaded([zero, cot]));
@@ -148,13 +156,14 @@ impl<F: Real> StaticBalance<F> {
         LaneIterate::starting_at([c, cot - c * 0.5], requested)
     }
 
-    /// Runs Newton's method.
+    /// Runs Newton's method until it converges or reaches its limits.
     #[inline(always)]
     pub(super) fn iterate(&self, at: &mut LaneIterate<F, STATIC>) {
         NEWTON.iterate(self, at);
     }
 
-    /// Returns the derivatives of `$p$` with respect to the cotangents at nut and screw.
+    /// Returns the derivatives of the precession rate `$p$` with respect to the cotangents at nut
+    /// and screw.
     #[inline(always)]
     fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
         let (zero, one) = (p.constant(0.0), p.constant(1.0));
@@ -169,14 +178,15 @@ impl<F: Real> StaticBalance<F> {
         ]
     }
 
-    /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a difference `c` of the cotangents.
+    /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a given
+    /// difference `c` of the cotangents.
     #[inline(always)]
     pub(super) fn closed(&self, c: F) -> F {
         self.closed_to(CLOSURE_TOL, c)
     }
 
-    /// Solves (W13), which increases with the cotangent, by Newton's method with bisection between zero and the cotangent of the
-    /// unloaded contact angle.
+    /// Solves (W13) by Newton's method with bisection, between zero and the cotangent of the
+    /// unloaded contact angle. The left side of (W13) increases with the cotangent.
     ///
     /// * `tolerance`: tolerance relative to the cotangent of the unloaded contact angle.
     #[inline(always)]
@@ -203,15 +213,16 @@ impl<F: Real> StaticBalance<F> {
         cot
     }
 
-    /// Returns `$P/W$` for a difference `c` of the cotangents.
+    /// Returns the precession rate `$P/W$` for a given difference `c` of the cotangents.
     #[inline(always)]
     pub(super) fn rate_at(&self, c: F) -> F {
         self.rate(&self.loaded([c, self.closed(c)]))
     }
 
-    /// Returns true if a second root is excluded by (W17), or by (W15) at an upper bound (W18) of all roots.
+    /// Returns true if a second root is excluded, either by (W17) or by (W15) evaluated at an upper
+    /// bound (W18) of all roots.
     ///
-    /// * `requested`: mask of the points whose result is needed.
+    /// * `requested`: mask of the points for which a result is requested.
     #[inline(always)]
     pub(super) fn is_unique(&self, requested: F::Mask) -> F::Mask {
         let (nut, unloaded) = (self.nut_speed, self.unloaded_cot);
@@ -233,7 +244,8 @@ impl<F: Real> StaticBalance<F> {
         unique
     }
 
-    /// Returns true if (W15) excludes a root on the flanks with a smaller difference of the contact angles.
+    /// Returns true if (W15) excludes another root on the flanks with a smaller difference of the
+    /// contact angles.
     #[inline(always)]
     pub(super) fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
         let (zero, one) = (c.constant(0.0), c.constant(1.0));
@@ -267,8 +279,7 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
         let p = self.precession(&contacts);
         let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
         let drift = self.inertia * (p + self.nut_speed) * -2.0;
-        // The derivatives are with respect to c and to the cotangent at the screw; the sum of c and
-        // this cotangent is the cotangent at the nut.
+        // The unknowns are c and the cotangent at the screw. Their sum is the cotangent at the nut.
         let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
         let (l_c, l_b) = (
             nut.radial_slope() / self.radial_distance,
@@ -285,11 +296,12 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
     }
 }
 
-/// Evaluates `$P/W$` for increasing differences of the cotangents; the result is zero where the flanks hold more than the
-/// centrifugal force of any ball.
+/// Evaluation of the precession rate `$P/W$` for increasing differences of the cotangents. The
+/// result is zero for differences at which the flanks hold more than the centrifugal force of any
+/// ball.
 pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
-    /// Differences of the cotangents.
+    /// Differences of the cotangents, in ascending order.
     pub(super) differences: &'a [f64; N],
 }
 

@@ -1,5 +1,5 @@
-//! A ball between rigid contacts in scaled units, its motions, and the residuals of its equations, for one point or for
-//! several points side by side.
+//! A ball between rigid contacts in scaled units, its motion, and the residuals of its equations,
+//! for one point or for several points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
 
@@ -11,56 +11,59 @@ use crate::models::ball::{BALL, is_in_range};
 /// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$` (along the helix).
 pub type Plane<D> = [D; 2];
 
-/// One operating point in units of ball radius, axial load per ball and relative speed `$W$` (R1).
+/// An operating point in scaled units: ball radius, axial load per ball and relative speed `$W$`
+/// (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBall<P = f64> {
     /// Sines and cosines of lead angle `$\alpha$` and contact angle `$\beta$`.
     pub(super) sines: Sines<P>,
-    /// `$\cot\beta$`.
+    /// Cotangent of the contact angle, `$\cot\beta$`.
     pub(super) cot_b: P,
-    /// `$\sin 2\beta$`.
+    /// Sine of twice the contact angle, `$\sin 2\beta$`.
     pub(super) sin_2b: P,
-    /// `$\cos 2\beta$`.
+    /// Cosine of twice the contact angle, `$\cos 2\beta$`.
     pub(super) cos_2b: P,
     /// Component `$\cos\alpha\sin\beta$` of the screw axis along N.
     pub(super) k_n: P,
     /// Component `$\cos\alpha\cos\beta$` of the screw axis along `$e_x$`.
     pub(super) k_e: P,
-    /// `$F$`, the friction coefficient with the sign of `$W$`, so that friction is opposite to a
-    /// slip divided by `$W$`.
+    /// Friction coefficient `$F$` with the sign of `$W$`, so that friction opposes the slip divided
+    /// by `$W$`.
     pub(super) signed: P,
     /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     pub(super) radius: P,
     /// Arc length of the helix per radian `$d/r_b$`.
     pub(super) arc: P,
-    /// Inertia ratio `$\mu$`.
+    /// Inertia ratio `$\mu = m r_m W^2/F_a$`.
     pub(super) inertia_ratio: P,
-    /// Moment of inertia `$I$` in units of `$F_a r_b/W^2$`.
+    /// Moment of inertia `$I$`, divided by `$F_a r_b/W^2$`.
     pub(super) inertia: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// Length `$h$` of the projection of the screw axis on the plane of the slip.
+    /// Length `$h$` of the projection of the screw axis onto the plane of the slip.
     pub(super) h: P,
-    /// `$1/h$`.
+    /// Reciprocal `$1/h$`.
     pub(super) per_h: P,
-    /// `$\cos\psi$` with the direction `$\psi$` of the screw axis in the plane of the slip.
+    /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
     pub(super) cos_psi: P,
-    /// `$\sin\psi$`.
+    /// Sine `$\sin\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
     pub(super) sin_psi: P,
 }
 
-/// A motion of a [`RigidBall`] with its loads, in the same units. Arrays of three contain the values at A, A' and B.
+/// Motion and loads of a [`RigidBall`] in scaled units. Arrays of three contain the values at A, A'
+/// and B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidMotion<D = f64> {
-    /// Normal loads `$Q/F_a$`.
+    /// Load ratios `$Q/F_a$`.
     pub loads: [D; 3],
-    /// Slip speeds divided by `$r_b|W|$`. The slip speed at A is negative if the equations are continued beyond rolling.
+    /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at A means that the equations were
+    /// continued beyond rolling.
     pub speeds: [D; 3],
     /// Directions of the slips divided by `$W$`. Friction has the opposite direction.
     pub directions: [Plane<D>; 3],
-    /// Precession relative to the nut `$p = (P - \Omega_n)/W$`.
+    /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: D,
-    /// Absolute precession `$P/W$`.
+    /// Absolute precession rate `$P/W$`.
     pub rate: D,
     /// Angular velocity relative to the nut `$(u, \sigma/W, \tau)$` in the triad `$(t, N, e_x)$`.
     pub omega: [D; 3],
@@ -68,7 +71,7 @@ pub struct RigidMotion<D = f64> {
     pub spin_moment: D,
 }
 
-/// Returns the product of a number and a vector.
+/// Returns the product of a scalar and a vector.
 #[inline(always)]
 pub(super) fn times<D: Real>(factor: D, a: Plane<D>) -> Plane<D> {
     [factor * a[0], factor * a[1]]
@@ -82,13 +85,13 @@ fn polar<D: Real>(a: Plane<D>) -> (D, Plane<D>) {
 }
 
 impl<P: Real> RigidBall<P> {
-    /// Returns a ball.
+    /// Creates a ball in scaled units.
     ///
     /// * `sines`: sines and cosines of lead angle and contact angle.
-    /// * `radius`: `$r_m/r_b$`.
-    /// * `mass`: `$m\,r_b W^2/F_a$`.
-    /// * `nut_speed`: `$\Omega_n/W$`.
-    /// * `signed`: `$F$`, the friction coefficient with the sign of `$W$`.
+    /// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
+    /// * `mass`: dimensionless mass of the ball `$m\,r_b W^2/F_a$`.
+    /// * `nut_speed`: ratio of nut speed to relative speed `$\Omega_n/W$`.
+    /// * `signed`: friction coefficient `$F$` with the sign of `$W$`.
     #[inline(always)]
     pub fn new(sines: Sines<P>, radius: P, mass: P, nut_speed: P, signed: P) -> Self {
         let Sines { sin_a, cos_a, sin_b, cos_b } = sines;
@@ -117,7 +120,7 @@ impl<P: Real> RigidBall<P> {
         }
     }
 
-    /// Returns the ball with its inertia multiplied by `factor`.
+    /// Returns the ball with inertia multiplied by `factor`.
     #[must_use]
     pub(super) fn with_inertia(&self, factor: f64) -> Self {
         let (inertia_ratio, inertia) = (self.inertia_ratio * factor, self.inertia * factor);
@@ -127,9 +130,10 @@ impl<P: Real> RigidBall<P> {
     /// Returns the motion for given unknowns.
     ///
     /// * `loads`: loads at A, A' and B.
-    /// * `[precession, rate]`: `$p$` and `$P/W$`.
+    /// * `[precession, rate]`: precession rate relative to the nut `$p$`, and absolute precession
+    ///   rate `$P/W$`.
     /// * `(slip, along)`: slip speed at A and its direction.
-    /// * `spin_moment`: `$s$`.
+    /// * `spin_moment`: spin moment `$s$`.
     #[inline(always)]
     pub fn motion<D: RealOver<P>>(
         &self,
@@ -180,7 +184,8 @@ impl<P: Real> RigidBall<P> {
         self.residual_under(m, m.rate.constant(1.0))
     }
 
-    /// Returns the residuals (R8) for an axial load per ball in the unit of force.
+    /// Returns the residuals (R8) for a given axial load per ball, which is divided by the unit of
+    /// force.
     #[inline(always)]
     pub(super) fn residual_under<D: RealOver<P>>(
         &self,
@@ -243,13 +248,13 @@ impl<P: Real> RigidBall<P> {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns a number with the same value at every point.
+    /// Returns a constant that has the same value at every point.
     #[inline(always)]
     pub(super) fn constant(&self, x: f64) -> F {
         self.signed.constant(x)
     }
 
-    /// Returns true if friction and inertia are within the range of the model.
+    /// Returns true if friction and inertia are within the valid range of the model.
     #[inline(always)]
     pub fn is_covered(&self) -> F::Mask {
         is_in_range(self.friction(), self.inertia_ratio)
@@ -261,25 +266,27 @@ impl<F: Real> RigidBall<F> {
         self.signed.abs()
     }
 
-    /// Returns the ratio of axial load to normal load of a ball without inertia; not positive if friction holds any axial
-    /// load.
+    /// Returns the ratio of axial load to normal load for a ball without inertia. The ratio is not
+    /// positive if friction holds any axial load.
     #[inline(always)]
     pub(super) fn held_load(&self) -> F {
         self.k_n - self.signed * self.h
     }
 
-    /// Returns the size `$\iota$` of the inertia forces at a precession `$P/W$`.
+    /// Returns the magnitude `$\iota$` of the inertia forces at a precession rate `$P/W$`.
     #[inline(always)]
     pub(super) fn inertia_size(&self, rate: F) -> F {
         // ι = μ max(1, (P/W)²)                                            (R23)
         self.inertia_ratio * rate.square().larger(self.constant(1.0))
     }
 
-    /// Returns the sizes of the terms of the equations: first of all equations except for the
-    /// moment about the normal, then of the moment about the normal.
+    /// Returns the magnitudes of the terms of the equations. The first value applies to all
+    /// equations except the moment about the contact normal, and the second value applies to the
+    /// moment about the contact normal.
     ///
-    /// The unit of force is the larger of axial load and inertia force. All terms of the moment about the normal have the size
-    /// of the inertia forces, and only this equation determines the slip at A.
+    /// The first magnitude is the larger of axial load and inertia force. All terms of the moment
+    /// about the contact normal are as small as the inertia forces, and only this equation
+    /// determines the slip at A.
     #[inline(always)]
     pub(super) fn units(&self, rate: F) -> [F; 2] {
         let one = self.constant(1.0);
@@ -289,7 +296,7 @@ impl<F: Real> RigidBall<F> {
         [self.inertia_ratio.larger(one), F::select(rate.abs().lt(one), size * rate.abs(), size)]
     }
 
-    /// Returns the largest residual of the equations, divided by the size of their terms.
+    /// Returns the largest residual of the equations, each divided by the magnitude of its terms.
     #[inline(always)]
     pub fn scaled_residual(&self, m: &RigidMotion<F>) -> F {
         let [unit, normal_unit] = self.units(m.rate);

@@ -1,4 +1,4 @@
-//! Continuation of the root in inertia along the branch that begins at zero inertia.
+//! Continuation of the root in inertia, along the branch that begins at zero inertia.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on continuation in inertia, equations (R51) to (R54).
 
@@ -28,46 +28,52 @@ const UNLOADED_SLIP: usize = SPIN;
 /// Index of the additional unknown `$a$`, the ratio of the axial load per ball to the load at B.
 const AXIAL: usize = BALL;
 
-/// Slip `$v_0$`, divided by `$r_b |W|$`, far above which the unknown of a slip is its logarithm.
+/// Slip `$v_0$`, divided by `$r_b |W|$`. If a slip is much larger than `$v_0$`, its unknown is
+/// practically its logarithm.
 const SLIP_UNIT: f64 = 1e-12;
 
-/// Minimum ratio of the first-order slip at A to the slip `$e_1 p$` of a ball that rolls at B (dimensionless). Above it, the
-/// slip at A does not change its sign near the beginning of the branch, so that its unknown may be a logarithm.
+/// Minimum ratio of the first-order slip at A to the slip `$e_1 p$` of a ball that rolls at B
+/// (dimensionless). Above this ratio, the slip at A does not change its sign near the beginning of
+/// the branch, so its unknown may be a logarithm.
 const MIN_CLEAR_SLIP: f64 = 0.01;
 
-/// Ratio of centrifugal force to friction (dimensionless) at which the branch begins. Newton's method converges from the
-/// first-order solution to the branch at all but one of 1084 extreme points (with 0.01, at all but nine). If the ball hardly
-/// circles, a smaller ratio would hide the load at A' by rounding errors.
+/// Ratio of centrifugal force to friction force (dimensionless) at which the branch begins.
+/// Newton's method converges from the first-order solution to the branch at all but one of 1084
+/// extreme points (with a ratio of 0.01, at all but nine). With a smaller ratio, rounding errors
+/// would hide the load at A' if the ball orbits very slowly.
 const START: f64 = 1e-4;
 
-/// Maximum ratio of inertia to friction (dimensionless) at which the branch begins. The relative error of the first-order
-/// solution is a fifth of this ratio.
+/// Maximum ratio of inertia force to friction force (dimensionless) at which the branch begins. The
+/// relative error of the first-order solution is one fifth of this ratio.
 const MAX_START: f64 = 0.01;
 
-/// Maximum ratio of the inertia at the beginning of the branch to the inertia of the point (dimensionless). It ensures that
-/// the branch begins before the root.
+/// Maximum ratio of the inertia at the beginning of the branch to the actual inertia
+/// (dimensionless). It ensures that the branch begins before the root.
 const MAX_START_PART: f64 = 0.1;
 
-/// Logarithm of the ratio of inertia on the branch to the inertia of the point at which the continuation stops; no branch has
-/// been seen to fold back from beyond this ratio.
+/// Logarithm of the ratio of the inertia on the branch to the actual inertia at which the
+/// continuation stops. No known branch folds back from beyond this ratio.
 const MAX_LOG_EXCESS: f64 = 3.0;
 
-/// Minimum slip at A' and B, divided by `$r_b |P - \Omega_n|$`, at which the branch continues; below it, the slip would
-/// reverse. Roots of nut drives with large inertia have slips of 1e-5 and less.
+/// Minimum slip at A' and B, divided by `$r_b |P - \Omega_n|$`, on the branch. Below this slip, the
+/// branch ends because the slip would reverse. At roots of nut drives with large inertia, the slips
+/// are 1e-5 and less.
 const MIN_SLIP: f64 = 1e-8;
 
-/// Maximum slip at A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step counts as the end of the branch, because
-/// the direction of friction changes faster than any step resolves.
+/// Maximum slip at A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step is accepted
+/// as the end of the branch. At such small slips, the direction of friction changes too fast for
+/// any step.
 const MAX_END_SLIP: f64 = 1e-3;
 
-/// Minimum ratio of nut speed to relative speed (dimensionless) from which the unknown of the precession is `$p$`. Below it,
-/// cancellation may occur in the sum `$p + \Omega_n/W$`; above it, in the difference `$P/W - \Omega_n/W$`.
+/// Minimum ratio of nut speed to relative speed (dimensionless) at which the precession unknown is
+/// `$p$`. Below this ratio, cancellation may occur in the sum `$p + \Omega_n/W$`; above this ratio,
+/// it may occur in the difference `$P/W - \Omega_n/W$`.
 const FAST_NUT: f64 = 10.0;
 
-/// Maximum length of a step along the branch, in units of the sizes of the unknowns.
+/// Maximum step length along the branch, in units of the scales of the unknowns.
 pub(super) const MAX_BRANCH_STEP: f64 = 4.0;
 
-/// Step control along the branch. Lengths are in units of the sizes of the unknowns.
+/// Step control along the branch. Step lengths are in units of the scales of the unknowns.
 const STEPS: StepControl = StepControl {
     first: 1.0,
     longest: MAX_BRANCH_STEP,
@@ -79,24 +85,25 @@ const STEPS: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryTrial { chord_below: 1e-3 },
 };
 
-/// The equations of a ball with variable inertia. Forces are in units of `$m r_m W^2$`.
+/// The equations of a ball with variable inertia. Forces are divided by `$m r_m W^2$`.
 struct Branch<'a> {
-    /// The ball with the inertia of the point.
+    /// The ball with its actual inertia.
     ball: &'a RigidBall<f64>,
-    /// The equations with an inertia ratio of one.
+    /// The equations of the ball with an inertia ratio of one.
     unit: RigidEquations<f64>,
-    /// Unit `$v_0$` of the slip at A.
+    /// Unit `$v_0$` of the slip at A in its unknown.
     slip_unit: f64,
 }
 
-/// Result of a continuation.
+/// Result of following a branch.
 pub(super) struct BranchRoots {
-    /// Admissible motions with the inertia of the point, in their order on the branch.
+    /// Admissible motions at the actual inertia, in their order along the branch.
     pub(super) motions: Vec<RigidMotion<f64>>,
-    /// Inertia ratio of the admissible motion on the branch that is nearest to the inertia ratio of the point.
+    /// Inertia ratio on the branch that is nearest to the actual inertia ratio and has an
+    /// admissible motion.
     pub(super) nearest_inertia: Option<f64>,
-    /// True if the branch was followed to its end or beyond the inertia of the point, or if its beginning has no admissible
-    /// motion.
+    /// True if the branch was followed to its end or far enough beyond the actual inertia, or if
+    /// the motion at its beginning is not admissible.
     pub(super) is_complete: bool,
 }
 
@@ -124,7 +131,8 @@ impl Homotopy<BALL, BRANCH> for Branch<'_> {
         let [p, rate] = self.unit.rates(z[PRECESSION]);
         let mut sizes = [1.0; BRANCH];
         sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
-        // With increasing inertia, the ball stops circling or comes to rest in the nut, so that one of the rates vanishes.
+        // With increasing inertia, either the ball stops orbiting or it comes to rest in the nut.
+        // One of the two precession rates then approaches zero.
         sizes[PRECESSION] = p.abs().min(rate.abs());
         sizes[AXIAL] = ball.k_n + z[AXIAL].abs();
         sizes
@@ -138,17 +146,17 @@ fn sinh<D: Over<f64>>(x: D) -> D {
 }
 
 impl<'a> Branch<'a> {
-    /// Returns the equations of a ball.
+    /// Creates the branch equations of a ball.
     fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
         let from_ground = ball.nut_speed.abs() < FAST_NUT;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
-        // e₁ p of (R27)
+        // Slip e₁ p of (R27)
         let rolling = ball.sines.sin_a * ball.arc * ball.per_h * first.precession.abs();
         let slip_unit = if first.slip > MIN_CLEAR_SLIP * rolling { SLIP_UNIT } else { rolling };
         Self { ball, unit: RigidEquations { ball: unit, from_ground }, slip_unit }
     }
 
-    /// Returns the unknowns (R2) at a point of the branch, with forces in units of `$m r_m W^2$`.
+    /// Returns the unknowns (R2) at a point of the branch. Forces are divided by `$m r_m W^2$`.
     fn unknowns<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Unknowns<D> {
         let ball = &self.unit.ball;
         let [p, rate] = self.unit.rates(z[PRECESSION]);
@@ -169,7 +177,7 @@ impl<'a> Branch<'a> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if friction or the gyroscopic moment has no direction.
+    /// [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     fn residual_at<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Result<[D; BALL], EvalError> {
         cost::evaluated();
         let motion = self.unit.motion(&self.unknowns(z));
@@ -188,7 +196,7 @@ impl<'a> Branch<'a> {
             .min(MAX_START_PART * first.inertia_scale / ball.friction())
             .max(MIN_INERTIA);
         let inertia = ratio * ball.friction() / square.max(1.0) * axial.abs();
-        // The spin moment s of (R20), in units of Q_B, is converted to a spin divided by W.
+        // The spin moment s of (R20), divided by Q_B, is converted to a spin divided by W.
         let spin =
             -2.0 * ball.signed * ball.per_h / (inertia * first.rate * self.unit.ball.inertia);
         let tau = first.slip * ball.sin_psi - first.precession * ball.arc;
@@ -203,8 +211,9 @@ impl<'a> Branch<'a> {
         z
     }
 
-    /// Returns the scaled difference between the inertia of a point of the branch and the inertia
-    /// of the ball, between -1 and 1, and its derivative along a direction.
+    /// Returns the scaled difference between the inertia at a point of the branch and the actual
+    /// inertia. The difference is between -1 and 1. The second value is its derivative along the
+    /// direction `way`.
     fn excess(&self, z: &[f64; BRANCH], way: &[f64; BRANCH]) -> (f64, f64) {
         let per_load = self.ball.inertia_ratio * (-z[LOG_INERTIA]).exp();
         // x = μ a/μ_B,  g = (1 − x)/(1 + |x|)                             (R53)
@@ -216,12 +225,12 @@ impl<'a> Branch<'a> {
         ((1.0 - x) / (1.0 + x), -2.0 * slope / (1.0 + x).powi(2))
     }
 
-    /// Returns the motion at a point of the branch, with forces in units of `$m r_m W^2$`.
+    /// Returns the motion at a point of the branch. Forces are divided by `$m r_m W^2$`.
     fn motion(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
         self.unit.motion(&self.unknowns(z)).ok()
     }
 
-    /// Returns the motion at a root in the units of the ball.
+    /// Returns the motion at a root in the scaled units of the ball.
     fn at_root(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
         let RigidMotion { loads, speeds, directions, precession, rate, spin_moment, .. } =
             self.motion(z)?;
@@ -232,14 +241,14 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// Returns the smaller of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
+/// Returns the smaller slip of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
 fn least_slip(motion: &RigidMotion<f64>) -> f64 {
     motion.speeds[1].min(motion.speeds[2]) / motion.precession.abs()
 }
 
 impl RigidBall<f64> {
-    /// Returns true if the slip at B of the first-order solution is opposite to its friction. Otherwise, no branch begins at
-    /// zero inertia.
+    /// Returns true if the slip at B in the first-order solution is opposite to the friction at B.
+    /// Otherwise, no branch begins at zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
@@ -274,9 +283,9 @@ impl RigidBall<f64> {
                         nearest = Some((distance, log_inertia.exp()));
                     }
                 }
-                // The branch ends where the ball would roll, a contact would pull, or a slip would
-                // reverse. Where the branch begins beyond rolling, its first point at this inertia
-                // decides.
+                // The branch ends where the ball would roll, a contact load would become negative,
+                // or a slip would reverse. If the branch begins beyond rolling, its first point at
+                // the actual inertia decides whether there is a root.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
                     !(admissible && slides)

@@ -16,16 +16,17 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, ROWS, equations, weight};
 
-/// Minimum ratio of inertia to friction (dimensionless) at which rounding errors of the loads do not determine the slip at A in
-/// (R8).
+/// Minimum ratio of inertia force to friction force (dimensionless). Below this ratio, rounding
+/// errors of the loads would determine the slip at A in (R8).
 pub(super) const MIN_INERTIA: f64 = 1e-6;
 
-/// The equations of one point.
+/// The rigid equations at one operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidEquations<P> {
     pub(super) ball: RigidBall<P>,
-    /// True if the unknown of the precession is `$P/W$`, measured from the ground, instead of
-    /// `$p$`. If the ball orbits slowly, cancellation would occur in the sum `$p + \Omega_n/W$`.
+    /// True if the precession unknown is the absolute rate `$P/W$` instead of the rate `$p$`
+    /// relative to the nut. For slowly orbiting balls, the sum `$p + \Omega_n/W$` would suffer from
+    /// cancellation.
     pub(super) from_ground: bool,
 }
 
@@ -33,7 +34,7 @@ pub(super) struct RigidEquations<P> {
 pub type Unknowns<D> = SVector<D, BALL>;
 
 impl<P: Scalar> RigidEquations<P> {
-    /// Returns `$p$` and `$P/W$` from the unknown of the precession.
+    /// Returns `$p$` and `$P/W$` from the precession unknown.
     pub(super) fn rates<D: Over<P>>(&self, unknown: D) -> [D; 2] {
         let nut = self.ball.nut_speed;
         // P = Ω_n + p W                                                   (R3)
@@ -44,7 +45,7 @@ impl<P: Scalar> RigidEquations<P> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if friction or the gyroscopic moment has no direction.
+    /// [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
         let rates = self.rates(y[PRECESSION]);
         if rates[1].re() == 0.0 {
@@ -63,10 +64,10 @@ impl<P: Scalar> RigidEquations<P> {
     ///
     /// # Errors
     ///
-    /// The errors of [`motion`](Self::motion).
+    /// Returns the errors of [`motion`](Self::motion).
     pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         cost::evaluated();
-        // The motion is borrowed, because a motion of jets has several kilobytes.
+        // The motion is borrowed, because a motion of jets takes several kilobytes.
         let motion = self.motion(y);
         let motion = motion.as_ref().map_err(|error| *error)?;
         Ok(self.ball.residual(motion).into())
@@ -78,12 +79,13 @@ impl RigidEquations<f64> {
     ///
     /// # Errors
     ///
-    /// The errors of [`motion`](Self::motion).
+    /// Returns the errors of [`motion`](Self::motion).
     pub(super) fn residual_at<D: Over<f64>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         Ok(self.residual(&Unknowns::from(*y))?.into())
     }
 
-    /// Returns the equations with the unknown of the precession that suits a motion, and the unknowns of this motion.
+    /// Returns the equations with the more accurate precession unknown for a given motion, together
+    /// with the unknowns of the motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
         let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
@@ -102,7 +104,7 @@ impl RigidBall<f64> {
         [load, unloaded, load, first.precession, first.slip, angle, first.spin].into()
     }
 
-    /// Returns the weights of the equations (R10) at a precession `$P/W$`.
+    /// Returns the weights of the equations (R10) at a precession rate `$P/W$`.
     pub(super) fn weights(&self, rate: f64) -> [f64; BALL] {
         let [unit, normal] = self.units(rate).map(weight);
         let mut weights = [unit; BALL];
@@ -110,10 +112,11 @@ impl RigidBall<f64> {
         weights
     }
 
-    /// Returns the weights of the equations from the size of their terms at a root (R44), for any ratio of inertia forces to
-    /// load.
+    /// Returns the weights of the equations, calculated from the magnitudes of their terms at a
+    /// root (R44). They are suitable for any ratio of inertia forces to load.
     ///
-    /// * `load`: a load of the size of the axial load per ball, in the unit of force.
+    /// * `load`: typical load, divided by the unit of force; its magnitude is the axial load per
+    ///   ball.
     pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {
         let (p, rate) = (motion.precession.abs(), motion.rate.abs());
         // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
@@ -126,7 +129,7 @@ impl RigidBall<f64> {
         [u, u, u, m, n, m, u]
     }
 
-    /// Returns the ball with another lead angle \[rad\].
+    /// Returns the ball with a different lead angle \[rad\].
     pub(super) fn with_lead_angle(&self, lead_angle: f64) -> Self {
         let (sin_a, cos_a) = lead_angle.sin_cos();
         let sines = Sines { sin_a, cos_a, ..self.sines };
@@ -161,10 +164,11 @@ mod tests {
     }
 
     proptest! {
-        /// The Jacobian of the jets is compared with central differences and with num-dual, at points off the root. The
-        /// spin must dominate at A', because differences are inaccurate if the slip at A' is close to zero.
+        /// Compares the Jacobian from jets with central differences and with num-dual, at points
+        /// that are not roots. The spin must dominate the slip at A', because central differences
+        /// are inaccurate if the slip at A' is close to zero.
         #[test]
-        fn jacobian_matches_differences(
+        fn jacobian_matches_finite_differences(
             lead in 0.1..0.7_f64, contact in 0.4..1.2_f64, friction in 0.01..0.1_f64,
             log_mass in -5.0..-1.5_f64, nut in 0.0..1.5_f64, back in any::<bool>(),
             shift in proptest::array::uniform7(-0.05..0.05_f64),
@@ -177,16 +181,17 @@ mod tests {
                 *y += s;
             }
             prop_assume!((nut + y[PRECESSION]).abs() > 0.2);
-            // The third derivative of the direction of friction is of the order of the reciprocal cube of the slip.
+            // The third derivative of the friction direction is of the order of 1/slip³.
             let speeds = case.motion(&y).expect("in the domain").speeds;
             prop_assume!(speeds[1..].iter().all(|speed| *speed > 0.1));
             let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
             let variables = Unknowns::from_fn(|i, _| Jet::<BALL>::variable(y[i], i));
             let jets = case.residual(&variables).expect("in the domain");
-            // The tolerance covers the truncation error h²/6 F''' with F''' up to 1e4, and the
-            // rounding error 1e-16/h.
+            // The tolerance covers the truncation error h²/6 F''', where F''' is at most 1e4, and
+            // the rounding error 1e-16/h.
             for j in 0..BALL {
-                // The unknown is the product of spin and inertia (R5); the step of the spin is 1e-4.
+                // This unknown is the product of spin and inertia (R5). The step of the spin itself
+                // is 1e-4.
                 let h = if j == SPIN { 1e-4 * case.ball.inertia } else { 1e-6 };
                 let at = |step: f64| {
                     let mut moved = y;
@@ -197,7 +202,8 @@ mod tests {
                 let scale = 1.0 + exact.norm();
                 prop_assert!((difference - exact.column(j)).norm() <= 1e-6 * scale, "{j}");
                 for i in 0..BALL {
-                    // The same operations are rounded in another order.
+                    // Both calculations perform the same operations and differ only by rounding
+                    // errors.
                     prop_assert!((jets[i].eps[j] - exact[(i, j)]).abs() <= 1e-12 * scale);
                 }
             }
@@ -221,18 +227,20 @@ mod tests {
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();
         assert!(small.len() >= 2, "{report:?}");
         for pair in small.windows(2) {
-            // The constant of quadratic convergence is about 10 here.
+            // The factor of quadratic convergence is about 10 here.
             assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report:?}");
         }
     }
 
-    /// In the triad of the contact normal, the moment about the normal contains no large terms. With loads of order one and
-    /// an inertia of 1e-12, it is of order 1e-12.
+    /// The moment about the contact normal contains no large terms if it is calculated in the triad
+    /// of the contact normal. With loads of order one and an inertia of 1e-12, the moment is of
+    /// order 1e-12.
     #[test]
-    fn moment_about_the_normal_has_the_size_of_the_inertia_forces() {
+    fn moment_about_the_normal_is_of_the_order_of_the_inertia_forces() {
         let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
         let r = case.residual(&start(&case)).expect("in the domain");
-        // The first-order solution cancels these terms; terms of second order and rounding errors of 1e-12 remain.
+        // In the first-order solution, the terms of order 1e-12 cancel. Only second-order terms and
+        // the rounding errors of the canceled terms remain.
         assert!(r[MOMENT[1]].abs() <= 1e-20, "{r}");
     }
 }

@@ -1,5 +1,5 @@
-//! First-order solution of the rigid model for inertia forces that are small relative to the load, and its criteria for
-//! existence and uniqueness of a root.
+//! First-order solution of the rigid model for inertia forces that are small compared with the
+//! load. It also provides criteria for existence and uniqueness of a root.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R13) to (R20), (R23), (R45).
 
@@ -8,66 +8,73 @@ use bsm_kin::Real;
 use super::ball::RigidBall;
 use super::sweep::Directions;
 
-/// Maximum ratio of inertia to the square of friction (dimensionless) at which no point has a second root. Among 4 million
-/// points, the smallest ratio with a second root is 23.
+/// Maximum ratio of inertia to the square of friction (dimensionless) at which no operating point
+/// has a second root. Among 4 million random points, the smallest ratio with a second root is 23.
 pub(super) const UNIQUE_INERTIA: f64 = 10.0;
 
-/// Maximum friction coefficient (dimensionless) for which [`UNIQUE_INERTIA`] was measured.
+/// Maximum friction coefficient (dimensionless) in the random tests that determined
+/// [`UNIQUE_INERTIA`].
 pub(super) const UNIQUE_MAX_FRICTION: f64 = 0.15;
 
-/// Maximum multiplicity (dimensionless, R45) at which no point with a steep contact angle has a second root. Among 4 million
-/// points, the smallest multiplicity with a second root is 142.
+/// Maximum multiplicity (dimensionless, R45) at which no operating point with a steep contact angle
+/// has a second root. Among 4 million random points, the smallest multiplicity with a second root
+/// is 142.
 pub(super) const UNIQUE_MULTIPLICITY: f64 = 30.0;
 
-/// Minimum friction coefficient (dimensionless) for which [`UNIQUE_MULTIPLICITY`] was measured.
+/// Minimum friction coefficient (dimensionless) in the random tests that determined
+/// [`UNIQUE_MULTIPLICITY`].
 const UNIQUE_MIN_FRICTION: f64 = 1e-3;
 
 /// Minimum sine of a steep contact angle (dimensionless), which corresponds to 44.4 degrees.
 pub(super) const MIN_STEEP_SINE: f64 = 0.7;
 
-/// Maximum ratio of normal load to axial load (dimensionless) at which rounding errors of the loads do not affect whether the
-/// sweeps end at an admissible motion.
+/// Maximum ratio of normal load to axial load (dimensionless). Up to this ratio, rounding errors of
+/// the loads do not affect whether the sweeps end at an admissible motion.
 const MAX_LOAD: f64 = 1e4;
 
-/// Minimum precession `$|P/W|$` (dimensionless) for which [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`] were measured.
+/// Minimum precession rate `$|P/W|$` (dimensionless) in the random tests that determined
+/// [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`].
 pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 
-/// First-order solution in the inertia ratio.
+/// First-order solution for small inertia ratios.
 ///
-/// The loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion is exact to zeroth order.
+/// The loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, and the motion is exact
+/// to zeroth order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrder<F: Real = f64> {
     /// Load ratio `$Q_A/F_a = Q_B/F_a$`; negative if the screw is self-locking.
     pub load: F,
-    /// Load ratio `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative if the contact A' would have to act in tension.
+    /// Load ratio `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative if contact A' would have to act
+    /// in tension.
     pub unloaded: F,
     /// Ratio of centrifugal force to axial load per ball `$\varepsilon = m r_m P^2/F_a$`.
     pub inertia: F,
-    /// Size of the inertia forces relative to the load `$\iota = \mu\max(1, (P/W)^2)$`. The relative error of the first-order
-    /// solution is of the order of `$\iota/f$`.
+    /// Magnitude of the inertia forces relative to the load `$\iota = \mu\max(1, (P/W)^2)$`. The
+    /// relative error of the first-order solution is of the order of `$\iota/f$`.
     pub inertia_scale: F,
-    /// Absolute precession `$P/W$`.
+    /// Absolute precession rate `$P/W$`.
     pub rate: F,
-    /// Precession relative to the nut `$p = (P - \Omega_n)/W$`.
+    /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: F,
-    /// Existence margin, which is positive if a root exists.
+    /// Existence margin, which is positive if a root exists (to first order).
     pub sliding_margin: F,
     /// Slip speed at A, divided by `$r_b|W|$`, with the sign of `sliding_margin`.
     pub slip: F,
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
     pub spin: F,
-    /// Multiplicity (R45); several roots exist only if it is large.
+    /// Multiplicity (R45). Several roots exist only if the multiplicity is large.
     pub multiplicity: F,
-    /// True if a second root is excluded.
+    /// True if a second root is excluded by the limits found in random tests.
     pub is_unique: F::Mask,
-    /// Friction directions after the first sweep.
+    /// Friction directions that result from the first sweep.
     pub(super) next: Directions<F>,
     /// Largest change of the friction directions in the first sweep.
     pub(super) change: F,
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns the result of the first sweep, which starts with slip along the screw axis at A and B and with spin at A'.
+    /// Returns the result of the first sweep. The sweep starts with slip along the screw axis at A
+    /// and B, and with slip due to spin at A'.
     #[inline(always)]
     pub fn first_order(&self) -> FirstOrder<F> {
         let start = self.start();
@@ -108,21 +115,22 @@ impl<F: Real> RigidBall<F> {
 }
 
 impl<F: Real> FirstOrder<F> {
-    /// Returns true if all contact loads are positive to first order.
+    /// Returns true if all contact loads are positive in the first-order solution.
     #[inline(always)]
     pub(super) fn pushes(&self) -> F::Mask {
         let zero = self.load.constant(0.0);
         self.load.gt(zero) & self.unloaded.gt(zero)
     }
 
-    /// Returns true if the normal load is small enough for its rounding errors not to affect the sweeps. The load is large near
-    /// self-locking.
+    /// Returns true if the normal load is so small that its rounding errors do not affect the
+    /// sweeps. The normal load is large near self-locking.
     #[inline(always)]
     pub fn is_accurate(&self) -> F::Mask {
         self.load.abs().lt(self.load.constant(MAX_LOAD))
     }
 
-    /// Returns true if a root exists to first order: all contact loads are positive and the ball slides on the nut.
+    /// Returns true if a root exists according to the first-order solution: all contact loads are
+    /// positive and the ball slides on the nut.
     #[inline(always)]
     pub fn exists(&self) -> F::Mask {
         self.pushes() & self.slip.gt(self.slip.constant(0.0))

@@ -1,4 +1,5 @@
-//! From a point to an accepted root, or to the reason why there is none: direct sweeps, continuation, verdict.
+//! Search for a root at an operating point: direct sweeps, continuation, and the reason if no root
+//! exists.
 //!
 //! Theory: `docs/theory/04-rigid.md`, sections on existence, direct sweeps and continuation in inertia.
 
@@ -14,23 +15,27 @@ use super::sweeps::Sweeps;
 use crate::cost::count_of;
 use crate::models::ball::{BALL, Evidence, NoAnswer, Reason, Workspace};
 
-/// Maximum ratio of inertia to friction (dimensionless) at which the first-order solution may exclude a root.
+/// Maximum ratio of inertia force to friction force (dimensionless) at which the first-order
+/// solution may exclude a root.
 const SMALL_INERTIA: f64 = 0.01;
 
-/// Ratio of the relative error of the first-order existence test to the ratio of inertia to friction (dimensionless).
+/// Relative error of the first-order existence test, divided by the ratio of inertia force to
+/// friction force (dimensionless).
 const FIRST_ORDER_ERROR: f64 = 0.2;
 
-/// Maximum number of Newton steps that refine a root; if more steps are necessary, the starting point was not near the root.
+/// Maximum number of Newton steps that refine a root. If more steps were necessary, the starting
+/// value would not be near the root.
 const MAX_REFINEMENT_STEPS: usize = 8;
 
-/// Maximum relative difference between the loads of two solutions that count as the same root.
+/// Maximum relative difference between the loads of two solutions that are treated as the same
+/// root.
 const SAME_ROOT_TOL: f64 = 1e-6;
 
 /// A root of the rigid equations.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BallRoot {
     pub(crate) motion: RigidMotion<f64>,
-    /// Number of sweeps, or of Newton steps that refine a root of the continuation.
+    /// Number of sweeps, or number of Newton steps that refined a root of the continuation.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
     /// Other admissible roots on the branch; `None` if the branch was not followed to its end.
@@ -38,14 +43,14 @@ pub(crate) struct BallRoot {
 }
 
 impl BallRoot {
-    /// Returns true if both are the same root except for rounding errors.
+    /// Returns true if two roots are equal except for rounding errors.
     pub(super) fn is_near(&self, other: &Self) -> bool {
         let loads = self.motion.loads.iter().zip(&other.motion.loads);
         loads.into_iter().all(|(x, y)| (x - y).abs() <= SAME_ROOT_TOL * x.abs().max(y.abs()))
     }
 }
 
-/// Memory that the solves of the rigid model reuse.
+/// Reusable memory for solving rigid models.
 #[derive(Default)]
 pub struct RigidWorkspace(pub(super) Workspace);
 
@@ -53,14 +58,15 @@ pub struct RigidWorkspace(pub(super) Workspace);
 ///
 /// # Errors
 ///
-/// [`NoAnswer`] with the reason why the branch has no root at the inertia of the point, or why none was found.
+/// [`NoAnswer`] with the reason why the branch has no root at the actual inertia, or why no root
+/// was found.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
     let first = ball.first_order();
     if let Some(none) = excluded_by_first_order(ball, &first) {
         return Err(none);
     }
 
-    // The direct solve runs sweeps from the first-order solution. If the sweeps converge, their
+    // The first attempt uses sweeps from the first-order solution. If the sweeps converge, their
     // root is on the branch.
     let swept = ball.sweeps(&first);
     if swept.is_root() {
@@ -68,20 +74,21 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         let (steps, residual) = (count_of(swept.count), swept.residual);
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });
     }
-    // A converged inadmissible motion is the point of the branch at this inertia, and so is a stationary motion if a second
-    // root is excluded.
+    // If the sweeps converge to an inadmissible motion, this motion is the point of the branch at
+    // the actual inertia. The same holds for a stationary inadmissible motion if a second root is
+    // excluded.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
     }
 
-    // Otherwise, the branch is continued in inertia from the first-order solution.
+    // The second attempt follows the branch in inertia from the first-order solution.
     let branch = ball.follow_branch(&first);
     if let Some(found) = first_on(ball, &branch, work) {
         return found;
     }
 
-    // The branch ends at another inertia, or the continuation failed.
+    // There is no root if the complete branch was followed. Otherwise, the continuation failed.
     if !branch.is_complete {
         return Err(NoAnswer::LOST);
     }
@@ -90,11 +97,11 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
 }
 
-/// Finds the root together with the other roots of the point on the same branch.
+/// Finds the root, together with the other roots on the same branch at the actual inertia.
 ///
 /// # Errors
 ///
-/// The errors of [`find`].
+/// Returns the errors of [`find`].
 pub(crate) fn find_all(
     ball: &RigidBall<f64>,
     work: &mut RigidWorkspace,
@@ -111,7 +118,8 @@ pub(crate) fn find_all(
     Ok(BallRoot { alternatives, ..root })
 }
 
-/// Returns the first root on a branch together with the other roots; `None` if the branch has no root.
+/// Returns the first root on a branch, together with the other roots, or `None` if the branch has
+/// no root.
 fn first_on(
     ball: &RigidBall<f64>,
     branch: &BranchRoots,
@@ -120,7 +128,7 @@ fn first_on(
     let (first, others) = branch.motions.split_first()?;
     let first = match refined(ball, first, work) {
         Ok(first) if first.motion.is_admissible() => first,
-        // Newton's method has converged to another root.
+        // Newton's method converged to a different root.
         Ok(_) => return Some(Err(NoAnswer::LOST)),
         Err(none) => return Some(Err(none)),
     };
@@ -138,11 +146,12 @@ fn first_on(
     Some(Ok(BallRoot { alternatives, ..first }))
 }
 
-/// Returns the reason why no root exists if the first-order solution at small inertia excludes a root by more than its error.
+/// Returns the reason why no root exists if the first-order solution excludes a root. Inertia must
+/// be small, and the margin must be larger than the error of the first-order solution.
 ///
-/// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant was measured: the test
-/// `tests/suite/rigid_campaign.rs` checks that no root differs from the first-order solution by more than 0.077 times this
-/// ratio.
+/// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
+/// constant was determined by random tests: `tests/suite/rigid_campaign.rs` checks that roots
+/// differ from the first-order solution by at most 0.077 times this ratio.
 fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<NoAnswer> {
     let inertia = first.inertia_scale / ball.friction();
     if inertia >= SMALL_INERTIA {
@@ -152,17 +161,18 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     let reason = if first.rate == 0.0 {
         Reason::BallDoesNotCircle
     } else if first.load <= 0.0 {
-        // This is the denominator of the loads (R17), divided by its friction term.
+        // The difference of the two terms is the denominator of the loads (R17).
         let (sin_contact_angle, friction_term) = locking_terms(ball);
         if friction_term - sin_contact_angle < error * friction_term {
             return None;
         }
         self_locking(ball)
     } else if first.rate.abs() <= 2.0 * error {
-        // q_A' depends on the sign of P, which inertia may reverse if P is small (seen up to 0.13 |W|).
+        // q_A' depends on the sign of P. If |P| is small (up to 0.13 |W| in tests), inertia may
+        // reverse this sign.
         return None;
     } else if first.unloaded <= 0.0 {
-        // A point with q_A' < 0 is beyond q_A' = ∞, where the margin is -∞.
+        // q_A' changes its sign through infinity, where the existence margin is -∞.
         unloaded_flank_would_pull(first)
     } else if -first.sliding_margin > margin_error(ball, first, error) {
         would_roll(first)
@@ -172,8 +182,9 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     Some(NoAnswer::none(Evidence::Bound, reason))
 }
 
-/// Returns the verdict, unless a root exists according to the first-order solution by more than its error. Near self-locking,
-/// rounding errors of the large loads mislead sweeps and continuation.
+/// Returns the verdict, unless the first-order solution indicates a root by a margin larger than
+/// its error. Near self-locking, rounding errors of the large loads can affect the sweeps and the
+/// continuation.
 fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;
@@ -184,11 +195,12 @@ fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer
     if exists { NoAnswer::LOST } else { verdict }
 }
 
-/// Refines a root by Newton's method with the weights (R44), which large inertia requires.
+/// Refines a root by Newton's method with the weights (R44), which are necessary if inertia is
+/// large.
 ///
 /// # Errors
 ///
-/// [`Reason::Newton`].
+/// [`Reason::Newton`] if Newton's method does not converge.
 pub(super) fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
@@ -197,7 +209,8 @@ pub(super) fn refined(
     let (equations, mut unknowns) = RigidEquations::at(ball, motion);
     let weights = ball.own_weights(motion, 1.0);
     let convergence = Convergence {
-        // Inertia forces may exceed the load, whose power must balance to 1e-9, by many orders of magnitude.
+        // The inertia forces may exceed the load by many orders of magnitude, but the power balance
+        // of the load must hold to 1e-9.
         residual_goal: f64::EPSILON,
         max_steps: MAX_REFINEMENT_STEPS,
         ..Convergence::default()
@@ -217,7 +230,7 @@ pub(super) fn refined(
     })
 }
 
-/// Returns the reason why the final motion of the sweeps is not admissible.
+/// Returns the reason why the final motion of the sweeps is inadmissible.
 fn inadmissible(swept: &Sweeps<f64>) -> Reason {
     let motion = &swept.motion;
     let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
@@ -230,7 +243,7 @@ fn inadmissible(swept: &Sweeps<f64>) -> Reason {
     Reason::NutContactWouldRoll { slip, exact: swept.converged }
 }
 
-/// Returns the reason why a branch has no root at the inertia of the point.
+/// Returns the reason why a branch has no root at the actual inertia.
 fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
     match nearest {
         Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
@@ -240,7 +253,8 @@ fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> 
     }
 }
 
-/// Returns the effect of a relative error of the first-order solution on the existence margin.
+/// Returns the error of the existence margin that is caused by a relative error of the first-order
+/// solution.
 fn margin_error(ball: &RigidBall<f64>, first: &FirstOrder, error: f64) -> f64 {
     error * first.precession.abs() * ball.sines.tan_a()
 }
@@ -250,32 +264,32 @@ fn locking_terms(ball: &RigidBall<f64>) -> (f64, f64) {
     (ball.sines.sin_b, ball.friction() * ball.sines.slip_factor())
 }
 
-/// Returns [`Reason::SelfLocking`] with both sides of Lin's Eq 16.
+/// Creates [`Reason::SelfLocking`] with both sides of Lin's Eq 16.
 fn self_locking(ball: &RigidBall<f64>) -> Reason {
     let (sin_contact_angle, friction_term) = locking_terms(ball);
     Reason::SelfLocking { sin_contact_angle, friction_term }
 }
 
-/// Returns [`Reason::UnloadedFlankWouldPull`] for a contact A' in tension.
+/// Creates [`Reason::UnloadedFlankWouldPull`] for a contact A' in tension.
 fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
     Reason::UnloadedFlankWouldPull { load_ratio: first.unloaded * first.inertia }
 }
 
-/// Returns [`Reason::NutContactWouldRoll`] for a ball that rolls on the nut.
+/// Creates [`Reason::NutContactWouldRoll`] for a ball that rolls on the nut.
 fn would_roll(first: &FirstOrder) -> Reason {
     Reason::NutContactWouldRoll { slip: first.slip, exact: false }
 }
 
-/// Returns the lead angle above the lead angle of the point at which the slip at A is no longer
-/// negative (R11) \[rad\].
+/// Returns the lead angle \[rad\], above the lead angle of the operating point, at which the slip
+/// at A is no longer negative (R11).
 ///
 /// The slip is calculated at the end of the sweeps, which continue the equations beyond rolling.
-/// The function returns `None` if the point itself has a root, if the first-order solution has no
-/// root up to 80 degrees, or if the sweeps are not stationary.
+/// The function returns `None` if the operating point itself has a root, if the first-order
+/// solution has no root up to 80 degrees, or if the sweeps do not become stationary.
 pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     /// Distance between the lead angles at which the first-order solution is evaluated \[rad\].
     const STEP: f64 = 0.02;
-    /// Maximum lead angle at which a solution is searched \[rad\].
+    /// Maximum lead angle in the search \[rad\].
     const MAX_LEAD_ANGLE: f64 = 1.4;
 
     let at = |lead_angle: f64| ball.with_lead_angle(lead_angle);
@@ -291,8 +305,9 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     bracket.root(slip).root().map(|root| root.x)
 }
 
-/// Returns the slip at A, divided by `$r_b|W|$`, at which the sweeps are stationary: minus infinity
-/// if a contact would pull to first order, and NaN if the sweeps are not stationary.
+/// Returns the slip at A, divided by `$r_b|W|$`, at the end of the sweeps. The result is minus
+/// infinity if a contact load would be negative in the first-order solution, and NaN if the sweeps
+/// do not become stationary.
 fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
     let first = ball.first_order();
     if !first.pushes() {

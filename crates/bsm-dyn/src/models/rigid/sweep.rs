@@ -1,5 +1,6 @@
-//! One sweep of the fixed-point iteration: all unknowns for given friction directions, and the next friction directions, for
-//! one point or for several points side by side.
+//! One sweep of the fixed-point iteration, for one point or for several points side by side. A
+//! sweep calculates all unknowns for given friction directions, and then the next friction
+//! directions.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -18,25 +19,25 @@ pub(super) struct Directions<F> {
     screw: F,
     /// Direction of the friction at A' in `$(e_x, t)$`.
     unloaded: Plane<F>,
-    /// Correction of the force along the normal (R32).
+    /// Correction of the force along the contact normal (R32).
     correction: F,
     /// Norms `$|A|$` and `$|B|$` of the slip directions at A and B before normalization.
     norms: [F; 2],
 }
 
-/// Unknowns of the equations for given friction directions.
+/// Unknowns of the rigid equations for given friction directions.
 pub(super) struct SweepState<F> {
     /// Ratio of the load at A' to the centrifugal force `$\kappa = Q_{A'}/M$`.
     pub(super) unloaded: F,
     /// Centrifugal force `$M = \mu (P/W)^2$`.
     pub(super) centrifugal: F,
-    /// Precession relative to the nut `$p$`.
+    /// Precession rate relative to the nut `$p$`.
     pub(super) p: F,
-    /// Absolute precession `$P/W$`.
+    /// Absolute precession rate `$P/W$`.
     pub(super) rate: F,
     /// Slip speed at A, divided by the norm of `nut`.
     pub(super) slip: F,
-    /// Spin moment `$s$`.
+    /// Spin moment `$s$` (R20).
     pub(super) s: F,
     /// Direction of the slip at A, not normalized.
     pub(super) nut: Plane<F>,
@@ -48,13 +49,14 @@ pub(super) struct SweepState<F> {
     pub(super) next: Directions<F>,
 }
 
-/// Returns the scalar product.
+/// Returns the scalar product of two vectors.
 #[inline(always)]
 fn dot<F: Real>(a: Plane<F>, b: Plane<F>) -> F {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
-/// Returns the cross product, the component of `b` perpendicular to `a` for a unit vector `a`.
+/// Returns the cross product. If `a` is a unit vector, this is the component of `b` perpendicular
+/// to `a`.
 #[inline(always)]
 fn cross<F: Real>(a: Plane<F>, b: Plane<F>) -> F {
     a[1].neg_mul_add(b[0], a[0] * b[1])
@@ -71,7 +73,7 @@ impl<F: Real> RigidBall<F> {
     #[inline(always)]
     pub(super) fn start(&self) -> Directions<F> {
         let (zero, one) = (self.constant(0.0), self.constant(1.0));
-        // The sign of the spin follows from p of (R13).
+        // The sign of the spin is determined by p of (R13).
         let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
         let along = F::select((p + self.nut_speed).gt(zero), one, -one);
         let along = F::select(self.signed.lt(zero), -along, along);
@@ -84,11 +86,11 @@ impl<F: Real> RigidBall<F> {
         }
     }
 
-    /// Returns the precession `$p$` (R26).
+    /// Returns the precession rate `$p$` (R26).
     ///
     /// * `e_1`, `e_2`: coefficients of the slip at A (R27).
     /// * `screw`: direction opposite to the slip at B.
-    /// * `difference`: `$X = t_A - t_B$`.
+    /// * `difference`: difference of the tangents, `$X = t_A - t_B$`.
     #[inline(always)]
     fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, difference: F) -> F {
         // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
@@ -97,7 +99,8 @@ impl<F: Real> RigidBall<F> {
             / (e_1 - e_2).neg_mul_add(difference, (self.arc * 2.0) * screw[0])
     }
 
-    /// Returns all unknowns for given friction directions, and the next friction directions.
+    /// Calculates all unknowns for given friction directions, and the friction directions of the
+    /// next sweep.
     #[inline(always)]
     pub(super) fn sweep(&self, given: &Directions<F>) -> SweepState<F> {
         cost::evaluated();
@@ -181,7 +184,7 @@ impl<F: Real> RigidBall<F> {
 }
 
 impl<F: Real> Directions<F> {
-    /// Returns the largest difference of a component from other friction directions.
+    /// Returns the largest difference of a component between two sets of friction directions.
     #[inline(always)]
     pub(super) fn max_change(&self, other: &Self) -> F {
         let turns = (self.nut - other.nut).abs().larger((self.screw - other.screw).abs());
@@ -190,7 +193,7 @@ impl<F: Real> Directions<F> {
         turns.larger(x.larger(y))
     }
 
-    /// Returns the other friction directions where `moving` is true, and these elsewhere.
+    /// Returns the friction directions `other` where `moving` is true, and `self` elsewhere.
     #[inline(always)]
     pub(super) fn updated(&self, moving: F::Mask, other: &Self) -> Self {
         Self {

@@ -8,29 +8,30 @@ use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
-/// Maximum number of sweeps; a point that requires more sweeps is left to the continuation.
+/// Maximum number of sweeps. Points that need more sweeps are solved by continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Maximum number of sweeps after which a stationary state that is no root counts as evidence; slower sweeps have been seen to
-/// miss a root.
+/// Maximum number of sweeps at which a stationary state that is not a root counts as evidence that
+/// there is no root. Slower sweeps can miss a root.
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
-/// Maximum ratio of inertia to friction at which converged sweeps are trusted. Of 38 000 random
-/// points with ratios of 10 to 1e4, every converged point had the first root of the branch that
-/// begins at zero inertia, or no root where this branch has no root. The test
-/// `sweeps_find_the_root_of_the_continuation` repeats the comparison.
+/// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. In
+/// tests with 38 000 random points with ratios of 10 to 1e4, every converged point had the first
+/// root of the branch that begins at zero inertia, or no root where this branch has no root. The
+/// test `sweeps_and_continuation_find_the_same_root` repeats the comparison.
 const MAX_INERTIA: f64 = 1e4;
 
-/// Tolerance of the friction directions (dimensionless): the estimated remaining change at which the sweeps stop.
+/// Tolerance of the friction directions (dimensionless). The sweeps stop if the estimated remaining
+/// change is smaller.
 const DIRECTION_TOL: f64 = 1e-12;
 
-/// Maximum scaled residual of a root (dimensionless), as for Newton's method.
+/// Maximum scaled residual of a root (dimensionless), equal to the tolerance of Newton's method.
 const RESIDUAL_TOL: f64 = 1e-10;
 
 /// Result of the sweeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweeps<F: Real> {
-    /// Final motion, whose loads and slip may have any sign.
+    /// Motion after the last sweep. Loads and slip may have any sign.
     pub motion: RigidMotion<F>,
     /// Largest scaled residual of the equations.
     pub residual: F,
@@ -38,12 +39,14 @@ pub struct Sweeps<F: Real> {
     pub count: F,
     /// True if the friction directions became stationary within a few sweeps.
     pub stationary: F::Mask,
-    /// True if the motion solves the equations, and is on the branch that begins at zero inertia.
+    /// True if the motion satisfies the equations. It is then on the branch that begins at zero
+    /// inertia.
     pub converged: F::Mask,
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Iterates from the first-order solution of this ball until the friction directions are stationary.
+    /// Repeats sweeps, starting from the first-order solution of this ball, until the friction
+    /// directions are stationary.
     #[inline(always)]
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
         let one = self.constant(1.0);
@@ -57,7 +60,8 @@ impl<F: Real> RigidBall<F> {
             let change = directions.max_change(&state.next);
             directions = directions.updated(moving, &state.next);
             count = F::select(moving, count + 1.0, count);
-            // Geometric series: the remaining change is c/(1 − c) times this change, with c = change/last.
+            // Geometric series: the remaining change is c/(1 − c) times the last change, where c =
+            // change/last.
             let converges = (change * change).lt((last - change) * DIRECTION_TOL);
             moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
             last = change;
@@ -73,7 +77,7 @@ impl<F: Real> RigidBall<F> {
         Sweeps { motion, residual, count, stationary, converged }
     }
 
-    /// Returns the motion of a state.
+    /// Returns the motion that corresponds to the state of a sweep.
     #[inline(always)]
     fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
         let [norm_a, norm_b] = state.norms;
@@ -90,7 +94,7 @@ impl<F: Real> RigidBall<F> {
 }
 
 impl<F: Real> Sweeps<F> {
-    /// Returns true if the sweeps have found a root: they have converged to an admissible motion.
+    /// Returns true if the sweeps have found a root, that is, converged to an admissible motion.
     #[inline(always)]
     pub fn is_root(&self) -> F::Mask {
         self.converged & self.motion.is_admissible()
@@ -98,7 +102,8 @@ impl<F: Real> Sweeps<F> {
 }
 
 impl<F: Real> RigidMotion<F> {
-    /// Returns true if all contact loads are positive and the slip at A is opposite to its friction.
+    /// Returns true if all contact loads are positive and the slip at A is opposite to the friction
+    /// at A.
     #[inline(always)]
     pub fn is_admissible(&self) -> F::Mask {
         let zero = self.rate.constant(0.0);

@@ -1,5 +1,6 @@
-//! Compares sweeps with the continuation and `no_solution` with searches from many starting points,
-//! and solves points that formerly had no result or a wrong result.
+//! Tests of the rigid model: compares sweeps with the continuation, and `no_solution` with searches
+//! from many starting values. Also solves points for which earlier versions had no result or a
+//! wrong result.
 
 use std::f64::consts::PI;
 
@@ -19,21 +20,22 @@ use crate::extreme::extreme;
 use crate::models::ball::Workspace;
 use crate::{Ball, Coulomb, Evidence, Load, Reason, Status};
 
-/// Number of slip directions that are tried at one point.
+/// Number of random slip directions at one point.
 const DIRECTIONS: usize = 20_000;
 /// Number of Newton solves at one point.
 const STARTS: usize = 200;
 
-/// Number of points without a solution that are tested.
+/// Number of points without a solution in the test.
 const NO_SOLUTION: usize = 100;
 
-/// Returns a screw within the extreme ranges.
+/// Returns a random screw within the extreme ranges.
 fn screw(rng: &mut impl Rng) -> OperatingPoint {
     extreme(rng).point
 }
 
-/// Returns a starting point from random slip directions at A, A' and B; `None` if a contact would act in tension. Loads and
-/// precession follow from the force balance, the slip at A from the direction at B, and the spin from the moment about t.
+/// Returns a starting value from random slip directions at A, A' and B, or `None` if a contact
+/// would act in tension. Loads and precession rate are calculated from the force balance, the slip
+/// at A from the slip direction at B, and the spin from the moment balance about t.
 fn start(
     point: &OperatingPoint,
     ball: &RigidBall,
@@ -81,7 +83,7 @@ fn start(
     Some(RigidEquations::at(ball, &motion))
 }
 
-/// Returns at most a given number of admissible roots from random starting points.
+/// Returns at most `most` admissible roots that are found from random starting values.
 fn roots_from_random_starts(
     (rigid, ball): (&OperatingPoint, &RigidBall),
     most: usize,
@@ -93,7 +95,7 @@ fn roots_from_random_starts(
         let Some((case, mut y)) = start(rigid, ball, rng) else { continue };
         started += 1;
         for _ in 0..3 {
-            // The weights follow the iterate.
+            // The weights are recalculated for every iterate.
             let Ok(motion) = case.motion(&y) else { break };
             let weights = ball.own_weights(&motion, 1.0);
             let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -101,7 +103,7 @@ fn roots_from_random_starts(
             let options = Options { convergence, ..Options::default() };
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton).report;
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
-                // The root at infinity does not balance the powers.
+                // A spurious root at infinity does not satisfy the power balance.
                 let solved = ball.solved(&motion, &rigid.units(), rigid.contact_angle, false);
                 let imbalance = solved.transmission.power_balance;
                 let root =
@@ -120,9 +122,10 @@ fn roots_from_random_starts(
     found
 }
 
-/// At practical points, random starting points lead to no root if there is no solution, and mostly to a root otherwise.
+/// At practical points without a solution, random starting values lead to no root. At points with a
+/// solution, they usually lead to a root.
 #[test]
-fn many_starts_find_no_root_where_there_is_no_solution() {
+fn random_starts_find_no_root_where_there_is_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
     let (mut no_solution, mut found, mut seen) = (0, 0, 0);
@@ -131,7 +134,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
         let rigid = practical_point(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
-        // Without inertia, the first-order solution is a proof.
+        // Without inertia, the first-order solution already proves the result.
         if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
@@ -153,8 +156,9 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
     assert!(seen * 10 > found * 7, "{seen} of {found}");
 }
 
-/// Returns a screw within slightly more than the practical ranges: pitch circles of 8 to 120 mm, screw drive, nut drive or both,
-/// 10 to 10 000 rpm in both directions, and 1 N to 10 kN per ball.
+/// Returns a random screw within slightly more than the practical ranges: pitch circle diameters of
+/// 8 to 120 mm; screw drive, nut drive or both; 10 to 10 000 rpm in both directions; and 1 N to 10
+/// kN per ball.
 fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
     let radius = rng.random_range(4e-3..60e-3);
     let rpm = rng.log_uniform(10.0, 1e4);
@@ -170,9 +174,9 @@ fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
     }
 }
 
-/// Inertia forces exceed friction at these points.
+/// At these points, the inertia forces exceed the friction forces.
 #[test]
-fn many_starts_find_no_second_root_where_it_is_excluded() {
+fn random_starts_find_no_second_root_where_it_is_excluded() {
     const POINTS: usize = 30;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
@@ -194,21 +198,21 @@ fn many_starts_find_no_second_root_where_it_is_excluded() {
     assert!(10 * seen > 7 * points, "{seen} of {points}");
 }
 
-/// If a second root is excluded, the branch has no second root, and the result is the first root of the branch, for practical
-/// and extreme points.
+/// If a second root is excluded, there is no second root on the branch, for practical and for
+/// extreme points.
 #[test]
-fn a_second_root_on_the_branch_needs_inertia() {
+fn branch_has_no_second_root_where_it_is_excluded() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
-/// Prints the numbers of `docs/evidence/robustness.md`.
+/// Prints the results that are cited in `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
-fn second_roots_counted() {
+fn branch_has_no_second_root_where_it_is_excluded_at_length() {
     count_second_roots([100_000, 100_000]);
 }
 
-/// Counts points with a second root.
+/// Solves many points and counts the points with a second root.
 ///
 /// * `counts`: numbers of practical and extreme points.
 fn count_second_roots(counts: [usize; 2]) {
@@ -226,7 +230,7 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
             let friction = case.friction();
-            // Below this inertia, rounding errors determine the loads.
+            // At lower inertia, rounding errors dominate the loads.
             if start.inertia_scale < 1e-3 * friction {
                 continue;
             }
@@ -236,7 +240,7 @@ fn count_second_roots(counts: [usize; 2]) {
                 unknown += 1;
                 continue;
             };
-            // The root at infinity does not balance the powers.
+            // A spurious root at infinity does not satisfy the power balance.
             if count_balanced_roots(&rigid, &case, &alternatives) > 0 {
                 several += 1;
                 assert!(!start.is_unique, "{rigid:?} {alternatives:?}");
@@ -260,7 +264,8 @@ fn count_second_roots(counts: [usize; 2]) {
     }
 }
 
-/// Returns a point with strong inertia at which the efficiency changes abruptly with the contact angle.
+/// Returns an operating point with large inertia at which the efficiency jumps at a certain contact
+/// angle.
 fn point_near_a_step(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
     OperatingPoint {
@@ -285,8 +290,8 @@ fn count_balanced_roots(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallR
     roots.iter().filter(|root| rigid.balanced(ball, root).is_ok()).count()
 }
 
-/// The efficiency changes from 0.92698 to 0.92168 between 55.12 and 55.13 degrees. The second steady motion was formerly not
-/// reported.
+/// Between contact angles of 55.12 and 55.13 degrees, the efficiency jumps from 0.92698 to 0.92168.
+/// An earlier version did not report the second steady motion.
 #[test]
 fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
@@ -296,24 +301,27 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
         let alternatives = solved.alternatives.expect("a branch");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
     };
-    // The point has three roots: the two that were printed, and one between them.
+    // This operating point has three roots: two whose efficiencies are checked below, and one
+    // between them.
     let (eta, alternatives, other) = answered(54.5, &mut work);
     assert_eq!(alternatives, 2);
-    // These values were printed.
+    // The expected efficiencies are printed results with six digits.
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
-    // Two of the roots meet and end at the step; the third root continues.
+    // Two of the three roots meet and end at the jump of the efficiency; the third root continues.
     let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
     let (after, alternatives, _) = answered(55.13, &mut work);
     assert_eq!(alternatives, 0);
     assert_relative_eq!(before, 0.92698, epsilon = 2e-4);
-    // A hundredth of a degree moves the third root by less than a hundredth of the step.
+    // A change of 0.01 degrees changes the efficiency of the third root by less than a hundredth of
+    // the jump.
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
-/// The screw is at rest, and inertia is 1.5 times friction. A second root on an isolated curve has the reversed slip at A. It is
-/// neither reported as the result nor excluded.
+/// The screw is at rest, and inertia is 1.5 times friction. On an isolated curve there is a second
+/// root with the opposite direction of slip at A. This root must not be the result, and its
+/// existence must not be ruled out.
 #[test]
 fn root_on_an_isolated_curve_is_not_the_result() {
     let rigid = operating_point(
@@ -331,9 +339,9 @@ fn root_on_an_isolated_curve_is_not_the_result() {
     assert_eq!(root.alternatives, None);
 }
 
-/// Converged sweeps find the first root of the branch that begins at zero inertia.
+/// If the sweeps converge, they find the first root of the branch that begins at zero inertia.
 #[test]
-fn sweeps_find_the_root_of_the_continuation() {
+fn sweeps_and_continuation_find_the_same_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let (mut compared, mut lost) = (0, 0);
     for number in 0..campaign(4000) {
@@ -351,14 +359,15 @@ fn sweeps_find_the_root_of_the_continuation() {
             continue;
         };
         compared += 1;
-        // The crossing is accurate to a thousandth of a step.
+        // The crossing on the branch is accurate to a thousandth of a step.
         assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.02);
     }
     assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
 }
 
-/// Returns a point from lead angle and contact angle \[rad\], ball radius and pitch radius \[m\], mass \[kg\], friction
-/// coefficient, speeds of screw and nut \[rad/s\] and load \[N\].
+/// Creates an operating point from lead angle and contact angle \[rad\], ball radius and pitch
+/// circle radius \[m\], mass \[kg\], friction coefficient, speeds of screw and nut \[rad/s\] and
+/// axial load \[N\].
 fn operating_point(
     [lead_angle, contact_angle]: [f64; 2],
     [ball, radius, mass]: [f64; 3],
@@ -376,8 +385,8 @@ fn operating_point(
     }
 }
 
-/// Returns practical points whose balls orbit very slowly.
-fn points_that_hardly_circle() -> [OperatingPoint; 4] {
+/// Returns practical operating points whose balls orbit very slowly.
+fn slowly_orbiting_points() -> [OperatingPoint; 4] {
     [
         operating_point(
             [0.439_627_372_287_971_6, 1.230_144_154_782_304],
@@ -410,39 +419,41 @@ fn points_that_hardly_circle() -> [OperatingPoint; 4] {
     ]
 }
 
-/// Inertia forces are proportional to the square of the precession, so that inertia cannot reverse the precession. The
-/// continuation formerly began beyond the first of these points, and a search along the curve of all inertias lost the load at
-/// A', 1e-18 of the axial load, to rounding errors.
+/// Inertia forces are proportional to the square of the precession rate, so inertia cannot reverse
+/// the precession. In an earlier version, the continuation began beyond the root of the first
+/// operating point. A search along the curve of all inertias failed because rounding errors hid the
+/// load at A', which is 1e-18 times the axial load.
 #[test]
 fn slowly_orbiting_ball_has_a_root() {
-    for point in points_that_hardly_circle() {
+    for point in slowly_orbiting_points() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
         let root = balanced_root(&point);
-        // Inertia causes a relative change of the precession of at most the ratio of inertia to
-        // friction, 0.04.
+        // Inertia changes the precession rate by a relative amount of at most the ratio of inertia
+        // to friction, which is 0.04.
         let rate = root.p + point.drive.nut_speed / point.drive.relative_speed();
         assert_relative_eq!(rate, first.rate, max_relative = 0.1);
     }
 }
 
-/// The ratio of inertia to friction of this point is 0.0098. The branch formerly began at 0.01.
+/// At this operating point, the ratio of inertia to friction is 0.0098. In an earlier version, the
+/// branch began at a ratio of 0.01.
 #[test]
-fn branch_begins_below_the_inertia_of_the_point() {
-    let [point, ..] = points_that_hardly_circle();
+fn branch_begins_below_the_actual_inertia() {
+    let [point, ..] = slowly_orbiting_points();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
     let swept = ball.sweeps(&first);
     let branch = ball.follow_branch(&first);
     let found = branch.motions.first().expect("a root");
-    // A crossing is accurate to a thousandth of a step.
+    // The crossing on the branch is accurate to a thousandth of a step.
     assert_relative_eq!(found.rate, swept.motion.rate, max_relative = 0.01);
     assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.01);
 }
 
-/// If inertia is much larger than friction, the ball of a nut drive nearly rolls on the nut. Slips and loads are powers of the
-/// inertia, so that the branch is straight in logarithmic unknowns. With loads and slips as unknowns, 400 steps did not reach
-/// this root.
+/// If inertia is much larger than friction, the ball of a nut drive nearly rolls on the nut. Slips
+/// and loads are powers of the inertia, so the branch is straight in logarithmic unknowns. With
+/// loads and slips as unknowns, the continuation did not reach this root in 400 steps.
 #[test]
 fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     let point = operating_point(
@@ -455,21 +466,22 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     let first = Rigid { point }.first_order().expect("friction");
     assert!(first.inertia_scale > 1e8 * point.friction.0);
     let (root, cost) = crate::cost::cost_of(|| balanced_root(&point));
-    // The expected value comes from the search along the curve of all inertias, which found this
-    // root by another reduction of the equations.
+    // The expected value comes from a search along the curve of all inertias, which is based on a
+    // different reduction of the equations.
     assert_relative_eq!(
         root.screw_load,
         63.992_277_951_219_11 / 46.693_249_083_717_21,
         max_relative = 1e-9
     );
-    // The limit is about twice the cost of two solves of about 80 points with up to ten evaluations
-    // per point. Without logarithmic unknowns, at least 400 points were necessary.
+    // The limit is about twice the cost of two solves, each with about 80 points and up to ten
+    // evaluations per point. Without logarithmic unknowns, at least 400 points were necessary.
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
-/// At this practical point, the ball of the first-order solution rolls on the nut. The root belongs to a branch that begins at
-/// half of the inertia of the point, where the slip at A vanishes: random starting points find a root at the point, and none
-/// below.
+/// At this practical operating point, the first-order solution predicts rolling on the nut. The
+/// root belongs to a branch that begins at half of the actual inertia, where the slip at A
+/// vanishes: random starting values lead to a root at the actual inertia, but not at smaller
+/// inertia.
 #[test]
 fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
     let point = operating_point(
@@ -492,7 +504,7 @@ fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
     }
 }
 
-/// Returns the root and checks that its powers balance.
+/// Returns the root after checking that its powers balance.
 fn balanced_root(rigid: &OperatingPoint) -> RigidRoot {
     let mut work = RigidWorkspace::default();
     let rigid = Rigid { point: *rigid };
@@ -501,9 +513,10 @@ fn balanced_root(rigid: &OperatingPoint) -> RigidRoot {
     rigid.root(&mut work).expect("it converged")
 }
 
-/// At friction coefficients of order one, the first-order solution formerly excluded roots on isolated curves.
+/// For friction coefficients of order one, an earlier version excluded roots on isolated curves
+/// because of the first-order solution.
 #[test]
-fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
+fn first_order_solution_does_not_exclude_roots_at_large_friction() {
     let screw = operating_point(
         [0.676_723_890_5, 0.436_508_972_9],
         [0.094_159_373_29, 7.007_599_528, 49.385_638_61],
@@ -522,13 +535,14 @@ fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
         assert!(Rigid { point }.first_order().expect("friction").sliding_margin < 0.0);
         let solution = Rigid { point }.solve(&mut RigidWorkspace::default());
         let evidence = solution.evidence();
-        // The branch that begins without inertia is followed; isolated arcs are not searched.
+        // Only the branch that begins at zero inertia is followed; isolated curves are not
+        // searched.
         assert!(matches!(evidence, None | Some(Evidence::Traced { .. })), "{solution:?}");
     }
 }
 
-/// Near self-locking, the loads are 2e5 times the axial load, and inertia is very small. Rounding errors of these loads formerly
-/// made the load at A' negative at some speeds.
+/// Near self-locking, the loads are 2e5 times the axial load, while inertia is very small. In an
+/// earlier version, rounding errors of these loads made the load at A' negative at some speeds.
 #[test]
 fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
@@ -543,7 +557,7 @@ fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
         let first = Rigid { point: screw }.first_order().expect("friction");
         let root = balanced_root(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
-        // The error of the first order is 2e5 times ι/f, which is 2e-2 here.
+        // The error of the first-order solution is 2e5 times ι/f, which is 2e-2 here.
         assert_relative_eq!(
             root.unloaded_flank_load,
             first.unloaded * first.inertia,
@@ -552,9 +566,9 @@ fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
     }
 }
 
-/// The inertia ratio is 4e5, but the ball orbits so slowly that its inertia forces are small.
-/// The residual was formerly scaled by the inertia ratio, and the loads had errors in the sixth
-/// digit.
+/// The inertia ratio is 4e5, but the ball orbits so slowly that its inertia forces are small. An
+/// earlier version divided the residual by the inertia ratio, which caused errors in the sixth
+/// digit of the loads.
 #[test]
 fn loads_are_accurate_at_a_large_inertia_ratio() {
     let rigid = operating_point(
@@ -569,10 +583,10 @@ fn loads_are_accurate_at_a_large_inertia_ratio() {
     assert_relative_eq!(root.p, 2.337_439_703e-4, max_relative = 1e-8);
 }
 
-/// Screw and nut turn, and the ball nearly stands still. P was formerly the difference of large numbers, so that no step reduced
-/// the residual.
+/// Screw and nut rotate, and the ball orbits very slowly. In an earlier version, P was a difference
+/// of large numbers, so no Newton step reduced the residual.
 #[test]
-fn precession_of_a_ball_that_hardly_circles_is_accurate() {
+fn precession_rate_of_a_slowly_orbiting_ball_is_accurate() {
     let rigid = operating_point(
         [0.626_999_675_0, 0.647_413_321_4],
         [0.024_599_681_13, 0.472_356_244_0, 0.061_325_760_58],
@@ -587,10 +601,11 @@ fn precession_of_a_ball_that_hardly_circles_is_accurate() {
     balanced_root(&rigid);
 }
 
-/// At the first point, the slip at A changes its direction within a change of 1e-6 rad of the slip at B. At the second point, the
-/// load at A nearly vanishes.
+/// At the first operating point, the slip at A changes its direction while the direction of the
+/// slip at B changes by only 1e-6 rad. At the second operating point, the load at A nearly
+/// vanishes.
 #[test]
-fn root_is_found_near_sharp_turns_of_the_curve() {
+fn root_is_found_near_sharp_turns_of_the_branch() {
     let turns = operating_point(
         [0.504_958_092_793_035_3, 1.512_811_586_775_128_8],
         [0.009_998_217_540_957_081, 0.856_559_715_426_631_5, 0.003_561_653_961_393_374],
@@ -621,18 +636,18 @@ fn root_exists_at_reported_nearest_inertia() {
             continue;
         };
         named += 1;
-        // The branch ends at the nearest inertia, so the point is moved back by a thousandth of the
-        // inertia.
+        // The branch ends at the reported inertia, so the test uses an inertia that is 0.1 % inside
+        // the branch.
         let back = if nearest < inertia_ratio { 0.999 } else { 1.001 };
         let axial = rigid.load.axial * inertia_ratio / (back * nearest);
         balanced_root(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
     }
 }
 
-/// Limit of large inertia: the precession of a screw drive is inversely proportional to the square root of the inertia, and the
-/// loads are constant.
+/// In the limit of large inertia, the precession rate of a screw drive is inversely proportional to
+/// the square root of the inertia, and the loads are constant.
 #[test]
-fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
+fn precession_rate_is_inversely_proportional_to_the_square_root_of_large_inertia() {
     let lin = |axial| {
         operating_point(
             [10.0_f64.to_radians(), 45.0_f64.to_radians()],
@@ -645,7 +660,7 @@ fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
     let limit = balanced_root(&lin(1e-16));
     for axial in [1e-8_f64, 1e-10, 1e-12] {
         let root = balanced_root(&lin(axial));
-        // The relative difference from the limit is of the order of magnitude of the rate.
+        // The relative difference from the limit is of the order of the precession rate.
         let scale = (axial / 1e-16).sqrt();
         assert_relative_eq!(root.p, limit.p * scale, max_relative = 10.0 * root.p.abs());
         assert_relative_eq!(root.nut_load, limit.nut_load, max_relative = 10.0 * root.p.abs());

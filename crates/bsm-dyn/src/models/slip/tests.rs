@@ -1,4 +1,4 @@
-//! Limits and identities of the slip speeds.
+//! Tests of the slip formulas: limiting cases and identities.
 
 use approx::assert_relative_eq;
 use bsm_kin::Jet;
@@ -26,7 +26,8 @@ fn rolling_ball(control: Control, lead: f64, angles: [f64; 2], forward: bool) ->
 }
 
 proptest! {
-    /// Differential slip is the value and spin is the rotation of the field of slip velocities at the contact center.
+    /// At the contact center, the differential slip equals the value of the slip velocity field,
+    /// and the spin equals its rotation.
     #[test]
     fn differential_slip_and_spin_are_value_and_rotation_of_the_slip_field(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
@@ -47,7 +48,8 @@ proptest! {
                 Motion { precession: relative.precession.into(), omega: lift(relative.omega) };
             let v = motion.slip_velocity(ball.helix.arc_length_per_radian().into(), &point);
             let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(transverse)));
-            // Speeds of up to 10 m/s and rates of 5e3 rad/s have these rounding errors.
+            // The tolerances are rounding errors of speeds of up to 10 m/s and rotation rates of up
+            // to 5e3 rad/s.
             let speed = along.re.hypot(aside.re);
             prop_assert!((ball.differential_slip(&touch) - speed).abs() <= 1e-13);
             let spin = ball.spin(&touch);
@@ -56,8 +58,8 @@ proptest! {
         }
     }
 
-    /// A rolling ball slides only across the groove, at both contacts with the speed `r_b W sinα/2`, for all contact angles
-    /// and pitch circles (X13).
+    /// For all contact angles and pitch circles, a rolling ball slides only across the groove, with
+    /// the speed `r_b W sinα/2` at both contacts (X13).
     #[test]
     fn contacts_of_a_rolling_ball_share_the_slip_due_to_the_lead(
         lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
@@ -68,7 +70,8 @@ proptest! {
             let half = 3e-3 * 523.0 * lead.sin() / 2.0;
             for (site, angle) in [(Site::Nut, a), (Site::Screw, b)] {
                 let touch = ContactSite { site, angle };
-                // Speeds of the order of d W, up to 150 m/s at 1.5 rad, have this rounding error.
+                // The tolerance is the rounding error of speeds of the order of d W, up to 150 m/s
+                // at a lead angle of 1.5 rad.
                 prop_assert!((ball.differential_slip(&touch) - half).abs() <= 1e-13 / lead.cos());
                 prop_assert!(ball.rolling_speed(&touch) > 0.0);
                 if site == raceway {
@@ -79,7 +82,7 @@ proptest! {
         }
     }
 
-    /// The spin is the sum of the spin of the orbit and of the rotation in the traveling triad.
+    /// The spin is the sum of the orbit spin and the rotation relative to the traveling triad.
     #[test]
     fn spin_is_the_sum_of_orbit_spin_and_rotation_in_the_triad(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
@@ -91,7 +94,8 @@ proptest! {
             let in_carrier = ball.motion.omega - ball.frame().k * p;
             let rest = in_carrier.dot(&ball.contact(&touch).normal);
             prop_assert!((ball.orbit_spin(&touch) + rest - ball.spin(&touch)).abs() <= 1e-11);
-            // The published orbit slip is the product of this rate and the distance from the axis.
+            // The published orbit slip is the product of the orbit spin and the distance from the
+            // axis.
             let to_contact = ball.contact(&touch).point(3e-3) - Vector3::y() * 20e-3;
             let published = ball.orbit_slip_published(site, beta);
             let lever = to_contact.norm();
@@ -99,9 +103,9 @@ proptest! {
         }
     }
 
-    /// For any motion, the powers of all parts of the slip add up to the friction power.
+    /// For any motion, the powers of all components of the slip add up to the friction power.
     #[test]
-    fn powers_of_the_parts_of_slip_add_up_to_the_friction_power(
+    fn powers_of_the_slip_components_add_up_to_the_friction_power(
         beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {
@@ -123,7 +127,7 @@ proptest! {
         let sliding = Sliding::Ellipse { semi_axes, pressed_radius, creep: 1e-4, quadrature };
         let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), sliding).unwrap();
         let parts = ball.power(&touch, &wrench);
-        // Powers of up to 15 N times 20 m/s have this rounding error.
+        // The tolerance is the rounding error of a power of 15 N times 20 m/s.
         prop_assert!((parts.total() - power).abs() <= 1e-11, "{parts:?} {power}");
         let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), Sliding::Point).unwrap();
         let parts = ball.power(&touch, &wrench);
@@ -133,8 +137,8 @@ proptest! {
     }
 }
 
-/// Balls that rotate with the triad have no relative slip. Balls that roll on a plane slide on each other with twice their rim
-/// speed.
+/// Balls that rotate with the triad have no relative slip. Balls that roll on a plane slide on each
+/// other with twice their rim speed.
 #[test]
 fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
     let frame = BallFrame::turned(0.2, 0.0);
@@ -144,8 +148,8 @@ fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
     assert_relative_eq!(ball(rolling, 0.2).ball_slip(), 0.6, max_relative = 1e-14);
 }
 
-/// The published spin slip depends on the direction of drive and does not vanish at the controlling raceway, in contrast to
-/// the spin.
+/// In contrast to the spin, the published spin slip depends on the direction of the drive and does
+/// not vanish at the controlling raceway.
 #[test]
 fn published_spin_slip_differs_from_the_spin() {
     let lead = 1e-9;
@@ -156,8 +160,8 @@ fn published_spin_slip_differs_from_the_spin() {
     };
     let ((there, spin, motion), (back, other, _)) = (at(true), at(false));
     let rate = motion.omega.norm();
-    // Without lead, γ = ∓β. The slip is r_b |ω'| tanβ times sin(π/4) forwards, and times sin(π/4 −
-    // β) backwards.
+    // For zero lead, γ = ∓β. The slip is r_b |ω'| tanβ, multiplied by sin(π/4) for forward drive
+    // and by sin(π/4 − β) for backward drive.
     let tangent = 3e-3 * rate * 0.7_f64.tan();
     assert_relative_eq!(there, (FRAC_PI_2 / 2.0).sin() * tangent, max_relative = 1e-8);
     let opposite = (FRAC_PI_2 / 2.0 - 0.7).sin() * tangent;
@@ -165,7 +169,8 @@ fn published_spin_slip_differs_from_the_spin() {
     assert!(spin.abs() + other.abs() < 1e-12 * rate);
 }
 
-/// The gyroscopic angles reproduce the components of the angular velocity by the equations of the paper.
+/// The equations of the paper reproduce the components of the angular velocity from the gyroscopic
+/// angles.
 #[test]
 fn gyroscopic_angles_agree_with_the_paper() {
     let omega = Vector3::new(310.0, -420.0, -1700.0);
@@ -179,10 +184,10 @@ fn gyroscopic_angles_agree_with_the_paper() {
     assert_relative_eq!(paper, omega, max_relative = 1e-13);
 }
 
-/// The slide-roll ratio is 2 if one surface is at rest.
+/// If one of the two surfaces is at rest, the slide-roll ratio is 2.
 #[test]
 fn slide_roll_ratio_of_a_locked_ball_is_two() {
-    // The ball is locked to the nut, so that its surface is at rest in the contact while the screw slides.
+    // The ball is locked to the nut: its surface is at rest in the contact while the screw slides.
     let drive = Drive { screw_speed: 523.0, nut_speed: -71.0 };
     let frame = BallFrame::turned(0.2, 0.0);
     let frozen = Motion { precession: drive.nut_speed, omega: frame.k * drive.nut_speed };

@@ -1,5 +1,5 @@
 //! Equations of a ball between elastic raceways with friction integrated over the contact ellipses,
-//! generic over the scalar.
+//! generic over the scalar type.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T11).
 
@@ -20,76 +20,80 @@ use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticContacts, ScaledFilm
 /// Indices of the components of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 
-/// Accuracy of the quadrature of the first solve (relative to the friction).
+/// Accuracy of the quadrature for the first solve (relative to the friction force).
 pub(crate) const COARSE: f64 = 1e-4;
 
-/// Accuracy of the quadrature of the search after a failed first solve (relative to the friction).
-/// The sums of this quadrature are smooth enough for continuation.
+/// Accuracy of the quadrature for the search after the first solve has failed (relative to the
+/// friction force). The sums of this quadrature are smooth enough for continuation.
 pub(crate) const SEARCH: f64 = 1e-6;
 
-/// Scaled residual below which the first solve ends and the requested quadrature takes over.
+/// Scaled residual at which the first solve ends and the solve with the requested quadrature
+/// begins.
 pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
 
-/// Maximum scaled residual of a root before the final Newton step, which is not evaluated.
+/// Maximum scaled residual before the final Newton step of a solve. The residual after this step is
+/// not evaluated.
 pub(super) const ROOT: f64 = 1e-10;
 
-/// Minimum of the scaled residual up to which steps keep the Jacobian. The square root of the
-/// residual goal applies if it is larger.
+/// Minimum threshold of the scaled residual below which Newton steps keep the Jacobian. The
+/// threshold is the square root of the residual goal if that is larger.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
-/// Ratio of nut speed to relative speed above which the unknown of the precession is relative to
-/// the nut.
+/// Ratio of nut speed to relative speed above which the unknown precession rate is relative to the
+/// nut.
 const FAST_NUT: f64 = 2.0;
 
-/// Default maximum number of Newton steps of a solve, and of halvings of a step.
+/// Default maximum number of Newton steps in a solve, and default maximum number of halvings of a
+/// step.
 const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
-/// Error for loads and a tilt for which no contact angles exist.
+/// Error for loads and tilts without corresponding contact angles.
 const CONTACT_LOST: EvalError = EvalError {
-    quantity: "contact of a ball at nut or screw",
+    quantity: "contact angle of a ball at nut or screw",
     value: f64::NAN,
-    requirement: "loaded at an angle between the groove arcs: the contact is lost",
+    requirement: "a number; no contact angle exists for these loads and this tilt",
 };
 
-/// The equations of an operating point.
+/// The equations of a ball at an operating point.
 #[derive(Clone, Copy)]
 pub(super) struct SlipBall<'a, P = f64> {
     pub(super) contacts: &'a ElasticContacts<P>,
     pub(super) quadrature: &'a Quadrature,
-    /// Fixed numbers of nodes near a root; `None` if the slip determines the numbers.
+    /// Fixed node counts of the quadrature near a root; `None` if the node counts depend on the
+    /// slip.
     pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
-    /// Residual goal of a solve; [`ROOT`] is the tolerance if it is larger.
+    /// Residual goal of a solve. The residual tolerance is the larger of this goal and [`ROOT`].
     pub(super) residual_goal: f64,
-    /// True if the unknowns for a high centrifugal load (T10) are used.
+    /// True if the unknowns for high centrifugal loads (T10) are used.
     pub(super) uses_nut_angle: bool,
     /// Lubricant; `None` for a constant friction coefficient.
     pub(super) lubrication: Option<Lubrication<'a, P>>,
-    /// Forces of the neighboring balls, if there are neighbors.
+    /// Forces of the neighboring balls, if the ball has neighbors.
     pub(super) push: Option<Push>,
-    /// Maximum number of Newton steps of a solve, and of halvings of a step.
+    /// Maximum number of Newton steps in a solve, and maximum number of halvings of a step.
     pub(super) limits: (usize, u32),
 }
 
-/// Friction of a lubricant.
+/// Friction of a lubricated ball.
 #[derive(Clone, Copy)]
 pub(super) struct Lubrication<'a, P = f64> {
     pub(super) ehl: &'a EhlPoint<P>,
-    /// Fraction of the friction that the lubricant causes, 0 to 1; the rest has a constant
-    /// coefficient.
+    /// Fraction of the friction that is calculated from the lubricant, from 0 to 1. The remaining
+    /// friction has a constant coefficient.
     pub(super) fraction: f64,
-    /// True if all derivatives are calculated node by node. Otherwise the small derivatives with
-    /// respect to the largest pressure are omitted.
+    /// True if derivatives are calculated completely, node by node. Otherwise the small derivatives
+    /// with respect to the maximum pressure are omitted.
     pub(super) complete: bool,
 }
 
-/// Residual of the seven equations, torque on the screw, and power loss due to sliding and rolling
-/// at nut and screw, in scaled units.
+/// Residuals of the seven equations, torque on the screw, and sliding and rolling power losses at
+/// nut and screw, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Sliding power, without derivatives if fast sums over the ellipses are used.
+    /// Sliding power. It has no derivatives if fast sums over the ellipses are used.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }
@@ -103,7 +107,7 @@ pub(super) struct PowerFlow {
 }
 
 impl<D: Scalar> Evaluation<D> {
-    /// Returns torque and powers without derivatives.
+    /// Returns the torque and the powers without derivatives.
     pub(super) fn power_flow(&self) -> PowerFlow {
         let (sliding, rolling) = (self.sliding.map(|x| x.re()), self.rolling.map(|x| x.re()));
         let power = sliding[0] + rolling[0] + (sliding[1] + rolling[1]);
@@ -111,33 +115,33 @@ impl<D: Scalar> Evaluation<D> {
     }
 }
 
-/// Both contacts of a ball under load; angles are pairs of sine and cosine.
+/// Both contacts of a ball under load. Angles are given by sine and cosine.
 pub(super) struct ContactGeometry<D> {
-    /// Rotation of the triad from `n` to the mean contact normal or, in the unknowns (T10), to the
-    /// contact normal at the nut.
+    /// Rotation of the triad from `n` to the mean contact normal (unknowns T1) or to the contact
+    /// normal at the nut (unknowns T10).
     rotation: (D, D),
     /// Angles of the contact normals in the rotated triad.
     tilts: [(D, D); 2],
     /// Contact angles at nut and screw.
     pub(super) angles: [(D, D); 2],
-    /// Contact ellipses with the relative motions of ball and raceway.
+    /// Contact ellipses with the motions of the ball relative to the raceways.
     pub(super) patches: [Patch<D>; 2],
 }
 
 /// Distances from the ball center to the centers of the groove arcs.
 struct ArcDistances<D> {
-    /// Cube roots of the loads.
+    /// Cube roots of the load ratios.
     growth: [D; 2],
     lengths: [D; 2],
 }
 
-/// Mean contact angle, and contact angles at nut and screw, as sine and cosine.
+/// Mean contact angle, and contact angles at nut and screw. Each angle is given by sine and cosine.
 pub(super) struct MeanAngle<D> {
     pub(super) mean: (D, D),
     pub(super) contacts: [(D, D); 2],
 }
 
-/// Returns the components of the rotation relative to the nut along t, n and b.
+/// Returns the components along t, n and b of the angular velocity relative to the nut.
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
@@ -147,8 +151,8 @@ pub(super) fn frenet<P: Copy, D: RealOver<P>>((sin, cos): (P, P), y: &[D; BALL])
     [along * sin - around * cos, radial, along * cos + around * sin]
 }
 
-/// Returns the second and third component of a vector that has these components along
-/// `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
+/// Returns the second and third component of the vector with the given components along `$N =
+/// \pm(0, \cos, \sin)$` and `$t \times N$`.
 ///
 /// * `i`: nut (0) or screw (1).
 /// * `(sin, cos)`: sine and cosine of the angle of `$N$`.
@@ -159,7 +163,8 @@ fn turned<D: Real>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D
 }
 
 impl<P: Scalar> SlipBall<'_, P> {
-    /// Returns the distances of the arc centers, or `None` if a contact carries no load.
+    /// Returns the distances from the ball center to the arc centers, or `None` if a contact
+    /// carries no load.
     #[inline(always)]
     fn arc_distances<D: Over<P>>(&self, y: &[D; BALL]) -> Option<ArcDistances<D>> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
@@ -174,8 +179,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         pressed.then_some(ArcDistances { growth, lengths })
     }
 
-    /// Returns the contact angles for two arc distances whose directions differ by twice the tilt,
-    /// or `None` if no contact angles satisfy (J7).
+    /// Calculates the contact angles for two arc distances whose directions differ by twice the
+    /// tilt. Returns `None` if no contact angles satisfy (J7).
     ///
     /// * `(sin_y, cos_y)`: sine and cosine of the tilt.
     #[inline(always)]
@@ -204,7 +209,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         })
     }
 
-    /// Returns the angles of the loaded contacts of a state, or `None` if a contact is lost.
+    /// Returns the angles of the loaded contacts for given unknowns, or `None` if a contact is
+    /// lost.
     ///
     /// * `tilt`: sine and cosine of the tilt.
     #[inline(always)]
@@ -216,7 +222,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.mean_angle(self.arc_distances(y)?.lengths, tilt)
     }
 
-    /// Returns the motions relative to nut and screw in the axes of the contacts.
+    /// Returns the motions relative to nut and screw in contact coordinates.
     ///
     /// * `angles`: sines and cosines of the contact angles.
     #[inline(always)]
@@ -235,7 +241,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         ]
     }
 
-    /// Returns the contacts of a state, or `None` if a contact is lost.
+    /// Returns the geometry of the contacts for given unknowns, or `None` if a contact is lost.
     #[inline(always)]
     fn contact_geometry<D: Over<P>>(&self, y: &[D; BALL]) -> Option<ContactGeometry<D>> {
         let ArcDistances { growth, lengths: [l_a, l_b] } = self.arc_distances(y)?;
@@ -273,10 +279,10 @@ impl<P: Scalar> SlipBall<'_, P> {
         Some(ContactGeometry { rotation, tilts, angles, patches })
     }
 
-    /// Returns the residual of the seven equations (P5), and the torque on the screw (B7).
+    /// Returns the residuals of the seven equations (P5), and the torque on the screw (B7).
     ///
-    /// * `friction`: force and moment on the ball at nut and screw besides the normal loads.
-    /// * `rate`: precession rate of the inertia forces.
+    /// * `friction`: friction force and moment on the ball at nut and screw.
+    /// * `rate`: precession rate from which the inertia forces are calculated.
     #[inline(always)]
     fn balance<D: Over<P>>(
         &self,
@@ -331,7 +337,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 }
 
 impl<P: Scalar> SlipBall<'_, P> {
-    /// Returns the loaded contacts of a state.
+    /// Returns the loaded contacts for given unknowns.
     ///
     /// # Errors
     ///
@@ -346,7 +352,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         }
     }
 
-    /// Returns the motion of the ball relative to the nut.
+    /// Returns the motion of the ball relative to the nut for given unknowns.
     pub(super) fn motion_to_nut<D: Over<P>>(
         &self,
         y: &[D; BALL],
@@ -359,13 +365,13 @@ impl<P: Scalar> SlipBall<'_, P> {
         }
     }
 
-    /// Returns the precession rate relative to the nut.
+    /// Returns the precession rate relative to the nut for given unknowns.
     #[inline(always)]
     fn rate_to_nut<D: Over<P>>(&self, y: &[D; BALL]) -> D {
         y[PRECESSION] + (self.offset() - self.contacts.scaled.nut_speed)
     }
 
-    /// Evaluates the equations at a state.
+    /// Evaluates the equations for given unknowns.
     ///
     /// # Errors
     ///
@@ -378,8 +384,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.evaluated_at(y, D::from(self.contacts.friction), rate)
     }
 
-    /// Evaluates the equations with another friction coefficient and with the inertia forces of
-    /// another precession rate.
+    /// Evaluates the equations with a different friction coefficient and with inertia forces
+    /// calculated from a different precession rate.
     ///
     /// # Errors
     ///
@@ -400,7 +406,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         Ok(found)
     }
 
-    /// Returns the quadrature nodes at nut (0) or screw (1).
+    /// Returns the nodes of the quadrature at nut (0) or screw (1).
     pub(super) fn nodes(&self, i: usize) -> Placement<'_> {
         Placement {
             rule: self.quadrature,
@@ -409,23 +415,23 @@ impl<P: Scalar> SlipBall<'_, P> {
         }
     }
 
-    /// Returns true if the root is only a starting value for another quadrature.
+    /// Returns true if the root only serves as a starting value for another quadrature.
     pub(super) fn is_first_try(&self) -> bool {
         self.residual_goal >= COARSE_RESIDUAL
     }
 
-    /// Returns the difference of the precession rate and its unknown.
+    /// Returns the difference between the precession rate and the corresponding unknown.
     ///
-    /// The difference is the nut speed if this speed is large compared with the relative speed or
-    /// if the ball almost sticks to the nut, so that the slip does not suffer from cancellation.
-    /// Otherwise it is zero.
+    /// The difference is the nut speed if the nut speed is large compared with the relative speed
+    /// or if the ball almost sticks to the nut. This avoids cancellation in the slip. Otherwise the
+    /// difference is zero.
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
         if self.uses_nut_angle || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
-    /// Returns the residual at a state.
+    /// Returns the residuals for given unknowns.
     ///
     /// # Errors
     ///
@@ -435,7 +441,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     }
 }
 
-/// Arguments for evaluating the equations without the forces of neighboring balls.
+/// Arguments of an evaluation of the equations without the forces of neighboring balls.
 struct Evaluate<'a, P, D> {
     ball: &'a SlipBall<'a, P>,
     y: &'a [D; BALL],
@@ -480,7 +486,7 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, P, D> {
     }
 }
 
-/// Wrench and power losses of a lubricated contact.
+/// Wrench of friction and rolling resistance, and power losses, at a lubricated contact.
 struct ContactLoss<D> {
     wrench: Integral<D>,
     sliding: D,
@@ -488,7 +494,7 @@ struct ContactLoss<D> {
 }
 
 impl<P: Scalar> Lubrication<'_, P> {
-    /// Returns friction and rolling resistance at nut and screw.
+    /// Calculates friction and rolling resistance at nut and screw.
     #[inline(always)]
     fn losses<S: Simd, D: Integrate<P>>(
         &self,
@@ -501,7 +507,7 @@ impl<P: Scalar> Lubrication<'_, P> {
         let (cos_lead, per_arc) = (contacts.scaled.lead.1, contacts.scaled.arc.recip());
         let film = |i: usize| {
             let [speed, _, _, around] = geometry.patches[i].motion;
-            // k·(t × N)
+            // Component k·(t × N) of the screw axis
             let k_c = geometry.angles[i].1 * cos_lead * [1.0, -1.0][i];
             self.ehl.of_motion(i, loads[i], [speed * per_arc, speed, around], k_c, creep)
         };
@@ -530,7 +536,7 @@ impl<P: Scalar> Lubrication<'_, P> {
 }
 
 impl<'a, P> SlipBall<'a, P> {
-    /// Creates the equations in the unknowns (T1), without lubricant and neighbors.
+    /// Creates the equations for the unknowns (T1), without lubricant and without neighbors.
     pub(super) fn of_contacts(
         contacts: &'a ElasticContacts<P>,
         quadrature: &'a Quadrature,
@@ -549,7 +555,7 @@ impl<'a, P> SlipBall<'a, P> {
         }
     }
 
-    /// Returns the policies of a Newton solve.
+    /// Returns the options of a Newton solve.
     pub(super) fn options(&self) -> Options {
         let (max_steps, max_halvings) = self.limits;
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
@@ -567,7 +573,7 @@ impl<'a, P> SlipBall<'a, P> {
 }
 
 impl SlipBall<'_> {
-    /// Returns the unknowns (T1) or (T10) of a state.
+    /// Returns the unknowns (T1) or (T10) that correspond to given contacts and motion.
     pub(super) fn unknowns(&self, loaded: &BallLoads<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
@@ -590,8 +596,8 @@ impl SlipBall<'_> {
         self.weights_of(y, self.contacts.friction, self.rate(y))
     }
 
-    /// Returns the weights for a given friction coefficient and for the inertia forces of a given
-    /// precession rate (T3).
+    /// Returns the weights of the equations for a given friction coefficient and a given precession
+    /// rate of the inertia forces (T3).
     pub(super) fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
         let centrifugal = self.contacts.inertia_ratio() * rate * rate;
         let across = if self.uses_nut_angle {
@@ -604,8 +610,8 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns the size of the friction force at the nut for a slip as large as the velocities from
-    /// which the slip is calculated (T11).
+    /// Returns the magnitude of the friction force at the nut if the slip were as large as the
+    /// velocities from which it is calculated (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
@@ -615,7 +621,7 @@ impl SlipBall<'_> {
         friction * load * slip / self.creep
     }
 
-    /// Returns the lever arm of friction divided by the ball radius.
+    /// Returns the lever arm of friction, divided by the ball radius.
     pub(super) fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
             .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Real::cbrt(y[load]));
@@ -623,8 +629,9 @@ impl SlipBall<'_> {
     }
 }
 
-/// Returns the lever arm of friction divided by the ball radius, `$h \ge 1$`. It exceeds 1 for
-/// ellipses whose semi-axis or surface drop at the end exceeds the ball radius.
+/// Returns the lever arm of friction, divided by the ball radius, `$h \ge 1$`. The lever arm
+/// exceeds 1 if the semi-axis of an ellipse, or the drop of the contact surface at its end, exceeds
+/// the ball radius.
 ///
 /// * `semi_axes`, `pressed_radius`: semi-axes of the loaded ellipses across the grooves and radii
 ///   of the contact surfaces, divided by the ball radius.
@@ -633,7 +640,8 @@ fn lever(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
     semi_axes.into_iter().chain(drops).fold(1.0, f64::max)
 }
 
-/// Returns the typical sizes of forces and moments, divided by the axial load.
+/// Returns the typical magnitudes of forces and moments, divided by the axial load and (for
+/// moments) by the ball radius.
 ///
 /// * `force`: ratio of inertia force to axial load.
 fn sizes(force: f64, friction: f64, lever: f64) -> (f64, f64) {

@@ -1,4 +1,4 @@
-//! Traction model with the friction of a lubricant.
+//! Traction model with lubricated contacts.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y32).
 
@@ -19,24 +19,24 @@ use crate::models::ball::{
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
-/// Residual goal of a lubricated root. The power imbalance is then a tenth of its tolerance or
-/// less.
+/// Residual goal of a lubricated root. At this residual, the power imbalance is at most a tenth of
+/// its tolerance.
 pub(super) const ENOUGH: f64 = 1e-11;
 
-/// Maximum number of Newton steps of one continuation step in the share of the oil, and of halvings
-/// of a Newton step.
+/// Limits for each step of the continuation in which the lubricant friction is increased: maximum
+/// number of Newton steps, and maximum number of halvings of a Newton step.
 const SHARE_LIMITS: (usize, u32) = (12, 6);
 
 impl<'a> SlipBall<'a> {
-    /// Returns the equations with the friction of a lubricant.
+    /// Returns the equations with lubricant friction.
     fn lubricated(&self, ehl: &'a EhlPoint) -> Self {
         Self { lubrication: Some(Lubrication { ehl, fraction: 1.0, complete: false }), ..*self }
     }
 }
 
 impl SlipBall<'_> {
-    /// Returns the equations with a given fraction of the lubricant friction, and with all
-    /// derivatives.
+    /// Returns the equations in which a given fraction of the friction comes from the lubricant,
+    /// with complete derivatives.
     fn complete(&self, fraction: f64) -> Self {
         let complete = |lubrication| Lubrication { fraction, complete: true, ..lubrication };
         Self { lubrication: self.lubrication.map(complete), ..*self }
@@ -44,8 +44,8 @@ impl SlipBall<'_> {
 
     /// Returns the lubricated root near a root with a constant friction coefficient.
     ///
-    /// If Newton's method fails, the root is followed while the share of the friction that the oil
-    /// causes increases from 0 to 1.
+    /// If Newton's method fails, a continuation follows the root while the fraction of lubricant
+    /// friction increases from 0 to 1.
     ///
     /// # Errors
     ///
@@ -78,21 +78,21 @@ impl SlipBall<'_> {
     }
 }
 
-/// A lubricated root, the operating point with its friction scale, and the rolling ball of the
-/// start.
+/// A lubricated root with its operating point (including the friction scale) and the rolling ball
+/// of the starting value.
 struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,
     refined: RootWithPower,
     frozen_rules: [OnceCell<FrozenRule>; 2],
     steps: usize,
-    /// Bound of the quadrature error of the efficiency of the contacts (T25) (dimensionless).
+    /// Error bound of the efficiency of the contacts due to quadrature (T25) (dimensionless).
     error: f64,
 }
 
 impl Traction {
-    /// Returns the lubricated root near the root with a constant friction coefficient, refined with
-    /// the quadrature of the requested accuracy.
+    /// Finds the lubricated root near the root with a constant friction coefficient, and refines it
+    /// with the quadrature of the requested accuracy.
     ///
     /// # Errors
     ///
@@ -128,7 +128,8 @@ impl Traction {
         let root = if let Some(root) = found {
             root
         } else {
-            // A point without a root for a constant coefficient may have a lubricated root.
+            // A lubricated root may exist even if there is no root with a constant friction
+            // coefficient.
             let near =
                 search.search(&rolling_ball, newton, &mut steps).map_err(|_| NoAnswer::LOST)?;
             smooth.search_lubricated(&near, newton, &mut steps)?
@@ -182,7 +183,7 @@ impl Traction {
 }
 
 impl<const M: usize> Traction<Jet<M>> {
-    /// Returns the inputs without derivatives.
+    /// Returns the inputs of the model without derivatives.
     pub(crate) fn values(&self) -> Traction {
         let Self { at, accuracy, creep } = *self;
         Traction { at: at.values(), accuracy, creep }

@@ -19,7 +19,7 @@ impl SlipBall<'_> {
 }
 
 impl Equations<BALL> for SlipBall<'_> {
-    /// Torque and powers at the screw.
+    /// Torque on the screw, and friction powers.
     type Details = PowerFlow;
     /// Derivatives of the torque with respect to the unknowns.
     type Slopes = [f64; BALL];

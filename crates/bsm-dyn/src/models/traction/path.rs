@@ -1,4 +1,5 @@
-//! Continuation of the root in inertia, for points that Newton's method does not solve directly.
+//! Continuation of the root in inertia, for operating points at which Newton's method does not
+//! converge directly.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T6) to (T8).
 
@@ -18,16 +19,16 @@ use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, Workspace, linear};
 use crate::models::raceway_control::RollingBall;
 
-/// Number of unknowns of a path: the unknowns of the ball and the path parameter.
+/// Number of unknowns of a path: the unknowns of one ball plus the path parameter.
 const PATH: usize = BALL + 1;
 
-/// Maximum friction coefficient of the first point of a path, for which friction hardly changes the
-/// contact angles.
+/// Maximum friction coefficient at the first point of a path. At this friction coefficient,
+/// friction hardly changes the contact angles.
 const SMALL_FRICTION: f64 = 1e-3;
 
-/// Step control of the paths. A step of length 1 changes the varied quantity by about a factor of
-/// e. Eight digits suffice for the points, because they are only starting values for roots. Few
-/// paths have more than a hundred points.
+/// Step control of the paths. A step of length 1 changes the path quantity by about a factor of e.
+/// Points on a path need only eight digits, because they are starting values for roots. Few paths
+/// have more than a hundred points.
 pub(super) const STEP_CONTROL: StepControl = StepControl {
     first: 0.5,
     longest: 1.0,
@@ -39,36 +40,37 @@ pub(super) const STEP_CONTROL: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// Direction of increasing path parameter.
+/// Direction of increasing path parameter in the space of the path unknowns.
 const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Angle beyond a flank \[rad\] up to which a contact counts as on the flank, to allow for rounding
-/// errors under large loads.
+/// Angle beyond a flank \[rad\] up to which a contact is treated as being on the flank. It allows
+/// for rounding errors under large loads.
 const FLANK_ANGLE_TOL: f64 = 1e-6;
 
-/// Result of a continuation.
+/// Result of following a path.
 pub(super) enum PathResult {
-    /// The path has a root with both contacts on their flanks. The powers may not balance.
+    /// The path has a root with both contacts on their flanks. The power balance of this root is
+    /// not checked.
     SlipRoot(SlipRoot),
     /// All roots on the path have contact angles beyond the flanks, or the ball leaves its flanks
-    /// on the path. The angles are those of the first root, or of the end of the path.
+    /// along the path. The angles belong to the first root or to the end of the path.
     OffFlank([f64; 2]),
-    /// The path could not be followed to its end.
+    /// Path tracking failed before the end of the path.
     Nothing,
 }
 
-/// Quantity that is varied along a path.
+/// Quantity that changes along a path.
 #[derive(Debug, Clone, Copy)]
 enum PathParameter {
     /// Friction coefficient of a ball without inertia.
     Friction,
-    /// Precession rate of the inertia forces, which is `unit` times sinh u (T7).
+    /// Precession rate from which the inertia forces are calculated: `unit` times sinh u (T7).
     Rate { unit: f64 },
 }
 
 impl PathParameter {
-    /// Returns friction coefficient and precession rate, each with its derivative with respect to
-    /// `u`.
+    /// Returns friction coefficient and precession rate at the path parameter `u`, each with its
+    /// derivative with respect to `u`.
     fn at(self, friction: f64, u: f64) -> [(f64, f64); 2] {
         match self {
             // f = eᵘ                                                      (T6)
@@ -79,7 +81,7 @@ impl PathParameter {
     }
 }
 
-/// The equations of a ball with a path parameter as an additional unknown.
+/// The equations of a ball in which the path parameter is an additional unknown.
 struct PathEquations<'a> {
     ball: &'a SlipBall<'a>,
     along: PathParameter,
@@ -115,7 +117,8 @@ fn ball(z: &[f64; PATH]) -> [f64; BALL] {
     from_fn(|i| z[i])
 }
 
-/// Returns the start of a path at the state `y` with the path parameter `u`.
+/// Returns the starting point of a path from the unknowns `y` of the ball and the path parameter
+/// `u`.
 fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
     Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: INCREASING }
 }
@@ -131,23 +134,24 @@ impl SlipBall<'_> {
         !are_on_flanks(self.angles(y), margin)
     }
 
-    /// Returns true if a contact angle is so far beyond its flank, by π/2, that the path is not
+    /// Returns true if a contact angle is more than π/2 beyond its flank, so that the path is not
     /// expected to return.
     fn is_far(&self, z: &[f64; PATH]) -> bool {
         self.is_off_flank(&ball(z), FRAC_PI_2)
     }
 
-    /// Returns the first root on the flanks along the path of increasing inertia forces.
+    /// Finds the first root on the flanks along the path of increasing inertia forces.
     ///
-    /// The path starts from a ball without inertia and with small friction. The creep speed is
-    /// lowered, then friction is increased to its value, and then the inertia forces are increased.
+    /// The path starts from a ball without inertia and with small friction. First the creep speed
+    /// is lowered, then friction is increased to its actual value, and then the inertia forces are
+    /// increased.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
         searched();
         let still = self.contacts.with_inertia(0.0);
         let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
         let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Nothing };
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
-        // At the first creep speed, friction is nearly proportional to the slip.
+        // At the initial creep speed, friction is nearly proportional to the slip.
         let begin = (10.0 * self.lever(&y)).ln();
         let control = Continuation { first: 2.0, shortest: 1e-3 };
         let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
@@ -199,11 +203,11 @@ impl SlipBall<'_> {
         }
     }
 
-    /// Returns the first root on the flanks along the path of increasing inertia forces from a ball
-    /// without inertia.
+    /// Finds the first root on the flanks along the path of increasing inertia forces, which starts
+    /// from a ball without inertia.
     ///
-    /// * `sense`: 1 if the precession rate of the inertia forces moves toward the rate of the ball
-    ///   without inertia, and -1 if it moves away.
+    /// * `sense`: 1 if the precession rate of the inertia forces moves toward the precession rate
+    ///   of the ball without inertia, and -1 if it moves away.
     fn beginning_at_rest(
         &self,
         y: &[f64; BALL],
@@ -212,7 +216,7 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> PathResult {
         let (at_rest, mu) = (self.rate(y), self.contacts.inertia_ratio());
-        // At this precession rate, inertia forces are small compared with load and friction.
+        // At this precession rate, the inertia forces are small compared with load and friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
         // This is the upper limit of the precession rate of a ball.

@@ -1,4 +1,4 @@
-//! Forces on a ball from both neighbors in the train.
+//! Forces on a ball from its two neighbors in the train.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O2) and (O3).
 
@@ -10,7 +10,7 @@ use crate::models::ball::{BALL, BallLoads, ElasticContacts};
 /// Normal forces of both neighboring balls, divided by the axial load of the ball.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push {
-    /// Force of the ball in front, in the direction of travel.
+    /// Force of the ball in front (in the direction of travel).
     pub(super) front: f64,
     /// Force of the ball behind.
     pub(super) back: f64,
@@ -19,7 +19,7 @@ pub(super) struct Push {
 }
 
 impl Push {
-    /// Returns the force and the moment of both neighbors on the ball, in scaled units.
+    /// Returns the force and the moment of the two neighbors on the ball, in scaled units.
     pub(super) fn wrench<P: Scalar, D: Over<P>>(
         &self,
         contacts: &ElasticContacts<P>,
@@ -37,7 +37,8 @@ impl Push {
         Wrench { force: BallFrame::tangent() * along, moment }
     }
 
-    /// Adds the force and the moment of both neighbors to the residual of the balance.
+    /// Adds the force and the moment of the two neighbors to the residuals of the force and moment
+    /// balance.
     pub(super) fn add_to<P: Scalar, D: Over<P>>(
         &self,
         residual: &mut [D; BALL],

@@ -1,4 +1,5 @@
-//! Roots that Newton's method finds from starting values, and the criteria for accepting them.
+//! Roots to which Newton's method converges from starting values, and criteria for accepting these
+//! roots.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T10), (T24) and (T25).
 
@@ -13,23 +14,24 @@ use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
-/// Minimum creep speed of the first step, divided by `$r_b|W|$`. At this creep speed, friction is
-/// nearly linear in the slips of most starting values.
+/// Minimum creep speed in the first Newton step, divided by `$r_b|W|$`. At this creep speed,
+/// friction is nearly linear in the slips of most starting values.
 const FIRST_STEP_CREEP: f64 = 0.1;
 
 /// Upper bound of the components of the angular velocity of a ball, divided by `$W$`. The friction
 /// power of a faster ball would exceed the power of the screw.
 const MAX_ANGULAR_SPEED: f64 = 1e9;
 
-/// Ratio of centrifugal force to axial load above which the unknowns (T10) are used. Above it, the
-/// contact angle at the nut has fewer than ten significant digits as a difference of two angles.
+/// Ratio of centrifugal force to axial load above which the unknowns (T10) are used. Above this
+/// ratio, the contact angle at the nut would be the difference of two nearly equal angles, with
+/// fewer than ten significant digits.
 pub(super) const LARGE_INERTIA: f64 = 1e6;
 
-/// A root of the equations of an operating point.
+/// A root of the equations at an operating point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
-    /// True if the unknowns for a high centrifugal load (T10) are used.
+    /// True if the unknowns for high centrifugal loads (T10) are used.
     pub(super) uses_nut_angle: bool,
     pub(super) residual: f64,
 }
@@ -50,20 +52,20 @@ pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
 }
 
 impl<P: Copy> SlipBall<'_, P> {
-    /// Returns the equations in the unknowns of a root.
+    /// Returns the equations for the set of unknowns that a root uses.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
         Self { uses_nut_angle: root.uses_nut_angle, ..*self }
     }
 }
 
 impl SlipBall<'_> {
-    /// Returns the root near the root of another quadrature, or `None` if Newton's method fails or
-    /// a contact is off its flank.
+    /// Refines the root of another quadrature, or returns `None` if Newton's method fails or a
+    /// contact is off its flank.
     ///
-    /// The numbers of nodes stay fixed during the solve, because a root may lie where they change.
-    /// `newton` contains the Jacobian on return.
+    /// The node counts of the quadrature stay fixed during the solve; otherwise the iteration could
+    /// jump between node counts near a root. On return, `newton` contains the Jacobian.
     ///
-    /// * `frozen_rules`: empty on entry, numbers of nodes on return.
+    /// * `frozen_rules`: empty on entry; contains the node counts on return.
     pub(super) fn refined(
         &self,
         near: &SlipRoot,
@@ -79,7 +81,7 @@ impl SlipBall<'_> {
             return None;
         }
         let ((residual, mut transmitted), torque_slope) = last.zip(slopes)?;
-        // The last step is so small that second-order terms of the torque are negligible.
+        // The last step is so small that its second-order effect on the torque is negligible.
         for (k, step) in newton.correction(&residual).ok()?.into_iter().enumerate() {
             unknowns[k] += step;
             transmitted.torque += step * torque_slope[k];
@@ -89,9 +91,9 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// Takes one Newton step from a ball without slips, with the larger of the creep speed
-    /// [`FIRST_STEP_CREEP`] and the specified creep speed. Returns `None` if the step does not
-    /// exist.
+    /// Takes one Newton step from a ball without slip. The creep speed is the larger of
+    /// [`FIRST_STEP_CREEP`] and the specified creep speed. Returns `None` if the equations cannot
+    /// be evaluated or the Jacobian is singular.
     pub(super) fn first_slips(
         &self,
         y: &[f64; BALL],
@@ -104,8 +106,8 @@ impl SlipBall<'_> {
         level.stepped(y, &residual, newton)
     }
 
-    /// Returns the end of the Newton step for a residual, with the Jacobian in `newton`; `None` if
-    /// the Jacobian is singular.
+    /// Returns the unknowns after a Newton step for a residual, with the Jacobian in `newton`.
+    /// Returns `None` if the Jacobian is singular.
     fn stepped(
         &self,
         y: &[f64; BALL],
@@ -115,7 +117,7 @@ impl SlipBall<'_> {
         Some(self.with_slips(y, &newton.correction(residual).ok()?))
     }
 
-    /// Returns the root that Newton's method finds from `y`.
+    /// Returns the root to which Newton's method converges from `y`.
     ///
     /// # Errors
     ///
@@ -130,7 +132,7 @@ impl SlipBall<'_> {
         *steps += report.steps.len();
         if report.converged() {
             if self.is_first_try() {
-                // The final step is not evaluated.
+                // The residual after the final step is not evaluated.
                 let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
                 y = next.unwrap_or(y);
             }
@@ -142,8 +144,8 @@ impl SlipBall<'_> {
         Err(report.into())
     }
 
-    /// Returns the root with the unknowns `y`, converted to the unknowns (T10) if the centrifugal
-    /// load is high and the conversion succeeds.
+    /// Creates the root with the unknowns `y`. The unknowns are converted to (T10) if the
+    /// centrifugal load is high and the conversion succeeds.
     pub(super) fn with_nut_angle(
         &self,
         y: [f64; BALL],
@@ -171,7 +173,7 @@ impl SlipBall<'_> {
         self.admitted(root).is_some()
     }
 
-    /// Returns the contacts of a root, or `None` if a contact is off its flank or the ball rotates
+    /// Returns the contacts at a root, or `None` if a contact is off its flank or the ball rotates
     /// faster than [`MAX_ANGULAR_SPEED`].
     fn admitted(&self, root: &SlipRoot) -> Option<BallLoads<f64>> {
         let y = &root.unknowns;
@@ -182,8 +184,8 @@ impl SlipBall<'_> {
 
     /// Returns true if the powers of a root balance (B10).
     ///
-    /// The residual also tends to zero for a ball that rotates ever faster about the axis. This is
-    /// not a root, and its powers do not balance.
+    /// The residual also tends to zero for a ball that rotates faster and faster about the screw
+    /// axis. Such a state is not a root, and its powers do not balance.
     pub(super) fn is_balanced(&self, root: &SlipRoot) -> bool {
         let contacts = self.contacts;
         self.of(root).evaluated(&root.unknowns).is_ok_and(|found: Evaluation| {
@@ -194,14 +196,14 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns a bound of the quadrature error of the efficiency, estimated with the check
-    /// quadrature of `self` (T25). If the estimate fails, the bound is the whole loss.
+    /// Returns an error bound of the efficiency due to quadrature, estimated with the check
+    /// quadrature of `self` (T25). If the estimate fails, the bound is the whole power loss.
     ///
-    /// * `accuracy`: accuracy of the quadrature of the root.
-    /// * `found`: equations with the check quadrature at the root.
+    /// * `accuracy`: accuracy of the quadrature for which the root was found.
+    /// * `found`: residuals and torque of the check quadrature at the root.
     /// * `slope`: derivatives of the torque with respect to the unknowns.
     /// * `efficiency`: efficiency at the root.
-    /// * `newton`: memory with the Jacobian of the solve for the root.
+    /// * `newton`: memory that contains the Jacobian of the solve for the root.
     pub(super) fn error(
         &self,
         accuracy: f64,

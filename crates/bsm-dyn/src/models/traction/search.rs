@@ -1,4 +1,4 @@
-//! Search for the root of an operating point, and the criterion for `no_solution`.
+//! Search for a root at an operating point, and the criterion for the status `no_solution`.
 //!
 //! Theory: `docs/theory/09-traction.md`, sections "Starting values" and "Existence".
 
@@ -12,7 +12,8 @@ use crate::models::ball::{Evidence, NoAnswer, Reason, Workspace};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
-/// Onset number above which the skidding ball is the first starting value (dimensionless).
+/// Onset number above which the skidding ball is the first starting value, not the rolling ball
+/// (dimensionless).
 const SKID_ONSET: f64 = 0.5;
 
 /// Starting values of Newton's method.
@@ -20,17 +21,19 @@ const SKID_ONSET: f64 = 0.5;
 enum StartingBall {
     /// The rolling ball.
     Rolling,
-    /// The ball in gross slip, whose slips are close to the slips of a skidding root.
+    /// The ball in gross slip. Its slips are close to the slips at a root with gross skid.
     Skidding,
-    /// The ball that is at rest relative to the nut.
+    /// The ball at rest relative to the nut.
     AtRestInNut,
 }
 
 impl SlipBall<'_> {
-    /// Returns the first root that Newton's method finds from the three starting values, or `None`.
+    /// Returns the first root to which Newton's method converges from three starting values, or
+    /// `None`.
     ///
-    /// The rolling and the skidding ball come first, in an order that depends on the onset number.
-    /// The ball at rest in the nut comes last; it is close to the root under large inertia forces.
+    /// The rolling ball and the skidding ball come first, in an order that depends on the onset
+    /// number. The ball at rest relative to the nut comes last; it is close to the root under large
+    /// inertia forces.
     pub(super) fn direct(
         &self,
         rolling_ball: &RollingBall,
@@ -67,13 +70,13 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns the root that Newton's method or, if this fails, continuation in inertia finds.
+    /// Finds a root by Newton's method or, if this fails, by continuation in inertia.
     ///
     /// # Errors
     ///
     /// [`NoAnswer`] with [`Reason::BallLeavesFlank`] if the contact angles leave the flanks along
-    /// the continuation, so that this branch has no root; [`NoAnswer::LOST`] if the continuation
-    /// fails.
+    /// the continuation, so that this branch has no root, and [`NoAnswer::LOST`] if the
+    /// continuation fails.
     pub(super) fn search(
         &self,
         rolling_ball: &RollingBall,

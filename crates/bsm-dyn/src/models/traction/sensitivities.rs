@@ -1,4 +1,4 @@
-//! Derivatives of the traction model's efficiency and torque.
+//! Derivatives of efficiency and torque of the traction model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 

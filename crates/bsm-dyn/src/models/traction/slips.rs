@@ -1,8 +1,8 @@
-//! Steps in which slips and spin change linearly.
+//! Newton steps along which slips and spin change linearly.
 //!
 //! Friction depends on the slips, which are small differences of large angular velocities. A step
-//! that is linear in the angular velocities of (T1) rotates the contacts and thereby causes
-//! second-order slips that are as large as the slips themselves.
+//! that is linear in the unknowns (T1) rotates the contacts. This rotation causes second-order
+//! slips that can be as large as the slips themselves.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T26) to (T31).
 
@@ -14,22 +14,25 @@ use super::equations::{MeanAngle, OMEGA, SlipBall, frenet};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
-/// Maximum relative change of a load, and maximum change of the tilt \[rad\], of a step that is
-/// linear in the unknowns. The second-order slips of such a step are of the order of its square.
+/// Maximum relative change of a load, and maximum change of the tilt \[rad\], for which a step is
+/// linear in the unknowns. The resulting second-order slips are of the order of the square of this
+/// limit.
 const MAX_STRAIGHT_STEP: f64 = 1e-4;
 
-/// Maximum change of a slip across the grooves in the first trial step, divided by the slip.
+/// Maximum relative change of a slip across the grooves in the first trial step.
 const MAX_SLIP_CHANGE: f64 = 0.6;
 
-/// Slip below which a slip counts as zero, divided by `$r_b W$`.
+/// Slip that is treated as zero, divided by `$r_b W$`.
 const SMALL_SLIP: f64 = 0.01;
 
-/// Maximum spin, divided by `$W$`, whose rounding error is negligible compared with the slip.
+/// Maximum spin, divided by `$W$`. Below this spin, its rounding error is negligible compared with
+/// the slip.
 const MAX_SPIN: f64 = 1e6;
 
 impl SlipBall<'_> {
-    /// Returns the end of a step. Slips and spin change linearly if the step changes loads or tilt
-    /// by more than [`MAX_STRAIGHT_STEP`]; otherwise the step is linear in the unknowns.
+    /// Returns the unknowns after a step. If the step changes the loads or the tilt by more than
+    /// [`MAX_STRAIGHT_STEP`], slips and spin change linearly along the step; otherwise the unknowns
+    /// change linearly.
     pub(super) fn with_slips(&self, y: &[f64; BALL], step: &[f64; BALL]) -> [f64; BALL] {
         let mut next = *y;
         for (next, step) in next.iter_mut().zip(step) {
@@ -45,7 +48,7 @@ impl SlipBall<'_> {
         self.with_linear_slips(y, step, &next).unwrap_or(next)
     }
 
-    /// Returns the slips of a state, or `None` if a contact is lost.
+    /// Returns the slips for given unknowns, or `None` if a contact is lost.
     fn slips<D: Over<f64>>(&self, y: &[D; BALL]) -> Option<Slips<D>> {
         let angles = self.loaded_angles(y, y[TILT].sin_cos())?;
         let motions = self.contact_motions(y, angles.contacts);
@@ -57,11 +60,11 @@ impl SlipBall<'_> {
         Some(Slips { along, rolling: omega[0], spin: spin_at_nut(omega, angles.mean) })
     }
 
-    /// Returns the end of a step in which loads, tilt, both slips along the grooves, the rotation
-    /// about t and the spin change linearly. Returns `None` if a contact is lost at either end or
-    /// if the spin exceeds [`MAX_SPIN`].
+    /// Returns the unknowns after a step along which loads, tilt, both slips along the grooves, the
+    /// rotation about t and the spin change linearly. Returns `None` if a contact is lost at either
+    /// end of the step or if the spin exceeds [`MAX_SPIN`].
     ///
-    /// * `straight`: end of the step that is linear in the unknowns.
+    /// * `straight`: unknowns after the step that is linear in the unknowns.
     fn with_linear_slips(
         &self,
         y: &[f64; BALL],
@@ -70,7 +73,7 @@ impl SlipBall<'_> {
     ) -> Option<[f64; BALL]> {
         let ((sin_lead, cos_lead), arc) = (self.contacts.scaled.lead, self.contacts.scaled.arc);
         let moving = from_fn(|i| Jet::<1> { re: y[i], eps: [step[i]] });
-        // Slips and spin one step further along their tangents            (T28)
+        // Slips and spin after one step along their tangents              (T28)
         let Slips { along: [nut, screw], rolling, spin } = self.slips(&moving)?;
         let (nut_slip, screw_slip) = (nut.re + nut.eps[0], screw.re + screw.eps[0]);
         let (w_t, spin) = (rolling.re + rolling.eps[0], spin.re + spin.eps[0]);
@@ -96,11 +99,11 @@ impl SlipBall<'_> {
     }
 }
 
-/// Returns the fraction of a step that is tried first, in (0, 1].
+/// Returns the fraction of a Newton step that is tried first, in (0, 1].
 ///
-/// If friction acts across the grooves over both whole ellipses, only second-order terms determine
-/// how the slip due to the lead is divided between both contacts. A step that reverses a slip then
-/// has no meaning.
+/// If the friction over both ellipses acts entirely across the grooves, only second-order terms
+/// determine how the slip due to the lead is divided between the two contacts. In this case, a step
+/// that reverses a slip is meaningless.
 pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) -> f64 {
     let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
     // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
@@ -127,8 +130,10 @@ mod tests {
     use crate::hertz::Quadrature;
     use crate::models::raceway_control::RollingBall;
 
-    /// Calls `check` for rolling balls at practical operating points.
-    fn of_practice(mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng)) {
+    /// Calls `check` with rolling balls at random practical operating points.
+    fn for_each_practical_rolling_ball(
+        mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng),
+    ) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
             let Ok(contacts) = practical(&mut rng).scaled() else { continue };
@@ -151,12 +156,12 @@ mod tests {
         [nut, screw, to_nut.omega.x, to_nut.omega.y]
     }
 
-    /// Half of a step changes the slips by half as much as the whole step, for steps that turn the
-    /// contacts by up to 0.1 rad.
+    /// Half of a step changes the slips by half as much as the whole step, even if the step rotates
+    /// the contacts by 0.1 rad.
     #[test]
-    fn slips_of_a_step_change_linearly() {
+    fn slips_change_linearly_along_a_step() {
         let (mut seen, mut bent) = (0, 0.0_f64);
-        of_practice(|ball, y, rng| {
+        for_each_practical_rolling_ball(|ball, y, rng| {
             let mut step = [0.0; BALL];
             for (step, y) in step.iter_mut().zip(y) {
                 *step = 0.1 * rng.random_range(-1.0..1.0) * (0.1 + y.abs());
@@ -165,20 +170,20 @@ mod tests {
             let [begin, middle, end] = [*y, at(0.5), at(1.0)].map(|y| slips(ball, &y));
             let straight = std::array::from_fn(|i| y[i] + step[i]);
             for i in 0..4 {
-                // The tolerance allows for rounding errors of rates of up to ten.
+                // The tolerance allows for rounding errors of precession rates of up to ten.
                 let off = middle[i] - 0.5 * (begin[i] + end[i]);
                 assert!(off.abs() <= 1e-13, "{i} {off:e} {begin:?} {middle:?} {end:?}");
                 bent = bent.max((slips(ball, &straight)[i] - end[i]).abs());
             }
             seen += 1;
         });
-        // A step that is linear in the unknowns causes second-order slips.
+        // A step that is linear in the unknowns would cause second-order slips.
         assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
     }
 
     #[test]
-    fn first_trial_step_reverses_no_large_slip() {
-        of_practice(|ball, y, rng| {
+    fn first_trial_step_does_not_reverse_large_slips() {
+        for_each_practical_rolling_ball(|ball, y, rng| {
             let lead = ball.contacts.scaled.lead;
             let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));
             let part = first_part(lead, y, &step);
@@ -188,17 +193,18 @@ mod tests {
             };
             let next = shares(std::array::from_fn(|i| y[i] + part * step[i]));
             for (share, next) in shares(*y).into_iter().zip(next) {
-                // Slips below 0.6 · 0.01/(1 − 0.6), plus rounding, may reverse.
+                // Slips below 0.6 · 0.01/(1 − 0.6) may reverse; the last term allows for rounding.
                 let small = MAX_SLIP_CHANGE * SMALL_SLIP / (1.0 - MAX_SLIP_CHANGE) + 1e-15;
                 assert!(share * next > 0.0 || share.abs() <= small, "{share} {next}");
             }
         });
     }
 
-    /// The central difference of the end of a step with respect to its length equals the step.
+    /// The derivative of the position along a curved step, calculated by central differences,
+    /// equals the Newton step.
     #[test]
     fn curved_step_is_tangent_to_the_newton_step() {
-        of_practice(|ball, y, rng| {
+        for_each_practical_rolling_ball(|ball, y, rng| {
             let step: [f64; BALL] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
             let part = 2e-4;
             let [up, down] =
@@ -206,7 +212,7 @@ mod tests {
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
                 // The tolerance covers the third-order truncation error and rounding errors of the
-                // rates.
+                // precession rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

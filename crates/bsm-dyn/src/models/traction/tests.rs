@@ -1,5 +1,6 @@
-//! Checks `no_solution` by searches from many starts, both sets of unknowns, stated errors and
-//! derivatives. Points that were difficult to solve are cases in `validation/hard`.
+//! Tests of the traction model: compares `no_solution` with searches from many starting points, and
+//! checks both sets of unknowns, error bounds and derivatives. Difficult operating points are in
+//! `validation/hard`.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -17,7 +18,7 @@ use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
-/// Returns the random operating point of a seed and a number.
+/// Returns the random extreme operating point with a given seed and number.
 fn point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -28,7 +29,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
     Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
-/// Returns a random state of a ball that approximately rolls or orbits very slowly.
+/// Returns random unknowns of a ball that approximately rolls or orbits very slowly.
 fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
@@ -59,7 +60,7 @@ fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     y
 }
 
-/// Returns a root on the flanks that is found from random states, or `None`.
+/// Returns a root on the flanks that is found from random starting points, or `None`.
 fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<SlipRoot> {
     let mut newton = Workspace::default();
     let end = ball.creep.ln();
@@ -75,14 +76,16 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
     })
 }
 
-/// Numbers of points and, for each kind, of points at which the search found a root.
+/// Numbers of points. In each pair, the first number counts all points of a kind, and the second
+/// number counts the points at which the random search found a root.
 #[derive(Debug, Default)]
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Numbers of points among the first hundred solved points.
+    /// Numbers for the first hundred points with a solution.
     found: [usize; 2],
-    /// Numbers of further points that the direct starts of Newton's method did not solve.
+    /// Numbers for further points with a solution that Newton's method did not solve from its first
+    /// starting values.
     hard: [usize; 2],
 }
 
@@ -120,12 +123,12 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
     counts
 }
 
-/// At points with `no_solution`, searches from many starts rarely find a root; at points with a
-/// solution, they usually find it. Isolated branches are not searched: of 737 extreme points
-/// without a solution on the branch that starts without inertia, three have a root on another
-/// branch.
+/// Where the status is `no_solution`, a search from many starting points rarely finds a root; where
+/// there is a solution, it usually finds a root. The model does not search isolated branches: of
+/// 737 extreme points without a solution on the branch that starts without inertia, three have a
+/// root on another branch.
 #[test]
-fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
+fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
     let points = campaign(250);
     let SearchCounts { no_solution, found, .. } = search_counts(12, points, 40);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
@@ -135,17 +138,17 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
     );
 }
 
-/// Repeats the test with more points:
-/// `cargo test --release -p bsm-dyn --lib no_solution_at_length -- --ignored --nocapture`.
+/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib no_solution_at_length
+/// -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
+fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_length() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
 }
 
-/// A root in the unknowns (T1) is also a root in the unknowns for a high centrifugal load.
+/// A root in the unknowns (T1) is also a root in the unknowns for high centrifugal loads (T10).
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
@@ -154,7 +157,8 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let screw = point(8, number);
         let solution = solved(screw, &mut work);
         let Ok(contacts) = screw.scaled() else { continue };
-        // Large inertia causes cancellation in one set of unknowns, and zero inertia in the other.
+        // Large inertia causes cancellation in the unknowns (T1), and zero inertia causes
+        // cancellation in (T10).
         let inertia = contacts.inertia_ratio();
         if solution.status() != Status::Converged || !(1e-6..1e2).contains(&inertia) {
             continue;
@@ -171,7 +175,8 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
         assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
         let angles = charted.angles(&y);
-        // Roots are accurate to 1e-10 of the forces, and contact angles of 1° to 1e-8.
+        // The residual tolerance of 1e-10 times the forces determines contact angles of 1° to a
+        // relative accuracy of 1e-8.
         assert_relative_eq!(angles[0], solved.ball.nut.angle, max_relative = 1e-8);
         assert_relative_eq!(angles[1], solved.ball.screw.angle, max_relative = 1e-8);
         assert_relative_eq!(y[NUT_LOAD], root.unknowns[NUT_LOAD], max_relative = 1e-8);
@@ -180,12 +185,12 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     assert!(seen > 10, "{seen}");
 }
 
-/// Accuracies for which the stated error is compared with the difference from a quadrature whose
-/// error is smaller by a factor of thousands.
+/// Accuracies for which the error bound is compared with the true error. The true error is the
+/// difference from a quadrature with an accuracy of 1e-12.
 const ACCURACIES: [f64; 3] = [1e-4, 1e-6, 1e-8];
 
 /// Returns the number of practical points with a solution and, for each accuracy, the number of
-/// points whose error exceeds the stated error and the largest error of the efficiency.
+/// points whose error exceeds the error bound, and the largest error of the efficiency.
 fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(seed));
     let (mut answered, mut broken, mut largest) = (0, [0; 3], [0.0_f64; 3]);
@@ -208,14 +213,15 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
     (answered, broken, largest)
 }
 
-/// The stated error covers the quadrature error at nearly all points, and the error at the default
+/// The error bound covers the quadrature error at nearly all points, and the error at the default
 /// accuracy is below 1e-7.
 #[test]
-fn stated_error_covers_the_quadrature_error() {
+fn error_bound_covers_the_quadrature_error() {
     let (points, broken, largest) = stated_errors(1994, 1000);
     assert!(points > 900);
-    // The quadrature with eight nodes is checked by a quadrature with six nodes; occasionally both
-    // quadratures have similar errors.
+    // At the coarsest accuracy, a quadrature with eight nodes is compared with a quadrature with
+    // six nodes. In rare cases, both quadratures have similar errors, so the error bound is too
+    // small.
     assert!(broken[0] * 100 <= points && broken[1] * 200 <= points && broken[2] * 1000 <= points);
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
@@ -224,17 +230,17 @@ fn stated_error_covers_the_quadrature_error() {
 /// `cargo test --release -p bsm-dyn --lib quadrature_error_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn stated_error_covers_the_quadrature_error_at_length() {
+fn error_bound_covers_the_quadrature_error_at_length() {
     let (points, broken, largest) = stated_errors(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// Compares the equations in the axes of the contacts with forces and moments as vectors in the
-/// triad of the ball, in both sets of unknowns.
+/// Compares the equations in contact coordinates with a calculation of forces and moments as
+/// vectors in the ball triad, for both sets of unknowns.
 #[test]
-fn equations_balance_the_wrenches_of_both_contacts() {
+fn equations_agree_with_vectors_of_force_and_moment() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
     let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];
@@ -269,17 +275,18 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let motion = contacts.absolute(&to_nut, &loaded.frame);
         let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
-        // The sizes are magnitudes of normal forces, inertia forces, friction moments and
-        // gyroscopic moments.
+        // The rounding error is proportional to the largest normal force, inertia force, friction
+        // moment or gyroscopic moment.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        // The motion counts its precession from the nut, which rounds the rate to the nut speed.
+        // The precession rate relative to the nut is the difference between the precession rate and
+        // the nut speed, so its rounding error depends on both.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
         let centrifugal = contacts.inertia_ratio() * rate.abs() * rates;
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
-        // The tolerance allows for rounding errors of the slip and the angular velocities, divided
-        // by the creep speed.
+        // The tolerance allows for rounding errors of the slip and of the angular velocities,
+        // divided by the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
         for i in 0..BALL {
@@ -296,10 +303,10 @@ fn equations_balance_the_wrenches_of_both_contacts() {
 
 /// Compares the derivatives with respect to each unknown with central differences.
 #[test]
-fn jacobian_is_the_slope_of_the_residual() {
+fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
-    // The quadrature is so fine that changes of the numbers of nodes hardly matter, and the slips
-    // are not small compared with the creep speed.
+    // The quadrature is so accurate that changes of its node counts hardly matter, and the creep
+    // speed is not large compared with the slips.
     let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
     let mut seen = 0;
     for number in 0..60 {
@@ -328,7 +335,7 @@ fn jacobian_is_the_slope_of_the_residual() {
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
                 // The tolerance covers the third-order truncation error and the rounding error of
-                // the difference, 1e-10 each, and changes of the numbers of nodes.
+                // the central difference (1e-10 each), and changes of the node counts.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

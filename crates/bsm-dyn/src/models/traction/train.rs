@@ -1,4 +1,4 @@
-//! Balls of a train that push against each other.
+//! Balls of a ball train that push against each other.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
@@ -20,21 +20,22 @@ use crate::models::ball::{
 };
 use crate::models::workspace::ModelWorkspace;
 
-/// Step lengths of the continuation from known to requested pushes, as fractions of their change.
+/// Step control of the continuation from known pushes to requested pushes. Step lengths are
+/// fractions of the change of the pushes.
 const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 
-/// The equations of a ball that travels at the speed of the train. The force of the ball behind
-/// replaces the precession as an unknown.
+/// The equations of a ball that travels at the speed of the train. The precession rate is given,
+/// and the force of the ball behind is the unknown in its place.
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
-    /// Value of the precession in the unknowns of the ball.
+    /// Precession rate, as the unknown of the free ball.
     precession: f64,
 }
 
 impl TrainEquations<'_> {
-    /// Returns the equations of the free ball, and its unknowns for the unknowns `x` of the ball in
-    /// the train.
+    /// Returns the equations of the free ball, and the unknowns of the free ball that correspond to
+    /// the unknowns `x` of the ball in the train.
     fn moving(&self, x: &[f64; BALL]) -> (SlipBall<'_>, [f64; BALL]) {
         let mut y = *x;
         y[PRECESSION] = self.precession;
@@ -44,9 +45,9 @@ impl TrainEquations<'_> {
 }
 
 impl Equations<BALL> for TrainEquations<'_> {
-    /// Torque and powers at the screw.
+    /// Torque on the screw, and friction powers.
     type Details = PowerFlow;
-    /// Derivatives of the equations with respect to the precession.
+    /// Derivatives of the equations with respect to the precession rate.
     type Slopes = [f64; BALL];
 
     fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {
@@ -73,10 +74,11 @@ impl Equations<BALL> for TrainEquations<'_> {
 }
 
 impl SlipBall<'_> {
-    /// Returns the directional derivative of the residual with respect to the forces of both
-    /// neighbors. The residual is linear in these forces.
+    /// Returns the derivative of the residuals in a given direction of the forces of both
+    /// neighbors. The residuals are linear in these forces.
     ///
-    /// * `[front, back]`: direction of the forces of the balls in front and behind.
+    /// * `[front, back]`: direction of the forces, with components for the balls in front and
+    ///   behind.
     fn by_push(
         &self,
         y: &[f64; BALL],
@@ -92,7 +94,7 @@ impl SlipBall<'_> {
     }
 }
 
-/// A ball of a train, solved by [`Traction`], with its motion without pushes.
+/// A ball of a train, solved by [`Traction`], together with its motion without pushes.
 #[derive(Debug, Clone)]
 pub struct TrainBall {
     contacts: ElasticContacts,
@@ -100,44 +102,45 @@ pub struct TrainBall {
     accuracy: f64,
     creep: f64,
     uses_nut_angle: bool,
-    /// Axial load \[N\], ball radius \[m\] and relative speed \[rad/s\].
+    /// Units of the scaled quantities: axial load \[N\], ball radius \[m\] and relative speed
+    /// \[rad/s\].
     units: [f64; 3],
     /// Friction coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
 }
 
-/// The steady motion of a ball of a train under the forces of its neighbors.
+/// The steady motion of a ball in a train under the forces of its neighbors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
     unknowns: [f64; BALL],
-    /// Derivatives of the unknowns with respect to the forces of the balls in front and behind
-    /// \[1/N\].
+    /// Derivatives of the unknowns with respect to the forces of the ball in front and of the ball
+    /// behind \[1/N\].
     by_pushes: [[f64; BALL]; 2],
-    /// `$(P - \Omega_n)/W$`, positive.
+    /// Precession rate relative to the nut, `$(P - \Omega_n)/W$`, positive.
     pub rate: f64,
-    /// Torque of the contact at the screw on the screw \[N·m\].
+    /// Torque of the ball on the screw \[N·m\].
     pub screw_torque: f64,
-    /// Power lost at both raceways \[W\].
+    /// Power loss at both raceways \[W\].
     pub raceway_power: f64,
-    /// Angular speed relative to the neighbors `$|w|$` (O1) \[rad/s\].
+    /// Angular speed relative to the neighboring balls `$|w|$` (O1) \[rad/s\].
     pub rotation: f64,
     /// Normal loads at nut and screw \[N\].
     pub loads: [f64; 2],
-    /// Normal forces of the balls in front and behind \[N\].
+    /// Normal forces of the ball in front and of the ball behind \[N\].
     pub pushes: [f64; 2],
     /// Axial force of the neighbors on the ball `$F_b \cdot k$` \[N\].
     pub axial_push: f64,
 }
 
 impl TrainMotion {
-    /// Returns the derivatives of the rate with respect to the forces of the balls in front and
-    /// behind \[1/N\] (O5).
+    /// Returns the derivatives of the precession rate with respect to the forces of the balls in
+    /// front and behind \[1/N\] (O5).
     pub fn compliances(&self) -> [f64; 2] {
         self.by_pushes.map(|by| by[PRECESSION])
     }
 
-    /// Returns the unknowns under other forces of the neighbors \[N\], by linear extrapolation.
+    /// Extrapolates the unknowns linearly to different forces of the neighbors \[N\].
     fn at_pushes(&self, pushes: [f64; 2]) -> [f64; BALL] {
         let mut y = self.unknowns;
         for (by, (push, before)) in self.by_pushes.iter().zip(pushes.iter().zip(self.pushes)) {
@@ -148,8 +151,8 @@ impl TrainMotion {
         y
     }
 
-    /// Returns the force of the ball behind \[N\] at another rate and another force of the ball in
-    /// front \[N\], by linear extrapolation.
+    /// Extrapolates the force of the ball behind \[N\] linearly to a different precession rate and
+    /// a different force of the ball in front \[N\].
     pub fn back_push(&self, rate: f64, front: f64) -> f64 {
         let ([by_front, by_back], [before, back]) = (self.compliances(), self.pushes);
         back + (rate - self.rate - by_front * (front - before)) / by_back
@@ -157,7 +160,7 @@ impl TrainMotion {
 }
 
 impl Traction {
-    /// Returns a ball of a train, or `None` if its motion without pushes is not found.
+    /// Creates a ball of a train, or returns `None` if its motion without pushes is not found.
     ///
     /// * `free`: steady state of the ball without pushes.
     /// * `contact_friction`: friction coefficient between balls.
@@ -172,7 +175,7 @@ impl Traction {
 }
 
 impl TrainBall {
-    /// Returns a ball of a train, or `None` if its motion without pushes is not found.
+    /// Creates a ball of a train, or returns `None` if its motion without pushes is not found.
     ///
     /// * `ehl`: lubricated operating point; `None` for a constant friction coefficient.
     /// * `free`: steady state of the ball without pushes.
@@ -224,18 +227,19 @@ impl TrainBall {
         Some(ball)
     }
 
-    /// Returns the motion without pushes.
+    /// Returns the motion of the ball without pushes.
     pub fn free(&self) -> &TrainMotion {
         &self.free
     }
 
-    /// Returns the friction coefficient at the raceways; for a lubricant, this is its upper limit.
+    /// Returns the friction coefficient at the raceways. For a lubricated ball, this is the upper
+    /// limit of the friction coefficient.
     pub fn friction(&self) -> f64 {
         self.contacts.friction
     }
 
-    /// Returns the push at which the ball slides on both raceways \[N\], for the normal loads
-    /// without pushes.
+    /// Returns the push at which the ball slides on both raceways \[N\], calculated from the normal
+    /// loads without pushes.
     pub fn sliding_push(&self) -> f64 {
         self.friction() * self.free.loads.iter().sum::<f64>()
     }
@@ -247,7 +251,7 @@ impl TrainBall {
         Push { front, back, friction: self.contact_friction }
     }
 
-    /// Calls `solve` with the equations of the ball and the memory of Newton's method.
+    /// Calls `solve` with the equations of the ball and with the memory for Newton's method.
     fn with<R>(
         &self,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
@@ -274,9 +278,9 @@ impl TrainBall {
     }
 
     /// Returns the motion under given forces of the balls in front and behind \[N\], or `None` if
-    /// it is not found.
+    /// no motion is found.
     ///
-    /// * `from`: motion to start from.
+    /// * `from`: known motion, used as the starting value.
     pub fn pushed(
         &self,
         from: &TrainMotion,
@@ -316,10 +320,10 @@ impl TrainBall {
         self.attempts(work, solved)
     }
 
-    /// Returns the motion that `solve` finds from a linearly extrapolated state or, if this fails,
-    /// by continuation. Each attempt determines its own numbers of nodes.
+    /// Returns the motion that `solve` finds from linearly extrapolated unknowns or, if this fails,
+    /// by continuation. Each attempt determines its own node counts of the quadrature.
     ///
-    /// * `solve`: solver whose first argument is true for the extrapolated state.
+    /// * `solve`: solver; its first argument is true for the attempt with extrapolated unknowns.
     fn attempts(
         &self,
         work: &mut ModelWorkspace,
@@ -330,13 +334,13 @@ impl TrainBall {
             .find_map(|is_near| self.with(work, |ball, newton| solve(is_near, ball, newton)))
     }
 
-    /// Returns the motion at the rate of the train under a given force of the ball in front \[N\],
-    /// or `None` if it is not found.
+    /// Returns the motion at the precession rate of the train under a given force of the ball in
+    /// front \[N\], or `None` if no motion is found.
     ///
-    /// The force of the ball behind is part of the result; a negative force is a pull.
+    /// The force of the ball behind is part of the result. A negative force is a pull.
     ///
-    /// * `from`: motion to start from.
-    /// * `rate`: `$(P - \Omega_n)/W$` of the train.
+    /// * `from`: known motion, used as the starting value.
+    /// * `rate`: precession rate `$(P - \Omega_n)/W$` of the train.
     pub fn at_rate(
         &self,
         from: &TrainMotion,
@@ -377,8 +381,9 @@ impl TrainBall {
             let equations = at(1.0);
             let (moving, y) = equations.moving(&x);
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
-            // These are the derivatives of the unknowns, with the force of the ball behind in place
-            // of the rate, with respect to the rate and to the force of the ball in front.
+            // The unknowns include the force of the ball behind in place of the precession rate.
+            // `by_rate` and `by_front` are their derivatives with respect to the precession rate
+            // and to the force of the ball in front.
             let by_rate = newton.correction(&by_precession).ok()?;
             let by_front = newton.correction(&by_front).ok()?;
             // dp/dN_b = 1/(dN_b/dp),  dp/dN_f = −(dN_b/dN_f)/(dN_b/dp)
@@ -397,11 +402,11 @@ impl TrainBall {
         self.attempts(work, solved)
     }
 
-    /// Converts unknowns into a motion in SI units, or returns `None` if a contact is lost or the
+    /// Converts unknowns into a motion in SI units. Returns `None` if a contact is lost or the
     /// powers do not balance.
     ///
     /// * `by_pushes`: derivatives of the unknowns with respect to the pushes.
-    /// * `transmitted`: torque and powers at the screw.
+    /// * `transmitted`: torque on the screw, and friction powers.
     fn motion(
         &self,
         ball: &SlipBall<'_>,
@@ -429,7 +434,7 @@ impl TrainBall {
         self.is_balanced(&motion).then_some(motion)
     }
 
-    /// Returns the net power that screw and axial forces put into a motion \[W\].
+    /// Returns the net power \[W\] that the screw and the axial forces supply to a motion.
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
         let [load, radius, speed] = self.units;
         let per_radian = self.contacts.helix.lead() * radius / TAU;
@@ -443,9 +448,9 @@ impl TrainBall {
         self.contact_friction * radius * (front + back) * motion.rotation
     }
 
-    /// Returns whether the powers of a motion balance (O4).
+    /// Returns true if the powers of a motion balance (O4).
     ///
-    /// Far beyond the pushes that a ball can bear, Newton's method may converge to a state whose
+    /// If the pushes far exceed what a ball can bear, Newton's method may converge to a state whose
     /// powers do not balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;

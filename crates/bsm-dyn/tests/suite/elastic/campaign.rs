@@ -1,5 +1,5 @@
-//! Campaigns over random catalog screws at practical pressures: every screw converges or states why
-//! not, and the automatic choice keeps its error bounds.
+//! Campaigns over random catalog screws at practical pressures. Every screw must converge or state
+//! a reason, and the automatic choice of model must keep its error bounds.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use bsm_dyn::{
 
 use super::screws::{lin, real_screws, screws, unusual_screws};
 
-/// Counts of a campaign.
+/// Counts of the outcomes of a campaign.
 #[derive(Debug, Default)]
 struct Tally {
     converged: usize,
@@ -53,10 +53,10 @@ fn traction_converges() {
     let tally = campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
-    // The tolerance of a result is 1e-9; the largest observed error is 1e-10.
+    // Results with an error above 1e-9 are rejected; the largest observed error is 1e-10.
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
-    // With centrifugal forces of up to thousands of times the load, a root is found for 98.7 % of
-    // the screws.
+    // Here, the centrifugal forces reach thousands of times the load, and a root is found for 98.7
+    // % of the screws.
     let all = campaign(screws(2026), &mut solve);
     println!("{all:?}");
     assert!(all.converged >= 1970 && all.worst_balance <= 1e-9, "{all:?}");
@@ -67,34 +67,35 @@ fn elastic_converges_where_it_has_a_root() {
     let mut work = ElasticWorkspace::default();
     let tally = campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
     println!("{tally:?}");
-    // Inertia forces reach thousands of times the load. At the largest inertia forces there is no
+    // A few screws have such large inertia forces (thousands of times the load) that there is no
     // root.
     assert!(tally.ended <= 4 && tally.other == 0, "{tally:?}");
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
 }
 
-/// Compares the error bounds of the automatic choice with a more accurate traction model, at points
-/// that were not used to fit the constants. At least 99 % of the points keep their bounds, and the
-/// bounds meet the tolerance.
+/// Compares the error bounds of the automatic choice with the errors relative to a more accurate
+/// traction model. The points were not used to fit the constants. At least 99 % of the points must
+/// keep their bounds, and the bounds must meet the tolerance.
 #[test]
-fn the_choice_keeps_its_bounds() {
+fn automatic_choice_keeps_its_error_bounds() {
     for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
         let tried = bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
         assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
-        // Tolerances near the error of the creep speed are not met.
+        // Bounds exceed the tolerance at some points if the tolerance is near the error due to the
+        // creep speed.
         assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
-        // The choice must not always take the most expensive model.
+        // The automatic choice must not always select the most expensive model.
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
         let tried = bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
-        // Outside the ranges of the fit, the bounds may fail at 2 % of the points.
+        // Outside the ranges of the fit, the bounds may fail at up to 2 % of the points.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }
 
-/// An audit found that the choice took raceway control although its solution stated that the model
-/// does not apply there.
+/// An audit found that the automatic choice selected raceway control although the solution stated
+/// that this model was not valid there.
 #[test]
 fn auto_never_chooses_a_model_outside_its_range() {
     let (mut work, mut taken) = (ModelWorkspace::default(), [0; 3]);
@@ -117,12 +118,12 @@ fn auto_never_chooses_a_model_outside_its_range() {
     assert!(taken.iter().all(|count| *count > 100), "{taken:?}");
 }
 
-/// A sweep found that the error bounds were up to 2.4 times too small for balls with low friction
-/// in gross skid whose spin is still significant.
+/// A parameter sweep found that the error bounds were up to 2.4 times too small for balls with low
+/// friction in gross skid, if spin was still significant.
 #[test]
-fn the_error_bound_of_a_skidding_ball_includes_its_spin() {
+fn error_bound_of_a_skidding_ball_includes_the_effect_of_spin() {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
-    // The numbers are the diameters of pitch circle and ball [mm], lead angle and contact angle
+    // The columns are the diameters of pitch circle and ball [mm], lead angle and contact angle
     // [deg], friction coefficient, conformities of nut and screw, speeds of screw and nut [rpm],
     // axial load [N], and number of balls.
     for [pitch, ball, lead, contact, friction, nut, screw, of_screw, of_nut, axial, balls] in [
@@ -150,7 +151,8 @@ fn the_error_bound_of_a_skidding_ball_includes_its_spin() {
     }
 }
 
-/// Counts of points, violated bounds, bounds above the tolerance, and points solved by `traction`.
+/// Numbers of points, violated bounds, bounds above the tolerance, and points solved by the model
+/// `traction`.
 #[derive(Debug, Default)]
 struct ChoiceCounts {
     points: usize,

@@ -1,4 +1,4 @@
-//! The elastic models in their common limits, and their failures.
+//! Tests that elastic models agree in their common limiting cases, and tests of their failures.
 
 use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
@@ -32,8 +32,8 @@ fn elastic(screw: ElasticPoint) -> SteadyState {
     numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
-/// At small inertia, saturated friction on elastic contacts differs from the closed form only by
-/// the loaded contact angles. The tolerance is 2e-5.
+/// At small inertia, the efficiency of the elastic model equals the closed form at the loaded
+/// contact angle, with a tolerance of 2e-5.
 #[test]
 fn elastic_equals_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
@@ -47,8 +47,9 @@ fn elastic_equals_the_closed_form_at_the_loaded_angle() {
     }
 }
 
-/// If the ball rolls, and friction is too small to change the contact angles, traction agrees with
-/// raceway control. The difference decreases with friction: relative to the loss it is of order f.
+/// If the ball rolls and friction is too small to change the contact angles, traction agrees with
+/// raceway control. The difference is proportional to friction: its ratio to the loss is of order
+/// f.
 #[test]
 fn traction_agrees_with_raceway_control_for_rolling_balls() {
     let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
@@ -65,11 +66,12 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
         }
     }
     assert!(tried > 150, "{tried}");
-    // In a larger set, 98.6 % of the points agree.
+    // In a larger sample, 98.6 % of the points agree.
     assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
 }
 
-/// If the ball skids, traction agrees with saturated friction.
+/// If the ball skids, the traction model agrees with the elastic model, in which friction is
+/// saturated.
 #[test]
 fn traction_agrees_with_elastic_for_skidding_balls() {
     let mut memory = RacewayWorkspace::default();
@@ -86,7 +88,8 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
     assert!(tried >= 20, "{tried}");
 }
 
-/// The onset number separates rolling from sliding at every lead angle; the skid number does not.
+/// At every lead angle, the onset number separates rolling balls from sliding balls; the skid
+/// number does not.
 #[test]
 fn the_onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
@@ -99,8 +102,8 @@ fn the_onset_number_separates_rolling_from_sliding() {
             .solved()
             .and_then(|rolling_ball| rolling_ball.skid)
             .expect("raceway control");
-        // If spin causes almost all of the loss, the efficiency with raceway control is not a
-        // useful reference.
+        // If spin causes almost all of the loss, the efficiency of raceway control is not a useful
+        // reference.
         if numbers.cross_slip.is_some_and(|chi| chi > 0.7) {
             let share = (g - traction(screw, 1e-6, 1e-4).transmission.efficiency) / (g - s);
             let [skid, onset] = [numbers.skid_number, numbers.onset_number()];
@@ -118,8 +121,8 @@ fn the_onset_number_separates_rolling_from_sliding() {
         println!("S in {low}-{high}: {:.3?}", shares(&|_, s| (low..high).contains(&s)));
     }
     println!("G in 0.05-0.2: {:.3?}", shares(&|g, _| (0.05..0.2).contains(&g)));
-    // The share is 0 for rolling and 1 for sliding. The effect of friction on the angles is about 2
-    // %.
+    // The share is 0 for rolling balls and 1 for sliding balls. The effect of friction on the
+    // contact angles is about 2 %.
     let (_, low, _, high) = shares(&|_, s| s < 0.1);
     assert!(low > -0.03 && high < 0.03, "{low} {high}");
     assert!(shares(&|_, s| s > 2.0).1 > 0.9);
@@ -141,7 +144,7 @@ fn a_scaled_screw_has_the_same_motion() {
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
         (elastic(screw), elastic(large)),
     ] {
-        // The results are equal in scaled units, except for rounding.
+        // In scaled units, the results differ only by rounding errors.
         assert_relative_eq!(
             one.transmission.efficiency,
             other.transmission.efficiency,
@@ -155,9 +158,9 @@ fn a_scaled_screw_has_the_same_motion() {
     }
 }
 
-/// The expected failures state their reasons.
+/// Each expected failure has the expected reason.
 #[test]
-fn failures_state_their_reason() {
+fn expected_failures_have_the_expected_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
     let still = with(lin(10.0, 45.0, 1.0, 100.0), |screw| screw.point.drive = drive);
     let smooth = with_friction(0.0, lin(10.0, 45.0, 100.0, 100.0));
@@ -173,17 +176,17 @@ fn failures_state_their_reason() {
             assert!(solution.efficiency().is_none());
         }
     }
-    // F tanα = 1, so friction holds any load.
+    // Friction holds any load, because F tanα = 1.
     let locked = with_friction(0.5, lin(64.0, 45.0, 2000.0, 100.0));
     let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
 
-/// The campaign found that at a millionth of practical speeds the root was extrapolated, and its
+/// In an earlier version, the root was extrapolated at a millionth of practical speeds, and its
 /// powers did not balance.
 #[test]
-fn very_slow_saturated_friction_keeps_its_power_balance() {
+fn powers_balance_at_very_low_speed_with_saturated_friction() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
         let screw = with_friction(0.39, lin(16.0, 50.0, -rpm, 3e3));
         let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
@@ -191,10 +194,10 @@ fn very_slow_saturated_friction_keeps_its_power_balance() {
     }
 }
 
-/// The campaign found that if the root from small inertia ends in a fold, there may be another root
-/// further along the curve. There is no root above the largest inertia on the curve.
+/// A campaign found that if the branch of roots from small inertia ends in a fold, there may be
+/// another root further along the curve. There is no root above the largest inertia on the curve.
 #[test]
-fn inertia_without_a_solution_is_above_the_largest_on_the_curve() {
+fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
     let mut work = ElasticWorkspace::default();
     let (mut roots, mut most) = (0, 0.0);
     for step in 0..200 {
@@ -213,8 +216,8 @@ fn inertia_without_a_solution_is_above_the_largest_on_the_curve() {
     assert!(roots > 50 && most > 0.5, "{roots} {most}");
 }
 
-/// The campaign found that at a very small load, the iteration from small inertia lost its root.
-/// The ball still slides, but hardly travels around the axis.
+/// In an earlier version, the iteration from small inertia lost its root at a very small load. The
+/// ball still slides, but orbits very slowly.
 #[test]
 fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
@@ -223,8 +226,8 @@ fn a_ball_under_very_small_load_slides() {
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
-/// The campaign found that a material so soft that the contact angle approaches 90 deg was rejected
-/// as input. At such a contact angle the ball would travel against the drive.
+/// An earlier version rejected a material as invalid input if it is so soft that the contact angle
+/// approaches 90 deg. At such a contact angle, the ball would travel against the drive.
 #[test]
 fn a_very_soft_screw_has_no_solution() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
@@ -234,23 +237,23 @@ fn a_very_soft_screw_has_no_solution() {
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
 
-/// A review found that friction below the rounding errors made the solver panic.
+/// In an earlier version, the solver panicked if friction was smaller than the rounding errors.
 #[test]
-fn negligible_friction_counts_as_frictionless() {
+fn negligible_friction_is_treated_as_zero() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
-    // Without friction the skid number is undefined, not infinite.
+    // Without friction, the skid number is undefined, not infinite.
     let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
     let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
 }
 
-/// A review found that roots with contact angles below 0 or above 90 deg counted as converged.
+/// An earlier version accepted roots with contact angles below 0 or above 90 deg as converged.
 #[test]
-fn a_root_beyond_the_flank_is_no_solution() {
+fn root_beyond_the_flank_is_not_a_solution() {
     let solution = Traction { at: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
@@ -260,10 +263,10 @@ fn a_root_beyond_the_flank_is_no_solution() {
     assert!(*nut < 0.0, "{nut}");
 }
 
-/// A review found that at low speed the spin, of order 1/P, canceled in the slip at the screw. As a
-/// result, the powers of an accurate root did not balance.
+/// In an earlier version, the slip at the screw lost accuracy at low speed through cancellation of
+/// the spin, which is of order 1/P. As a result, the powers at an accurate root did not balance.
 #[test]
-fn slow_saturated_friction_keeps_its_power_balance() {
+fn powers_balance_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
         let screw = with_friction(0.15, lin(1.1, 55.0, rpm, 3000.0));
         let screw = ElasticPoint { conformity: (0.52, 0.56), ..screw };
@@ -272,21 +275,22 @@ fn slow_saturated_friction_keeps_its_power_balance() {
     }
 }
 
-/// A review found that the choice did not state that a tolerance cannot be met.
+/// An earlier version did not report that a tolerance cannot be met.
 #[test]
-fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
+fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
     let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
     assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
 }
 
-/// Raceway control used to claim an error of at most 3.6e-3 relative to traction, which has no
-/// solution here: friction turns the contact angle at the screw to 90.05 and 92.0 deg.
+/// In an earlier version, raceway control claimed an error of at most 3.6e-3 relative to traction.
+/// Traction has no solution here, because friction would rotate the contact angle at the screw to
+/// 90.05 and 92.0 deg.
 #[test]
-fn auto_states_no_bound_where_traction_has_no_solution() {
+fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
-    // Returns the feed drive of the examples.
+    // Returns the feed drive that is used in the examples.
     let feed_drive = |contact_angle: f64| {
         let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
         with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {
@@ -303,7 +307,8 @@ fn auto_states_no_bound_where_traction_has_no_solution() {
         let auto = Auto { at, tolerance: 0.01 }.solve(&mut work);
         assert!(auto.solved().expect("a rolling ball").error.is_none(), "{contact_angle}");
     }
-    // At these contact angles friction does not turn the contacts to the ends of their flanks.
+    // At these contact angles, friction does not rotate the contacts beyond the ends of their
+    // flanks.
     for contact_angle in [20.0, 45.0, 80.0] {
         let auto = Auto { at: feed_drive(contact_angle), tolerance: 0.01 }.solve(&mut work);
         assert_eq!(auto.model, Model::RacewayControl, "{contact_angle}");
@@ -314,8 +319,8 @@ fn auto_states_no_bound_where_traction_has_no_solution() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Friction increases the torque of a driven screw, and decreases the torque of a screw that
-    /// the load drives. The powers balance, for `traction` and `elastic`.
+    /// Friction increases the torque if the screw drives, and decreases the torque if the load
+    /// drives. The powers balance in both cases, for the models `traction` and `elastic`.
     #[test]
     fn friction_costs_power_and_powers_balance(
         lead in 2.0..30.0_f64, beta in 35.0..55.0_f64, rpm in 100.0..3000.0_f64,
@@ -328,13 +333,15 @@ proptest! {
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
             // Friction always costs power.
             prop_assert!((torque - ideal) * speed > 0.0);
-            // The root has a residual of 1e-10, and powers are relative to the input power.
+            // The residual of the root is 1e-10, and the error of the power balance is relative to
+            // the input power.
             prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
             prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }
     }
 
-    /// Except for inertia, only the relative speed matters: slow nut drive equals slow screw drive.
+    /// Except for inertia, only the relative speed matters, so slow nut drive has the same
+    /// efficiency as slow screw drive.
     #[test]
     fn slow_nut_drive_equals_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
         let driven = lin(10.0, 45.0, rpm, axial);
@@ -342,7 +349,7 @@ proptest! {
         let drive = bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed };
         let turned = with(driven, |screw| screw.point.drive = drive);
         let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
-        // The ratio of inertia to friction is at most 2e-6 here.
+        // The ratio of inertia force to friction force is at most 2e-6 here.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
     }
 }

@@ -1,4 +1,4 @@
-//! Random screws in the ranges for which the elastic models are intended.
+//! Random screws within the ranges for which the elastic models are intended.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 pub(crate) const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Returns Lin's screw with conformities of 0.53 and one ball.
+/// Returns Lin's screw with conformities of 0.53 and with a single ball.
 pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> ElasticPoint {
     ElasticPoint {
         point: OperatingPoint {
@@ -26,7 +26,7 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
     }
 }
 
-/// Returns a screw with changed inputs.
+/// Returns a copy of a screw after changing its inputs.
 pub(crate) fn with(
     mut screw: ElasticPoint,
     change: impl FnOnce(&mut ElasticPoint),
@@ -35,19 +35,20 @@ pub(crate) fn with(
     screw
 }
 
-/// Returns an endless sequence of screws with pitch circle diameters of 8 to 100 mm.
+/// Returns an infinite sequence of random screws with pitch circle diameters of 8 to 100 mm.
 ///
-/// The static pressure is 0.2 to 5 GPa, the lead angle 1 to 40 deg, the speed 10 to 30 000 rpm in
-/// both directions with screw drive or nut drive, the contact angle 30 to 60 deg, the conformity
-/// 0.51 to 0.56, the friction coefficient 0.01 to 0.15, and the ratio of ball radius to pitch
-/// radius 0.07 to 0.2.
+/// The ranges are: static pressure 0.2 to 5 GPa, lead angle 1 to 40 deg, speed 10 to 30 000 rpm in
+/// both directions with screw drive or nut drive, contact angle 30 to 60 deg, conformity 0.51 to
+/// 0.56, friction coefficient 0.01 to 0.15, and ratio of ball radius to pitch circle radius 0.07 to
+/// 0.2.
 pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let usual = Ranges { lead: (1.0, 40.0), contact: (30.0, 60.0), friction: 0.01, ball: 0.07 };
     random_screws(seed, usual)
 }
 
-/// Returns screws in wider ranges: lead angles of 0.3 to 55 deg, contact angles of 25 to 65 deg,
-/// friction coefficients from 0.002 on, and ratios of ball radius to pitch radius from 0.03 on.
+/// Returns random screws in wider ranges: lead angles of 0.3 to 55 deg, contact angles of 25 to 65
+/// deg, friction coefficients of at least 0.002, and ratios of ball radius to pitch circle radius
+/// of at least 0.03.
 pub(crate) fn unusual_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let wide = Ranges { lead: (0.3, 55.0), contact: (25.0, 65.0), friction: 0.002, ball: 0.03 };
     random_screws(seed, wide).filter(|screw| inertia_ratio(screw) <= 3.0)
@@ -100,9 +101,9 @@ pub(crate) fn inertia_ratio(screw: &ElasticPoint) -> f64 {
     screw.point.ball.mass * screw.point.helix.radius * speed * speed / screw.point.load.per_ball()
 }
 
-/// Returns screws that can be operated: the centrifugal force `$m r_m P^2$`, about a third of
-/// `$m r_m W^2$`, stays below the axial load. A larger centrifugal force moves the ball to the
-/// bottom of the nut groove, where the opposite flank would also carry load.
+/// Returns random screws that can be operated in practice. The centrifugal force `$m r_m P^2$`,
+/// about a third of `$m r_m W^2$`, is below the axial load. A larger centrifugal force would move
+/// the ball to the bottom of the nut groove, where the opposite flank also carries load.
 pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     screws(seed).filter(|screw| inertia_ratio(screw) <= 3.0)
 }

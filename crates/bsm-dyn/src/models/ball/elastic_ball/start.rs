@@ -1,4 +1,4 @@
-//! Starting values for the solves of a pair of contacts.
+//! Starting values for models of a ball with two elastic contacts.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equation (P4).
 
@@ -9,12 +9,13 @@ use bsm_newton::Bracket;
 use super::ElasticContacts;
 
 impl ElasticContacts {
-    /// Returns loads and tilt of the frictionless balance for the centrifugal force of a precession
-    /// rate divided by `$W$`, accurate to two digits. The result is a starting point.
+    /// Returns the loads and the tilt that balance axial force and centrifugal force without
+    /// friction, for the precession rate `rate` divided by `$W$`. The result is a starting value
+    /// with an accuracy of two digits.
     ///
-    /// For given axial and centrifugal forces, the force triangle leaves one unknown, `$\beta_B$`,
-    /// which is at least the unloaded angle. The radial distance in (J7) decreases with
-    /// `$\beta_B$`.
+    /// For given axial and centrifugal forces, the force triangle leaves one unknown, the contact
+    /// angle `$\beta_B$` at the screw, which is at least the unloaded contact angle. The radial
+    /// distance in (J7) decreases with `$\beta_B$`.
     pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
         let axial = self.helix.lead_angle.cos().recip();
         let centrifugal = self.inertia_ratio() * rate * rate / axial;

@@ -1,4 +1,5 @@
-//! Compares the first root with a search that uses neither brackets nor bounds.
+//! Compares the first root of the static balance with a dense search that uses neither brackets nor
+//! bounds.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,17 +13,18 @@ use crate::extreme::extreme;
 use crate::models::ball::ElasticPoint;
 use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
 
-/// Number of points of the search.
+/// Number of contact angles in the dense search.
 const GRID: usize = 1500;
 
-/// Returns screws with inertia forces from 0.01 to 100 times the load.
+/// Generates screws whose inertia forces are 0.01 to 100 times the load.
 fn screws() -> impl Strategy<Value = ElasticPoint> {
     let shape = (0.5..80.0_f64, 3.0..87.0_f64, 0.02..0.45_f64, 0.505..0.8_f64, 0.505..0.8_f64);
     let state = (-2.0..2.0_f64, 1e-9..1e-1_f64, -3.0..3.0_f64, any::<bool>());
     (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
         let ball = Ball::of_density(3e-3, 7800.0);
         let radius = ball.radius / size;
-        // The modulus follows from its ratio to the load, and the speed from the inertia ratio.
+        // The modulus is calculated from its ratio to the load, and the speed from the inertia
+        // ratio.
         let axial = 100.0;
         let modulus = axial / (soft * ball.radius * ball.radius);
         let speed = (10.0_f64.powf(inertia) * axial / (ball.mass * radius)).sqrt();
@@ -43,8 +45,9 @@ fn screws() -> impl Strategy<Value = ElasticPoint> {
     })
 }
 
-/// Returns the residual of the radial force balance for a contact angle at the screw, evaluated with angles; `None` if no contact
-/// angle at the nut satisfies the radial closure, or if the contact angle at the nut would be larger.
+/// Returns the residual of the radial force balance, calculated from the contact angle at the
+/// screw. Returns `None` if no contact angle at the nut satisfies the radial closure, or if the
+/// contact angle at the nut would be larger than at the screw.
 fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     let [nut_offset, screw_offset] = contacts.scaled.offsets;
     let lead = contacts.helix.lead_angle;
@@ -78,7 +81,7 @@ fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// If the model has no root, the dense search finds none, either.
+    /// If the model finds no root, the dense search must not find a root either.
     #[test]
     fn first_root_agrees_with_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
@@ -88,7 +91,8 @@ proptest! {
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
         let crossed = angles.filter_map(|angle| Some((angle, residual(&contacts, control, angle)?))).find(|at| {
-            // At equal contact angles, the residual is negative.
+            // The residual is negative at equal contact angles, so a sign change to a positive
+            // value marks the first root.
             let here = at.1 >= 0.0 && before.is_some_and(|(_, residual)| residual < 0.0);
             if !here {
                 before = Some(*at);
@@ -102,13 +106,14 @@ proptest! {
                 prop_assert!(c >= 0.0 && cot > 0.0 && root.residual <= 1e-10);
                 let angle = cot.recip().atan();
                 let residual = residual(&contacts, control, angle);
-                // Contact angles near zero are less accurate in this form, and the search has few points there.
+                // Contact angles near zero are less accurate in this calculation, and the dense
+                // search has few points there.
                 if let (Some(residual), Some((_, around))) = (residual, before) {
                     let size = 1.0 + around.abs().max((c + cot) / contacts.helix.lead_angle.cos());
                     prop_assert!(residual.abs() <= 1e-6 * size, "{residual}");
                 }
                 if let Some((beyond, _)) = crossed {
-                    // The search does not resolve two roots within a step.
+                    // The dense search cannot resolve two roots within one step.
                     prop_assert!(angle <= beyond + step, "{angle} {beyond}");
                 }
             }
@@ -124,19 +129,20 @@ proptest! {
     }
 
     #[test]
-    fn radial_slope_agrees_with_the_derivative_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
+    fn radial_slope_agrees_with_the_jet_derivative(screw in screws(), cot in 1e-3..1e3_f64) {
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let balance = Balance::new(&contacts, Control::Nut);
         for i in 0..2 {
             let exact = balance.statics.contact(i, Jet::<1>::variable(cot, 0)).radial_component().eps[0];
             let slope = balance.statics.contact(i, cot).radial_slope();
-            // For large cotangents, cancellation causes a relative error of 1e-16 cot² in the jet.
+            // For large cotangents, cancellation causes a relative error of 1e-16 cot² in the
+            // derivative of the jet.
             prop_assert!((slope - exact).abs() <= 1e-8 * exact.abs(), "{slope} {exact}");
         }
     }
 }
 
-/// If (W17) excludes a second root, the scan finds none.
+/// If (W17) excludes a second root, the scan finds no second root.
 #[test]
 fn scan_finds_no_second_root_below_the_inertia_limit() {
     let mut rng = ChaCha8Rng::seed_from_u64(77);
@@ -144,7 +150,7 @@ fn scan_finds_no_second_root_below_the_inertia_limit() {
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
         let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
-        // Smaller inertia has no effect on the contact angles.
+        // Smaller inertia has no significant effect on the contact angles.
         if contacts.inertia_ratio() < 1e-2 {
             continue;
         }
