@@ -41,12 +41,12 @@ use crate::{
 /// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
-/// Inputs that determine the friction of the nut, including substitutes.
+/// Alternative inputs that determine the friction of the nut; at least one is required.
 const FRICTION: &[InputSet] = quantities!(@needs [
     friction_coefficient | lubricant_temperature_C | catalog_efficiency | rated_dynamic_load_N
 ]);
 
-/// Inputs of the modified life.
+/// Inputs required for the modified life.
 const MODIFIED_LIFE: &[InputSet] =
     quantities!(@needs [lubricant_temperature_C, contamination_factor]);
 
@@ -299,7 +299,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
-    /// Results of the nut in the warm state.
+    /// Results of the nut in the warm state at the end of the phase.
     nut: Option<&'a NutInPhase>,
 }
 
@@ -315,7 +315,8 @@ impl PhaseResult<'_> {
         speed * self.worked.machine.advance() * 60.0
     }
 
-    /// Returns the value of larger magnitude at the two ends of the phase, with its sign.
+    /// Returns the value at the start or the end of the phase, whichever has the larger magnitude,
+    /// with its sign.
     fn largest(&self, number: impl Fn(&Torques) -> Option<f64>) -> Option<f64> {
         let [start, end] = self.torques.ends.each_ref().map(number);
         let (start, end) = (start?, end?);
@@ -323,7 +324,7 @@ impl PhaseResult<'_> {
     }
 }
 
-/// The screw and its nut with the values used in the calculation.
+/// Screw and nut as used in the calculation.
 pub(crate) struct Screw<'a> {
     case: &'a Case,
     machine: &'a Machine,
@@ -337,7 +338,7 @@ impl Screw<'_> {
     }
 }
 
-/// Report on an axis: numbers, rules and cycle.
+/// Report on an axis: numbers, rules and the phases of the cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
     /// The case.
@@ -348,13 +349,13 @@ pub struct AxisReport {
     pub phases: Vec<ScrewTorque>,
     /// Data for an order.
     pub order: Order,
-    /// Warnings of the answer, with the selection limits that they state.
+    /// Warnings in the answer, each with the selection limit that it concerns, if any.
     pub warnings: Vec<Warning>,
-    /// The answer.
+    /// Answer with numbers, rules, notes and tables.
     pub answer: Answer,
 }
 
-/// Returns the numbers of the sheet that distinguish nuts, for tables of nuts.
+/// Returns the columns of the axis sheet that serve to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     const NAMES: [&str; 13] = [
         "cycle_life_h",
@@ -375,7 +376,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
-/// Numbers of the load at rest, which are all zero if no force acts at rest.
+/// Outputs that describe the load at rest. They are all zero if no force acts at rest.
 const AT_REST: [&str; 7] = [
     "rest_load_N",
     "holding_torque_Nm",
@@ -386,10 +387,11 @@ const AT_REST: [&str; 7] = [
     "back_driving_torque_high_Nm",
 ];
 
-/// Torque at rest with the friction of the contacts alone, in whose place the screen shows the torque of the brake.
+/// Holding torque with contact friction. The screen hides it and shows the required brake torque,
+/// because a brake must be chosen without relying on friction.
 const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 
-/// Effects that the torque of an axis always neglects.
+/// Effects that the calculation of an axis always neglects.
 const NOT_MODELED: [&str; 4] = [
     "vibration and control of the axis, and shocks beyond load_factor",
     "bending of the screw by its weight; deformation of the frame; misalignment unless it is given",
@@ -420,7 +422,7 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
         (None, _) => {
             "ball returns and ball-to-ball contact, which only manufacturers' rule for the preload includes"
         }
-        // All balls of a preloaded nut are solved to find its torque.
+        // The torque of a preloaded nut is calculated with all its balls.
         (Some(_), true) => {
             "ball returns beyond return_push_N and its causes, which only manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
@@ -444,7 +446,8 @@ impl AxisReport {
         let full = Detail { fold: true, band: true };
         let line = case.without_estimates();
         let (mut report, refused) = match line.with_groove() {
-            // Life, speed and buckling need no groove, but a warm state does.
+            // Life, speed limits and buckling can be calculated without groove data, but a warm
+            // state cannot.
             Err(CaseError::NoGroove(why)) if !line.asks_warm() => {
                 (Self::with(&line, settings, full)?, Some(why))
             }
@@ -458,7 +461,7 @@ impl AxisReport {
                 (report, _) => (report?, None),
             },
         };
-        // The search for a fold takes several times as long as the state.
+        // Searching for the fold takes several times as long as calculating the warm state.
         let has_fold = report.number(output!(fold_speed_factor)).is_some();
         let quick = Detail { fold: has_fold, band: false };
         let answer = std::mem::take(&mut report.answer);
@@ -472,13 +475,13 @@ impl AxisReport {
         Ok(report)
     }
 
-    /// Calculates numbers and rules without the notes that need additional solutions.
+    /// Calculates numbers and rules, but omits the notes that require additional solves.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: true, band: false })
     }
 
-    /// Calculates numbers and rules for a possible groove, without the notes that need additional
-    /// solutions and without the fold of a warm state.
+    /// Calculates numbers and rules for a possible groove. Omits the notes that require additional
+    /// solves and the fold of a warm state.
     pub(crate) fn without_fold(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: false, band: false })
     }
@@ -497,7 +500,8 @@ impl AxisReport {
             None => (Answer::default(), Vec::new()),
         };
         let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-        // The proportions of an estimated groove may differ from the proportions of the nut.
+        // An estimated groove may have other proportions than the real nut, so warnings about its
+        // proportions are discarded.
         if case.has_estimated_groove() {
             warnings.clear();
         }
@@ -534,7 +538,8 @@ impl AxisReport {
             notes.extend(worked.uncertainty_note());
             notes.extend(worked.falls());
         }
-        // If no force acts at rest, a note says so and the numbers are hidden.
+        // If no force acts at rest, a note says so, and the outputs for the load at rest are
+        // hidden.
         let is_free = worked.machine.rest_load == 0.0;
         let numbers = numbers.hiding(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
         let order = worked.order();
@@ -601,7 +606,8 @@ impl AxisReport {
         self.answer.number(name)
     }
 
-    /// Returns the warm states over the speed, or `None` if they are not requested or do not exist.
+    /// Returns the branch of warm states as a function of speed, or `None` if no warm state is
+    /// requested or none exists.
     pub fn warm_branch(&self) -> Option<WarmBranch> {
         WarmBranch::of(&self.case, &self.settings).ok()?
     }
@@ -611,20 +617,20 @@ impl AxisReport {
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number(output!(required_life_revolutions))?;
         let mean_speed = self.number(output!(equivalent_speed_rpm))?;
-        // Time for the required revolutions at the mean speed of the cycle.
+        // Number of revolutions at this speed during the required life.
         let revolutions = required * rpm / mean_speed;
         Some(self.number(output!(modified_dynamic_rating_N))? * (1e6 / revolutions).cbrt())
     }
 }
 
-/// Calculates the numbers of an axis without a report.
+/// Calculates the numbers of an axis without creating a report.
 ///
 /// # Errors
 ///
 /// The errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal runaway.
 ///
 /// * `wanted`: selects the quantities to calculate.
-/// * `work`: memory of the models.
+/// * `work`: workspace of the models.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,
@@ -634,7 +640,7 @@ pub(crate) fn numbers(
     check_inputs(case)?;
     let case = &case.with_preload()?;
     let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
-    // The torque at a single operating point does not need the whole axis.
+    // The torque at a single operating point can be calculated without the rest of the axis.
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
@@ -665,7 +671,7 @@ fn sheet(
         .with("not_modeled", Content::Texts("not modeled", not_modeled))
 }
 
-/// Builds the table of phases, one row each. The columns listed here are also shown on the screen.
+/// Builds the table of phases with one row per phase. The screen shows only the columns in `SHOWN`.
 fn of_phases(phases: &[ScrewTorque]) -> Table {
     const SHOWN: [&str; 9] = [
         "time_share",
@@ -696,7 +702,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
     Table { columns: columns.chain(others).collect(), rows, ..Table::default() }
 }
 
-/// Explains why there are no numbers for all balls of the nut.
+/// Explains why the nut cannot be calculated with all its balls.
 fn no_balls(why: &CaseError) -> String {
     format!("The nut with all its balls cannot be calculated: {why}")
 }
@@ -704,7 +710,7 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        // The last sample of a phase is nearest to its end.
+        // The last sample of the phase is the closest one to its end.
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
@@ -715,7 +721,8 @@ impl AxisState<'_> {
     }
 }
 
-/// Rejects temperature inputs that have no effect, and an accuracy grade without a travel.
+/// Rejects temperature inputs that would have no effect, and an accuracy grade without the travel
+/// to which it applies.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
@@ -725,7 +732,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
-    // These inputs also act without the thermal network.
+    // These inputs have an effect even without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -746,7 +753,8 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
 
 /// Returns the case at the largest load and speed of the axis, for the ratings.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    // The load includes the mass, and a separate rule checks the warm preload.
+    // The load already includes the forces on the moved mass, and a separate rule checks the warm
+    // preload.
     let mut case = case.cold().without_carriage();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);

@@ -1,4 +1,5 @@
-//! Results of a case whose groove is estimated: the estimate, and the intervals of the results.
+//! Answers for a case with an estimated groove: the estimate, and the uncertainty intervals of the
+//! results.
 
 use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
 use serde_json::{Map, Value, json};
@@ -8,11 +9,11 @@ use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table};
 
-/// Smallest width of an interval relative to its value. A narrower interval is rounding error.
+/// Smallest ratio of an interval's width to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Maximum number of possible grooves of a case with a warm state. A warm state takes from a tenth of
-/// a second to several seconds.
+/// Maximum number of possible grooves for a case with a warm state, whose calculation takes from
+/// 0.1 s to several seconds.
 const WARM_DRAWS: usize = 16;
 
 /// Probability above which ratings count as raised for clean steel.

@@ -1,4 +1,4 @@
-//! Quantities that determine the modified life of an axis.
+//! Lubricant quantities that determine the modified life of an axis.
 
 use crate::case::axis::Machine;
 use crate::vocabulary::entries::Named;
@@ -11,7 +11,7 @@ pub(super) struct Lubrication {
     pub(super) viscosity: f64,
     /// Fatigue load limit \[N\].
     pub(super) fatigue_limit: f64,
-    /// Contamination factor: usual, smallest and largest value.
+    /// Usual, smallest and largest contamination factor.
     pub(super) contamination: [f64; 3],
 }
 
