@@ -134,7 +134,7 @@ fn damaged_files_are_found_and_repaired() {
     let foreign = fs::read(dir.path().join("other/data/part-000003.parquet")).expect("a part");
     let copy = fs::read(map.join("data/part-000004.parquet")).expect("a part");
     for (bytes, is_shallow, words) in [
-        (flipped, false, "has been changed, because its bytes do not match the SHA-256"),
+        (flipped, false, "has been changed: its bytes do not match the SHA-256"),
         (good[..good.len() / 2].to_vec(), true, "its footer is invalid"),
         (Vec::new(), true, "is empty"),
         (foreign, true, "is a part of another plan"),
