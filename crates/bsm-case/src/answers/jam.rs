@@ -1,4 +1,4 @@
-//! Jamming of the balls, in named quantities with units.
+//! Jamming analysis of the balls, in named quantities with units.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -107,20 +107,20 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
 }
 
-/// Magnitude below which a critical friction coefficient or the sine of a slip angle is rounding
-/// error. Both are zero for a rolling ball.
+/// Magnitude below which a critical friction coefficient or the sine of a slip angle is a rounding
+/// error. Both are exactly zero for a rolling ball.
 const ROUNDING: f64 = 1e-9;
 
-/// Factor from N/µm^1.5 to N/m^1.5.
+/// Conversion factor from N/µm^1.5 to N/m^1.5.
 const PER_UM15: f64 = 1e9;
 
-/// Replaces a critical friction coefficient that is rounding error by zero.
+/// Replaces a critical friction coefficient by zero if it is a rounding error.
 fn clean(critical: f64) -> f64 {
     if critical < ROUNDING { 0.0 } else { critical }
 }
 
-/// Returns a critical friction coefficient, or `None` if it is infinite. Without slip across the
-/// grooves, no friction can hold the ball.
+/// Returns a critical friction coefficient, or `None` if it is infinite. It is infinite without
+/// slip across the grooves, because then no friction can hold the ball.
 fn if_any(critical: f64) -> Option<f64> {
     Some(critical).filter(|x| *x < f64::INFINITY)
 }
@@ -129,9 +129,9 @@ fn if_any(critical: f64) -> Option<f64> {
 struct Jam {
     ball: SteadyBall<f64>,
     permanent: Option<PermanentContacts>,
-    /// Ratios of the largest pressures to the pressures at first yield.
+    /// Ratio of maximum pressure to pressure at first yield, at nut and screw.
     yield_ratios: Option<[f64; 2]>,
-    /// Drag of the lubricant \[N\].
+    /// Drag force of the lubricant \[N\].
     drag: Option<f64>,
     friction: Friction,
     wedge: Wedge<f64>,
@@ -139,57 +139,60 @@ struct Jam {
     track: Option<Track>,
 }
 
-/// Contacts with permanent approach, and their largest pressures \[Pa\].
+/// Contacts with permanent deformation, and their maximum pressures \[Pa\].
 struct PermanentContacts {
     set: PermanentSet,
     pressures: [f64; 2],
 }
 
-/// Friction coefficients. They are all equal without a lubricant.
+/// Friction coefficients in different states of motion. Without a lubricant, they are all equal.
 struct Friction {
-    /// At nut and screw in steady motion.
+    /// Friction coefficients at nut and screw in steady motion.
     moving: [f64; 2],
-    /// At the screw, for a ball that is stopped in the nut.
+    /// Friction coefficient at the screw for a ball that is stopped in the nut.
     stopped: f64,
-    /// Without a film: at rest, between balls that roll against each other, and in the ball return.
+    /// Friction coefficient without a lubricant film: at rest, between balls that roll against each
+    /// other, and in the ball return.
     rest: f64,
 }
 
-/// The ball return.
+/// Forces on a ball in the ball return.
 struct BallReturn {
-    /// Speed of the ball at the return \[m/s\].
+    /// Speed of the ball at the entry to the return \[m/s\].
     speed: f64,
-    /// Force of the impact \[N\].
+    /// Impact force \[N\].
     impact: f64,
     /// Thrust at the apex \[N\].
     apex: Option<f64>,
-    /// Normal force and thrust at the step \[N\].
+    /// Normal force and thrust at the step into the screw \[N\].
     step: Option<(f64, f64)>,
-    /// Highest step that a thrust can overcome \[m\].
+    /// Largest height of a step into the return that a thrust can overcome \[m\].
     highest: f64,
-    /// Ratio of the thrusts behind and ahead of the step into the return. It is infinite if no
-    /// thrust is sufficient.
+    /// Ratio of the thrust behind to the thrust ahead of a ball at the step into the return. It is
+    /// infinite if no thrust can lift the ball over the step.
     entered: Option<f64>,
 }
 
-/// Friction forces along the track for the balls of one turn \[N\].
+/// Friction forces along the track on the balls of one turn \[N\].
 #[derive(Clone, Copy)]
 struct Track {
-    /// In steady motion, at the screw and at the contact with less friction.
+    /// Friction forces in steady motion at the screw (`screw`) and at the contact with less
+    /// friction (`weaker`).
     screw: f64,
     weaker: f64,
-    /// For stopped balls, at the screw.
+    /// Friction force at the screw for stopped balls.
     stopped: f64,
 }
 
-/// Calculates the contacts with permanent approach, centrifugal force and drag, the wedge between
-/// the raceways, and the thrust in the ball return, which is compared with the friction that pushes
-/// the balls through the return.
+/// Calculates the contacts with permanent deformation, the centrifugal and drag forces, the wedge
+/// between the raceways, and the thrust in the ball return. The thrust is compared with the
+/// friction that pushes the balls through the return.
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the model has no motion of the ball, if the contacts with permanent
-/// approach have no solution, or if a number exceeds the range of double precision.
+/// [`CaseError::Invalid`] if the model does not calculate the motion of the ball, if the contacts
+/// with permanent deformation have no solution, or if a number exceeds the range of double
+/// precision.
 pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
@@ -260,20 +263,22 @@ impl Jam {
         self.wedge.loads[0].min(self.wedge.loads[1])
     }
 
-    /// Returns the lead angle and the mean contact angle under load. Friction makes the contact
-    /// angles at nut and screw differ, but does not change the direction of the force between nut
-    /// and screw.
+    /// Returns the lead angle and the mean contact angle under load. The mean is used because
+    /// friction changes the contact angles at nut and screw, but not the direction of the force
+    /// between nut and screw.
     fn angles(&self) -> Angles<f64> {
         Angles { lead: self.ball.helix.lead_angle, contact: self.wedge.mean_angle() }
     }
 
-    /// Returns the direction of drive and the friction coefficient of self-locking (C6), (C7).
+    /// Returns the direction of drive and the friction coefficient above which the screw is
+    /// self-locking in this direction (C6), (C7).
     fn locking(&self) -> Option<(Direction, f64)> {
         let direction = Direction::of(self.ball.drive.relative_speed())?;
         Some((direction, self.angles().locking_friction(direction)))
     }
 
-    /// Returns the thrust that the balls must overcome, if there is any.
+    /// Returns the largest thrust that the balls must overcome in the return, or `None` if there is
+    /// no thrust or a step blocks the balls.
     fn pushed(&self) -> Option<f64> {
         self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
@@ -315,7 +320,7 @@ impl Jam {
 }
 
 impl Friction {
-    /// * `screw`: screw contact of a ball in motion.
+    /// * `screw`: screw contact of the moving ball.
     /// * `dry`: friction coefficient without a lubricant.
     fn of(
         case: &Case,
@@ -333,7 +338,7 @@ impl Friction {
         Self { moving, stopped, rest: rest.unwrap_or(f64::NAN) }
     }
 
-    /// Describes the friction coefficients of a lubricated ball in a note.
+    /// Returns a note that states the friction coefficients of a lubricated ball.
     fn words(&self) -> String {
         let Self { moving: [nut, screw], stopped, rest } = *self;
         let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
@@ -404,7 +409,7 @@ impl BallReturn {
         }
     }
 
-    /// Returns the thrust at the step into the return while a ball ahead is at the apex.
+    /// Returns the thrust at the step into the return while the ball ahead is at the apex.
     fn entry_thrust(&self) -> Option<f64> {
         Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
     }
@@ -414,14 +419,14 @@ impl BallReturn {
         self.entered.is_some_and(f64::is_infinite)
     }
 
-    /// Returns the largest thrust.
+    /// Returns the largest thrust in the return.
     fn thrust(&self) -> Option<f64> {
         let thrusts = [self.apex, self.step.map(|(_, thrust)| thrust), self.entry_thrust()];
         thrusts.into_iter().flatten().reduce(f64::max)
     }
 }
 
-/// Returns the step into the ball return. Its height defaults to zero.
+/// Returns the step into the ball return. The step height defaults to zero.
 fn entry_step(case: &Case, ball_radius: f64) -> EntryStep {
     EntryStep {
         height: case.step_height_mm.unwrap_or(0.0) * MM / ball_radius,

@@ -17,7 +17,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
 use crate::{Answer, Case, CaseError, Catalog, Content, INPUTS, Numbers, exact};
 
-/// Title of the intermediate results between inputs and ratings.
+/// Title of the intermediate results between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
 
 quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
@@ -123,7 +123,7 @@ pub(crate) struct NutRatings<'a> {
     dynamic: DynamicRating,
     static_rating: StaticRating,
     edge_load: f64,
-    /// Preload of a pair, or axial load of a single nut \[N\].
+    /// Preload of a nut pair, or axial load of a single nut \[N\].
     force: f64,
     preloaded: bool,
     /// Life at the axial load and speed of the case.
@@ -131,9 +131,9 @@ pub(crate) struct NutRatings<'a> {
 }
 
 impl<'a> NutRatings<'a> {
-    /// Evaluates the nut of a case: a pair of nuts under `preload_N`, or a single nut under
-    /// `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
-    /// rating.
+    /// Evaluates the nut of a case as a pair with the preload `preload_N`, or as a single nut under
+    /// `axial_load_N`. If neither is given, the nut is a pair with a preload of 0.15 times the
+    /// dynamic load rating.
     fn of(case: &'a Case) -> Result<Self, CaseError> {
         case.check()?;
         let nut = nut(case)?;
@@ -181,7 +181,7 @@ impl<'a> NutRatings<'a> {
 
     fn numbers(&self) -> Result<Numbers, CaseError> {
         let numbers = read(self, |_| true).finite()?;
-        // The life under an extreme load may underflow to zero.
+        // The life under an extreme load can underflow to zero.
         let lost = |life: &Life| life.revolutions <= 0.0 || life.time <= 0.0;
         if self.life.as_ref().is_some_and(lost) {
             return Err(CaseError::beyond_double("rating_life_h"));
@@ -189,12 +189,12 @@ impl<'a> NutRatings<'a> {
         Ok(numbers)
     }
 
-    /// Returns a number of a preloaded pair.
+    /// Returns the value of `number` for a preloaded pair, or `None` for a single nut.
     fn of_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         self.preloaded.then(|| number(&self.elasticity))
     }
 
-    /// Returns a number of a single nut under its load.
+    /// Returns the value of `number` for a single nut, or `None` for a preloaded pair.
     fn of_one(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         (!self.preloaded).then(|| number(&self.elasticity))
     }
@@ -216,8 +216,8 @@ impl<'a> NutRatings<'a> {
         self.nut.pitch_diameter / MM
     }
 
-    /// Returns warnings about contact ellipses of the more heavily loaded nut that extend beyond
-    /// their flanks, with equal loads on all balls.
+    /// Returns warnings about contact ellipses that extend beyond their flanks in the more heavily
+    /// loaded nut. All balls are assumed to carry equal loads.
     fn beyond_the_flanks(&self) -> Vec<String> {
         let Self { case, nut, thread, elasticity, force, .. } = self;
         let of_pair = || pair_loads(*force, case.axial_load_N.unwrap_or(0.0)).0;
@@ -227,12 +227,12 @@ impl<'a> NutRatings<'a> {
         beyond_the_flanks(thread, &elasticity.hertz, [Some((ball, nut.contact_angle)); 2])
     }
 
-    /// Returns a note if the case has neither load nor preload.
+    /// Returns a note on the assumed preload if neither load nor preload is given.
     fn assumed_preload(&self) -> Option<String> {
         (!self.case.is_loaded()).then(|| assumed_preload(self.force))
     }
 
-    /// Returns warnings about limits of the formulas and poor proportions.
+    /// Returns warnings about exceeded limits of the formulas and about unfavorable proportions.
     fn warnings(&self) -> Result<Vec<Warning>, CaseError> {
         let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = case.axial_load_N;
@@ -276,17 +276,17 @@ fn rpm(case: &Case) -> Option<f64> {
     case.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
 }
 
-/// Calculates the ratings as numbers only.
+/// Calculates the ratings without notes and warnings.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     NutRatings::of(case)?.numbers()
 }
 
-/// Calculates the ratings of the nut of a case: a pair of nuts under `preload_N`, or a single nut
-/// under `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
-/// rating.
+/// Calculates the ratings of a nut as a pair with the preload `preload_N`, or as a single nut under
+/// `axial_load_N`. If neither is given, the nut is a pair with a preload of 0.15 times the dynamic
+/// load rating.
 ///
 /// The life refers to the axial load and speed of the case. The life under a cycle is a result of
-/// the axis.
+/// the axis sheet.
 ///
 /// # Errors
 ///
@@ -301,9 +301,9 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Returns the load ratings of the nut of a case, and the warnings about them with the selection
-/// limits to which the warnings refer. The contact ellipses are not checked here, because the model
-/// of the nut checks them with all balls.
+/// Returns the load ratings of the nut, and warnings about them with the selection limits that they
+/// concern. The contact ellipses are not checked here, because the nut model checks them with all
+/// balls.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     Ok((rated.answer()?, rated.warnings()?))

@@ -9,15 +9,15 @@ use serde_json::json;
 use crate::case::reader::Reader;
 use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 
-/// Number of inputs that are differentiated at a time. Most callers request fewer derivatives, and
-/// the time of a solve with jets grows with their number.
+/// Number of inputs that are differentiated in one solve. The time of a solve increases with this
+/// number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
-/// Columns of the derivatives.
+/// Columns of the table of derivatives.
 pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
     | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
 
-/// A number with its derivatives with respect to some inputs, each in the unit of the input.
+/// A number with its derivatives with respect to several inputs, in the units of these inputs.
 type Jets = Jet<AT_A_TIME>;
 
 /// A case in which some inputs are variables.

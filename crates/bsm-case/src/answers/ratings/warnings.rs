@@ -1,4 +1,4 @@
-//! Warnings about nuts with poor proportions or outside the limits of the catalog formulas.
+//! Warnings about nuts with unfavorable proportions or outside the limits of the catalog formulas.
 
 use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 
@@ -6,7 +6,8 @@ use crate::exact;
 use crate::vocabulary::units::{MM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 
-/// Returns warnings about limits of the catalog formulas and about poor proportions.
+/// Returns warnings about exceeded limits of the catalog formulas and about unfavorable
+/// proportions.
 pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
@@ -63,8 +64,8 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     warnings
 }
 
-/// Returns warnings if the preload of a pair is larger than it should be (D22) or smaller than the
-/// load requires (D23).
+/// Returns warnings if the preload of a pair is larger than recommended (D22) or too small for the
+/// load (D23).
 pub(super) fn of_pair(
     elasticity: &Elasticity,
     preload: f64,
