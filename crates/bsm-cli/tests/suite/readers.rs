@@ -272,7 +272,7 @@ fn no_command_overwrites_a_file_that_it_reads() {
     ] {
         let before = read(kept);
         let args: Vec<_> = args.split(' ').collect();
-        refused(dir.path(), &args, "", 2, "is an input file, which would be lost");
+        refused(dir.path(), &args, "", 2, "is an input file and would be overwritten");
         assert_eq!(read(kept), before, "{args:?}");
     }
     assert!(!at("o.csv").exists() && !at("sheet/report.html").exists());

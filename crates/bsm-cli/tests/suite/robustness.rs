@@ -224,7 +224,7 @@ fn input_files_are_not_overwritten() {
         assert_told(
             &run(args, dir.path()),
             2,
-            "is an input file, which would be lost; use another name",
+            "is an input file and would be overwritten; use another name",
         );
     }
     // The output may replace the table of points, which is read completely before the output is
@@ -334,7 +334,11 @@ fn a_failed_thread_start_does_not_panic() {
     // Stacks take 2 MiB each, so there is room for only some of the 1024 threads.
     let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
     if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
-        assert_told(&output, 0, "of 1024 threads, because the system does not start more");
+        assert_told(
+            &output,
+            0,
+            "of 1024 threads, because the operating system does not start more",
+        );
     }
     let catalog = ["select", "--first=3", "--where=lead_mm=20"];
     let usual = run(&catalog, dir.path());
@@ -342,7 +346,8 @@ fn a_failed_thread_start_does_not_panic() {
     if let Some(output) = limited(limits, &catalog, dir.path()) {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
         assert!(
-            stderr(&output).contains("of 1024 threads, because the system does not start more")
+            stderr(&output)
+                .contains("of 1024 threads, because the operating system does not start more")
         );
     }
     // Root may start any number of threads. Other users get an error.
