@@ -327,8 +327,7 @@ impl RequirementKeys {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             case.pitch_circle_diameter_mm = Some(diameter);
         }
-        // The whole length of the screw counts as unsupported, unless the unsupported length is
-        // given.
+        // Without a given unsupported length, the whole screw length counts as unsupported.
         if let Travel::Screw(length) = travel {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
@@ -350,7 +349,8 @@ impl RequirementKeys {
         if life.is_none() {
             notes.push("required_life_h is not given, so no life is required.".to_owned());
         }
-        // The optimum angles of a lubricated screw use the usual friction coefficient.
+        // The optimum angles of a lubricated screw are calculated with the usual friction
+        // coefficient.
         let friction = case.friction_coefficient.unwrap_or(usual);
         let conformity = match (case.nut_conformity, case.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
@@ -365,7 +365,7 @@ impl RequirementKeys {
             "linear-to-rotary" => Direction::LinearToRotary,
             _ => Direction::RotaryToLinear,
         };
-        // The motion determines the direction, so the sign of the speed is ignored.
+        // The direction follows from the key `motion`, so the sign of the speed is ignored.
         let towards = |speed: f64| direction.sign() * speed.abs();
         case.screw_speed_rpm = case.screw_speed_rpm.map(towards);
         case.feed_m_min = case.feed_m_min.map(towards);
@@ -377,8 +377,8 @@ impl RequirementKeys {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
-                // Lin's rule uses the largest contact angle, and the lead angle for which this angle is
-                // optimal.
+                // Lin's rule: the largest contact angle, and the lead angle for which this contact
+                // angle is optimal.
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);

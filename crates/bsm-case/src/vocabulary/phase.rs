@@ -1,4 +1,4 @@
-//! The cycle of an axis, consisting of moves, phases and dwells, as read from JSON or from a table.
+//! Cycle of an axis, which consists of moves, phases and dwells, as read from JSON or from a table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,24 +12,24 @@ use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{CaseError, TableFormat, nearest};
 
-/// Shape of a move.
+/// Speed profile of a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoveProfile {
-    /// One third of the time each for acceleration, constant speed and deceleration.
+    /// Acceleration, constant speed and deceleration each take one third of the time.
     Trapezoidal,
-    /// Half of the time for acceleration and half for deceleration.
+    /// Acceleration and deceleration each take half of the time.
     Triangular,
 }
 
 macro_rules! phase {
     ($($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
         keys! {
-            /// Keys of a phase.
+            /// Numeric keys of a cycle entry.
             pub(crate) PHASE_INPUTS;
             $($name [$unit $($symbol)?] $rule, $default, $about;)*
         }
 
-        /// A phase of a cycle.
+        /// An entry of a cycle: a phase, a move or a dwell.
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[schemars(!try_from, deny_unknown_fields)]
         #[serde(try_from = "Map<String, Value>")]
@@ -86,7 +86,7 @@ phase! {
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor on the load for life and equivalent load; defaults to load_factor of the case";
 }
 
-/// Key of the shape of a move.
+/// Key for the speed profile of a move.
 const PROFILE: &str = "profile";
 
 /// A kind of cycle entry, with its permitted keys.
@@ -95,7 +95,7 @@ struct EntryKind {
     keys: &'static [&'static str],
 }
 
-/// A move over a distance from standstill to standstill.
+/// A move over a distance, which starts and ends at standstill.
 const MOVE: EntryKind = EntryKind {
     name: "a move (distance_mm)",
     keys: &[
@@ -110,7 +110,7 @@ const MOVE: EntryKind = EntryKind {
     ],
 };
 
-/// A standstill.
+/// A standstill for a given time.
 const DWELL: EntryKind =
     EntryKind { name: "a dwell (dwell_s)", keys: &["dwell_s", "force_N", "load_factor"] };
 
@@ -131,14 +131,14 @@ const PHASE: EntryKind = EntryKind {
     ],
 };
 
-/// Value of a key.
+/// Value of a key in a cycle entry.
 enum EntryValue {
     Number(f64),
     Profile(Named<MoveProfile>),
 }
 
 impl EntryValue {
-    /// Parses the name of the shape of a move.
+    /// Parses the name of a speed profile.
     fn profile(name: Value) -> Result<Self, String> {
         serde_json::from_value(name).map(Self::Profile).map_err(|e| format!("`{PROFILE}`: {e}"))
     }
@@ -163,7 +163,8 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     }
 }
 
-/// Returns the key of a cycle entry for a name in any unit, and the change to its unit.
+/// Returns the key of a cycle entry for a name that may have another unit, and the conversion to
+/// the unit of the key.
 fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
     let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));
