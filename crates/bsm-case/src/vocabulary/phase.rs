@@ -178,7 +178,7 @@ fn phase_key(name: &str) -> Result<NamedColumn, String> {
 }
 
 impl PhaseEntry {
-    /// Creates an entry from values, each in the unit of its name.
+    /// Creates a cycle entry from its keys and values.
     fn of(entries: impl IntoIterator<Item = (NamedColumn, EntryValue)>) -> Result<Self, String> {
         let mut phase = Self::default();
         for ((word, change), value) in entries {
@@ -198,7 +198,7 @@ impl PhaseEntry {
         Ok(phase)
     }
 
-    /// Checks that the given keys describe a move, a dwell or a phase.
+    /// Checks that the given keys together describe a move, a dwell or a phase.
     fn check_keys(&self) -> Result<(), String> {
         let kind = match (self.distance_mm, self.dwell_s) {
             (Some(_), _) => &MOVE,
@@ -273,12 +273,12 @@ impl PhaseEntry {
         Ok(())
     }
 
-    /// Reads a cycle from a table with one row per entry. The columns are the keys of an entry, in
-    /// any unit.
+    /// Reads a cycle from a CSV table with one row per entry. The columns are named after the keys
+    /// of an entry, in any unit.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the row.
+    /// [`CaseError::Invalid`] that names the row with the error.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let columns =
