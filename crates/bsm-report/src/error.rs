@@ -1,4 +1,4 @@
-//! Errors of the report.
+//! Errors of figures and pages.
 
 /// The reason why a figure or a page cannot be created.
 #[derive(Debug, thiserror::Error)]
@@ -7,7 +7,7 @@ pub enum ReportError {
     /// A table cannot be written.
     #[error("table: {0}")]
     Table(#[from] csv::Error),
-    /// A picture cannot be drawn.
+    /// An image cannot be drawn.
     #[error("picture: {0}")]
     Picture(String),
     /// A page cannot be created.
