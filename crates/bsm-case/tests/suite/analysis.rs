@@ -68,7 +68,7 @@ fn slip_report_matches_the_model() {
 /// The slip powers add up to the dissipated power for a given accuracy and creep speed, and for the
 /// accuracy that `auto` chooses.
 #[test]
-fn powers_add_up_with_the_settings() {
+fn slip_powers_add_up_for_given_and_chosen_settings() {
     let case = case(XU, &[("screw_speed_rpm", 12000.0)]);
     let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
@@ -88,7 +88,7 @@ fn powers_add_up_with_the_settings() {
 /// are equal, the printed and the corrected results are equal. Otherwise the printed results equal
 /// the corrected spin slip with the contacts exchanged. There is no formula for the unloaded flank.
 #[test]
-fn printed_spin_slips_use_the_angle_of_the_other_contact() {
+fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
     for form in ["spin", "orbit"] {
         for contact in ["nut", "screw"] {
@@ -130,7 +130,7 @@ fn rigid_reports_no_contact_ellipses() {
 /// If an input is missing, the jamming report names it in place of the part that needs it, and
 /// still calculates the other parts.
 #[test]
-fn missing_inputs_of_jamming_are_named() {
+fn jamming_report_names_missing_inputs() {
     let names = [
         "raceway_yield_strength_MPa",
         "drag_coefficient",
@@ -180,7 +180,7 @@ fn rolling_balls_do_not_jam_at_any_thrust() {
 /// Eq 21 is evaluated at the screw contact. At 8 kN and 2500 rpm, the contact with less friction
 /// would reverse the verdict of the published criterion.
 #[test]
-fn the_published_criterion_uses_the_screw_contact() {
+fn published_jamming_criterion_uses_the_screw_contact() {
     let report = jam(&case(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
     let [screw, weaker] =
         ["published_margin", "weaker_contact_margin"].map(|name| number(&report, name));
@@ -194,7 +194,7 @@ fn the_published_criterion_uses_the_screw_contact() {
 /// In steady motion, a ball never needs more friction across the grooves than is available. It
 /// therefore always meets the wedge criterion, and the analysis does not report a jam.
 #[test]
-fn every_ball_in_balance_is_held_by_its_wedge() {
+fn ball_in_steady_motion_meets_the_wedge_criterion() {
     for model in [Model::RacewayControl, Model::Traction] {
         for (speed, load) in [(100.0, 2e4), (2500.0, 8e3), (5000.0, 2.4e4), (-2500.0, 8e3)] {
             let changes = [("screw_speed_rpm", speed), ("axial_load_N", load)];
@@ -233,7 +233,7 @@ const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 /// speed, return angle and step height. It increases with load and friction, because the loaded
 /// balls push with both.
 #[test]
-fn a_case_designed_to_jam_jams() {
+fn jamming_is_reported_for_a_case_designed_to_jam() {
     let margin = |changes: &[(&str, f64)]| {
         let report = jam(&case(JAMMING, changes), Model::RacewayControl);
         let (jams, words) = statement(&report, "jams");
@@ -262,7 +262,7 @@ fn a_case_designed_to_jam_jams() {
 const RETURN: [(&str, f64); 3] =
     [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
 
-fn no_alarm(case: &Case) {
+fn assert_no_alarm(case: &Case) {
     let settings = Settings::default();
     let mut work = ModelWorkspace::default();
     let moving = MotionAnswer::of(case, &settings, &mut work).expect("complete");
@@ -278,8 +278,8 @@ fn no_alarm(case: &Case) {
 /// for every healthy screw.
 #[test]
 fn jamming_raises_no_alarm_for_healthy_screws() {
-    no_alarm(&case(FEED, &[]));
-    no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
+    assert_no_alarm(&case(FEED, &[]));
+    assert_no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalog = Catalog::standard().expect("lists");
     let places = catalog.indices();
     let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
@@ -308,14 +308,14 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
-        no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
+        assert_no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
     }
 }
 
 /// If the speed is reversed, the wedge is reversed, too: the ball climbs the other side of the
 /// groove.
 #[test]
-fn reversal_of_the_speed_reverses_the_wedge() {
+fn reversing_the_speed_reverses_the_wedge() {
     let wedge = |rpm| {
         let report = jam(&case(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
         number(&report, "wedge_angle_deg")
@@ -328,7 +328,7 @@ fn reversal_of_the_speed_reverses_the_wedge() {
 
 /// The thrust due to the impact depends on the given inputs of the ball return.
 #[test]
-fn inputs_of_the_ball_return_are_used() {
+fn step_thrust_depends_on_ball_return_inputs() {
     let thrust = |changes: &[(&str, f64)]| {
         let report = jam(&case(DONG, changes), Model::RacewayControl);
         number(&report, "step_thrust_N")
@@ -347,7 +347,7 @@ fn inputs_of_the_ball_return_are_used() {
 }
 
 #[test]
-fn analyses_reject_models_without_a_motion() {
+fn analyses_reject_models_that_do_not_calculate_the_motion() {
     let case = case(XU, &[]);
     let settings = Model::QuasiStatic.into();
     let solution = solved(&case, &settings);
@@ -365,7 +365,7 @@ fn analyses_reject_models_without_a_motion() {
 /// limit the errors of slip and wedge. As a result, the contact angle at the screw jumped from 47
 /// to 51 deg between 6 and 8 kN.
 #[test]
-fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
+fn model_choice_for_analyses_ignores_the_efficiency_error() {
     let mut work = ModelWorkspace::default();
     for (load, tolerance) in [(6e3, 1e-2), (8e3, 1e-2), (8e3, 0.9)] {
         let case = case(DONG, &[("axial_load_N", load), ("friction_coefficient", 0.06)]);
@@ -387,7 +387,7 @@ const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 /// those of a dry ball with the friction coefficient of the asperities. The analysis used to reject
 /// lubricated balls.
 #[test]
-fn jamming_without_a_film_is_dry() {
+fn jamming_without_a_film_equals_dry_jamming() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
     let oil = case(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
@@ -420,7 +420,7 @@ fn jamming_without_a_film_is_dry() {
 /// coefficients. The slip speed of a stopped ball is the speed of the screw groove, W d, apart from
 /// the small radius of the contact.
 #[test]
-fn jamming_of_a_lubricated_ball_has_several_coefficients() {
+fn jamming_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
     let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
@@ -470,7 +470,7 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
 /// The integral of the pressure over the ellipses equals the load, and the integral of the friction
 /// equals the friction force.
 #[test]
-fn fields_over_the_ellipses_integrate_to_the_forces() {
+fn ellipse_fields_integrate_to_load_and_friction_force() {
     /// Number of grid cells on each semi-axis.
     const POINTS: u32 = 100;
     let dry = include_bytes!("../../../../examples/feed_drive.json");
@@ -575,7 +575,7 @@ fn tangential_friction_moments_balance_the_gyroscopic_moment() {
 /// friction across the groove, used a contact angle that friction had already changed, and ignored
 /// the lead angle.
 #[test]
-fn self_locking_has_one_criterion() {
+fn jamming_report_uses_the_closed_form_self_locking_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
     for model in [Model::RacewayControl, Model::Traction] {
         let report = jam(&case(DONG, &steep), model);
@@ -626,7 +626,7 @@ const OF_A_NUT: [&str; 22] = [
 /// shares an output with a solution, or an axis with its nut, both have the same value, unit and
 /// label.
 #[test]
-fn a_column_has_one_meaning() {
+fn column_names_are_unambiguous() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
     let count = names.len();
     names.sort_unstable();
@@ -681,7 +681,7 @@ fn a_column_has_one_meaning() {
 
 /// Every quantity of an analysis has a title, a label, and one column for each member of its scope.
 #[test]
-fn quantities_are_complete() {
+fn quantities_have_labels_and_one_column_per_scope_member() {
     for kind in AnalysisKind::ALL {
         for (place, quantity) in kind.quantities().iter().enumerate() {
             let members = match quantity.scope {

@@ -99,7 +99,7 @@ fn miss_and_alarm_fractions(
 const SCATTER: f64 = 0.044;
 
 /// Returns true if both fractions differ from 5 % by less than [`SCATTER`].
-fn are_five_percent(beyond: [f64; 2]) -> bool {
+fn are_miss_fractions_five_percent(beyond: [f64; 2]) -> bool {
     beyond.iter().all(|share| (share - 0.05).abs() < SCATTER)
 }
 
@@ -107,7 +107,7 @@ fn are_five_percent(beyond: [f64; 2]) -> bool {
 fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
     let (beyond, alarms) =
         miss_and_alarm_fractions(|_| 1e-3, Some(MeasurementError::Absolute), false);
-    assert!(are_five_percent(beyond), "{beyond:?}");
+    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
     // The fraction is at most the significance level of 5 %, because the number of sign runs is
     // discrete, and because the residuals of a fit change sign more often than independent random
     // numbers.
@@ -117,7 +117,7 @@ fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
 #[test]
 fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
     let (beyond, alarms) = miss_and_alarm_fractions(|torque| 2e-4 * torque, None, false);
-    assert!(are_five_percent(beyond), "{beyond:?}");
+    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
@@ -126,7 +126,7 @@ fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
 #[test]
 fn error_column_gives_correct_standard_deviations() {
     let (beyond, alarms) = miss_and_alarm_fractions(|torque| 1e-5 * torque.powi(2), None, true);
-    assert!(are_five_percent(beyond), "{beyond:?}");
+    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
@@ -149,7 +149,7 @@ fn warns_about_residuals_that_depend_on_an_input() {
 }
 
 #[test]
-fn errors_of_measured_values_are_checked() {
+fn invalid_measurement_errors_are_rejected() {
     let why = |errors: Option<MeasurementError>, table: &str| {
         let case = Case::from_json(DRY).expect("an example");
         let inputs = [fitted_input("friction_coefficient")];
@@ -171,7 +171,7 @@ fn errors_of_measured_values_are_checked() {
 
 /// The unit of the errors is taken from the name of the error column.
 #[test]
-fn errors_may_have_another_unit() {
+fn error_column_may_have_another_unit() {
     let case = Case::from_json(DRY).expect("an example");
     let fit = |table: &str| {
         let inputs = [fitted_input("friction_coefficient")];

@@ -36,7 +36,7 @@ fn ratings_grow_with_the_number_of_turns() {
 
 /// Stiffness is the derivative of load with respect to displacement.
 #[test]
-fn stiffness_is_the_slope_of_load_over_displacement() {
+fn stiffness_is_the_derivative_of_load_with_respect_to_displacement() {
     let displacement = |load| numbers(&nut(&[("axial_load_N", load)]))("contact_displacement_um");
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
@@ -111,7 +111,7 @@ fn nuts_that_cannot_be_rated_are_reported() {
 /// The ratings used to contain no note that temperature rises change the preload, or that the axial
 /// load excludes the weight.
 #[test]
-fn inputs_that_ratings_ignore_are_noted() {
+fn ratings_warn_about_inputs_that_they_ignore() {
     let told =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     let (warm, heavy) =
@@ -127,7 +127,7 @@ fn inputs_that_ratings_ignore_are_noted() {
 /// expected values were calculated by hand from eq. 7 and eq. 9 of Sobolewski (2002), to the given
 /// number of digits.
 #[test]
-fn the_displacement_of_a_pair_depends_on_the_load() {
+fn displacement_of_a_preloaded_pair_depends_on_the_load() {
     let pair = numbers(&nut(&[("preload_N", 15_500.0), ("axial_load_N", 30_000.0)]));
     assert!((pair("preload_displacement_um") - 13.692).abs() < 5e-4);
     assert!((pair("contact_displacement_um") - 8.8332).abs() < 5e-5);
@@ -142,7 +142,7 @@ fn the_displacement_of_a_pair_depends_on_the_load() {
 /// load of five times the preload (eq. 8), nine turns, a large ball, and lands that do not retain
 /// the balls.
 #[test]
-fn violated_recommendations_of_the_paper_are_reported() {
+fn violated_recommendations_of_sobolewski_are_reported() {
     let warnings =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
@@ -174,7 +174,7 @@ fn violated_recommendations_of_the_paper_are_reported() {
 /// rejects both in one case, a distance for which no contact angle exists, a play that the arcs do
 /// not permit, and a screw that is wider than the nut bore.
 #[test]
-fn the_thread_can_be_given() {
+fn groove_bottom_distance_can_replace_the_contact_angle() {
     let mut case = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
     case.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");

@@ -152,7 +152,7 @@ fn lead_and_lead_angle_are_equivalent() {
 
 /// Every error message states the key, the value and the permitted range.
 #[test]
-fn errors_say_what_to_do() {
+fn errors_state_key_value_and_permitted_range() {
     for (json, parts) in [
         ("", &["is empty", "JSON object"][..]),
         (" \n", &["is empty"]),
@@ -217,7 +217,7 @@ fn errors_say_what_to_do() {
 /// A review found that inputs outside the range of a model were only rejected after the
 /// calculation.
 #[test]
-fn values_outside_the_range_of_a_model_are_rejected_first() {
+fn values_outside_the_model_range_are_rejected_before_solving() {
     let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0"]).expect("known name");
     let rigid = lin.problem(&Model::Rigid.into()).expect_err("no friction").to_string();
@@ -233,7 +233,7 @@ fn values_outside_the_range_of_a_model_are_rejected_first() {
 /// `auto` solves the case with a model whose error bound is below the tolerance, and states the
 /// reason.
 #[test]
-fn auto_states_model_bound_and_reason() {
+fn auto_states_error_bound_and_reason_of_its_choice() {
     let mut lin = case(LIN);
     for setting in ["nut_conformity=0.53", "screw_conformity=0.53"] {
         lin.apply(&[setting]).expect("known name");
@@ -278,7 +278,7 @@ fn a_byte_order_mark_is_skipped() {
 }
 
 #[test]
-fn settings_complete_and_correct_a_case() {
+fn settings_add_and_replace_inputs_of_a_case() {
     let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0.1"]).expect("known name");
     lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
@@ -302,7 +302,7 @@ fn settings_complete_and_correct_a_case() {
 }
 
 #[test]
-fn numbers_of_a_row_override_a_case_as_another_case_does() {
+fn numbers_and_settings_override_a_case_in_the_same_way() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),
@@ -323,7 +323,7 @@ fn numbers_of_a_row_override_a_case_as_another_case_does() {
 }
 
 #[test]
-fn grids_are_full_products_with_exact_ends() {
+fn grids_are_cartesian_products_with_exact_range_ends() {
     let grid = Grid::new(vec![
         Axis::parse("lead_angle_deg=1:2:3").expect("range"),
         Axis::parse("friction_coefficient=0.1,0.3").expect("list"),
@@ -394,7 +394,7 @@ fn grids_are_full_products_with_exact_ends() {
 /// by settings or in a grid. Lead and lead angle are an exception: both may be given if they are
 /// consistent.
 #[test]
-fn two_forms_of_a_quantity_are_rejected_with_both_names() {
+fn error_about_two_forms_of_a_quantity_states_both_names() {
     for (forms, names) in [
         (["screw_speed_rpm=1500", "feed_m_min=20"], "screw_speed_rpm and feed_m_min"),
         (["speed_1_min=1500", "feed_mm_s=20"], "screw_speed_rpm and feed_m_min"),
@@ -500,7 +500,7 @@ fn warns_about_overlapping_turns() {
 /// The ellipse has a semi-axis of 0.81 ball radii. At a contact angle of 61 deg, it extends to 115
 /// deg.
 #[test]
-fn warns_about_an_ellipse_wider_than_its_flank() {
+fn warns_about_a_contact_ellipse_wider_than_its_flank() {
     let warnings = |load: &str| {
         let mut drive = case(include_str!("../../../../examples/feed_drive.json"));
         drive.apply(&[load]).expect("known name");
@@ -515,13 +515,13 @@ fn warns_about_an_ellipse_wider_than_its_flank() {
 proptest! {
     /// The parser does not panic on arbitrary bytes.
     #[test]
-    fn any_bytes_are_a_case_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+    fn parser_does_not_panic_on_arbitrary_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         let _ = Case::from_json(&bytes);
     }
 
     /// The parser does not panic on JSON with known or unknown keys.
     #[test]
-    fn any_object_is_a_case_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
+    fn parser_does_not_panic_on_arbitrary_keys(key in "[a-z_]{0,30}", value in any::<f64>()) {
         let json = serde_json::json!({ key: value });
         if let Ok(case) = Case::from_json(json.to_string().as_bytes()) {
             let _ = case.problem(&Settings::default());
@@ -533,7 +533,7 @@ proptest! {
 /// Each column shows the values of its own contact. The table used to show the ellipses of nut and
 /// screw under each other's headings.
 #[test]
-fn numbers_of_contacts_are_under_their_headings() {
+fn contact_columns_show_values_of_their_own_contact() {
     let json = include_bytes!("../../../../examples/feed_drive_oil.json");
     let case = Case::from_json(json).expect("an example");
     let problem = case.problem(&Settings::default()).expect("complete");

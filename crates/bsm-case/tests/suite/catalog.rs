@@ -45,7 +45,7 @@ fn the_catalog_contains_the_published_nuts() {
 /// ISO 3408-2 covers diameters from 6 to 200 mm, and the catalog contains nuts for every diameter.
 /// The standard lists used to cover only 8 to 100 mm.
 #[test]
-fn every_diameter_of_the_standard_has_nuts() {
+fn catalog_contains_nuts_for_every_standard_diameter() {
     const ISO_3408_2: [f64; 16] = [
         6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0,
         200.0,
@@ -62,7 +62,7 @@ fn every_diameter_of_the_standard_has_nuts() {
 /// The catalog contains each printed row exactly once, with its calculated diameter. An audit found
 /// that the lists of the paper gave only six of its thirteen printed rows.
 #[test]
-fn every_printed_row_is_in_the_lists_of_the_paper() {
+fn lists_of_the_paper_give_every_printed_row() {
     let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
     let all = all(&Catalog::from_json(lists).expect("lists"));
     let table = include_str!("../../../../validation/published/ratings/sobolewski.csv");
@@ -91,7 +91,7 @@ fn every_printed_row_is_in_the_lists_of_the_paper() {
 /// was outside the balls in 17 255 of 88 515 nuts, and that the balls touched the lands at 45 deg
 /// in 40 705 nuts.
 #[test]
-fn the_lands_of_every_nut_hold_its_balls() {
+fn lands_of_every_catalog_nut_retain_its_balls() {
     let catalog = Catalog::standard().expect("compiled in");
     let places = catalog.indices();
     assert!(places.len() > 50_000);
@@ -131,7 +131,7 @@ fn ball_gap_and_axial_play_can_be_set() {
 
 /// No nut of the Pareto front dominates another nut of the front.
 #[test]
-fn the_pareto_front_is_smaller_and_contains_the_best_nuts() {
+fn pareto_front_is_smaller_and_contains_the_best_nuts() {
     let catalog = Catalog::from_json(SMALL).expect("lists");
     let all = all(&catalog);
     let front = catalog.map(&catalog.pareto(&catalog.indices()), |_, nut| Some(*nut));
@@ -140,7 +140,7 @@ fn the_pareto_front_is_smaller_and_contains_the_best_nuts() {
 }
 
 #[test]
-fn lists_are_checked() {
+fn invalid_lists_are_rejected() {
     for (json, words) in [
         ("{\"led_mm\": [5]}", "did you mean `lead_mm`?"),
         ("{\"lead_mm\": 5}", "lead_mm"),
@@ -171,7 +171,7 @@ fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
 
 /// The life is (C_a / F)^3 million revolutions at the speed of the case.
 #[test]
-fn the_life_refers_to_the_operating_point() {
+fn rating_life_refers_to_the_operating_point() {
     let mut nut =
         Case::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(9e3), Some(-750.0));
@@ -199,7 +199,7 @@ fn preload_reduces_the_life() {
 /// The standard sizes used to contain balls of 0.8 mm for a screw of 40 mm. The most common sizes
 /// of all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
-fn catalogs_have_the_proportions_and_common_sizes_of_manufacturers() {
+fn catalogs_contain_common_sizes_with_usual_proportions() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
     // The table has 208 rows from THK and HIWIN, and each row has at least one number of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);
@@ -224,7 +224,7 @@ fn catalogs_have_the_proportions_and_common_sizes_of_manufacturers() {
 /// four thread starts. The lead has room for all four circuits, and the case of the nut contains
 /// them. The nut used to be 510 mm long, because all turns were assumed to be on one thread.
 #[test]
-fn circuits_of_a_large_lead_have_a_thread_each() {
+fn large_lead_nut_has_one_circuit_per_thread_start() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
     let is_large = |nut: &Candidate| {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;

@@ -45,7 +45,7 @@ fn groove_error(case: &Case) -> String {
 /// A case with a complete groove is returned unchanged, so the estimate does not affect its
 /// results. If diameter and ratings are also given, they have no effect.
 #[test]
-fn complete_grooves_are_used_as_given() {
+fn complete_grooves_are_not_changed_by_the_estimate() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     let mut complete = 0;
     for entry in fs::read_dir(folder).expect("examples") {
@@ -75,7 +75,7 @@ fn complete_grooves_are_used_as_given() {
 /// The best groove for SFU1605-4 agrees with an independent implementation. If the case is written
 /// to a file and read again, its groove is estimated again.
 #[test]
-fn catalog_line_is_completed_from_its_ratings() {
+fn groove_is_estimated_from_catalog_ratings() {
     let line = case(SFU1605, &[]);
     let found = line.with_groove().expect("a groove");
     assert_eq!(found.ball_diameter_mm, Some(3.175));
@@ -96,7 +96,7 @@ fn catalog_line_is_completed_from_its_ratings() {
 /// The rating for a travel of 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) times the
 /// rating for one million revolutions (BB8).
 #[test]
-fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
+fn travel_rating_and_equivalent_revolution_rating_give_the_same_groove() {
     let in_revolutions = case(R40, &[]).with_groove().expect("a groove");
     let stated = 51_300.0 / 5.0_f64.cbrt();
     let settings = [&format!("rated_dynamic_load_N={stated}"), "rating_basis=100 km"];
@@ -129,7 +129,7 @@ fn given_input_replaces_its_estimate() {
 /// The intervals agree within 1 % with the intervals of an independent implementation for the same
 /// 128 grooves (`validation/published/groove/public.json`).
 #[test]
-fn intervals_match_independent_bands() {
+fn intervals_match_independent_implementation() {
     // F h/(2 pi) is the torque without friction.
     let ideal = [1353.3 * 0.005, 5130.0 * 0.02].map(|work| work / std::f64::consts::TAU);
     for (text, ideal, [low, high], [least, most]) in [
@@ -151,7 +151,7 @@ fn intervals_match_independent_bands() {
 /// median ratio of interval ends is 1.41 with catalog data only, and 1.03 if ball, conformity and
 /// contact angle are given.
 #[test]
-fn known_items_narrow_the_interval() {
+fn given_inputs_narrow_the_interval() {
     let width = |settings: &[&str]| {
         let answer = motion(&case(R40, settings));
         let ideal = 5130.0 * 0.02 / std::f64::consts::TAU;
@@ -166,7 +166,7 @@ fn known_items_narrow_the_interval() {
 
 /// The catalog prints a rating of 10 117 N for R50-5T6-FSI of HIWIN, instead of 101 170 N.
 #[test]
-fn unreachable_ratings_are_refused_with_the_nearest_groove() {
+fn error_about_unreachable_ratings_states_the_nearest_groove() {
     let misprint = r#"{"nominal_diameter_mm": 50, "lead_mm": 5, "rated_dynamic_load_N": 24900, "rated_static_load_N": 10117}"#;
     let why = groove_error(&case(misprint, &[]));
     for part in [
@@ -260,7 +260,7 @@ fn axis_of_a_catalog_line_has_intervals() {
 /// interval is calculated from efficiencies of 0.85 to 0.95. The 5 % and 95 % quantiles of these
 /// efficiencies are 0.855 and 0.945, to within one of the 32 draws.
 #[test]
-fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
+fn torque_without_friction_input_has_catalog_efficiency_interval() {
     let mut line = case(R40, &["stroke_mm=500"]);
     line.friction_coefficient = None;
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
@@ -310,7 +310,7 @@ fn warm_state_of_a_catalog_line_has_intervals() {
 /// If the warm state of an axis with catalog data does not exist, the reason is reported as for a
 /// given groove. The message used to ask for the inputs of the groove.
 #[test]
-fn missing_warm_state_of_a_catalog_line_is_reported() {
+fn nonexistent_warm_state_of_a_catalog_line_is_reported() {
     let hot = case(R40, &["stroke_mm=800", "warm_state=true", "screw_speed_rpm=300000"]);
     let why = AxisReport::of(&hot, &Settings::default()).expect_err("too hot").to_string();
     assert!(why.contains("a temperature exceeds 180 C"), "{why}");
@@ -322,7 +322,7 @@ fn missing_warm_state_of_a_catalog_line_is_reported() {
 /// Since printed ratings are used with every possible groove, ratings and lives equal the catalog
 /// values. The stiffness depends on the groove.
 #[test]
-fn life_follows_from_printed_ratings_with_every_groove() {
+fn life_does_not_depend_on_the_estimated_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");
     let answer = over_grooves(&line, FEW_DRAWS, ratings).expect("ratings");
     assert_relative_eq!(
@@ -363,7 +363,7 @@ fn life_follows_from_printed_ratings_with_every_groove() {
 /// if the given groove has other ratings, the row is kept, and a message states both sets of
 /// numbers.
 #[test]
-fn table_rows_are_estimated_and_contradictions_are_named() {
+fn table_rows_get_estimated_grooves_and_contradictions_are_reported() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
 line,40,20,,,,51300,144400
 misprint,50,5,,,,24900,10117
@@ -442,7 +442,7 @@ given,15,10,3.175,3,12.32,9600,19300";
 
 /// Each model has its own intervals. The solve time has no interval.
 #[test]
-fn models_side_by_side_have_intervals() {
+fn model_comparison_has_intervals() {
     let line = case(R40, &[]).with_groove().expect("a groove");
     let answer = comparison(&line).expect("models").to_json();
     let models = answer["models"].as_array().expect("models");
@@ -491,7 +491,7 @@ fn fitted_input_of_an_axis_has_an_interval() {
 /// The results for a case with a complete groove are the same as before the program could estimate
 /// grooves. `complete_groove.json` contains results of the last program version without estimates.
 #[test]
-fn complete_groove_has_the_numbers_of_the_program_without_estimates() {
+fn results_for_a_complete_groove_match_the_stored_results() {
     const FROZEN: &str = include_str!("complete_groove.json");
     let frozen: serde_json::Value = serde_json::from_str(FROZEN).expect("JSON");
     let given = Case::from_json(frozen["case"].to_string().as_bytes()).expect("a case");

@@ -39,7 +39,7 @@ fn says(settings: &[&str], words: &str) {
 /// The case of the selected screw meets the requirement according to both the model and the ratings
 /// of its nut.
 #[test]
-fn the_case_of_a_design_meets_the_requirement() {
+fn case_of_the_selected_screw_meets_the_requirement() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!(report.found, "{:?}", report.reasons);
     assert!(report.rows.iter().all(|row| row.passes));
@@ -65,7 +65,7 @@ fn the_case_of_a_design_meets_the_requirement() {
 
 /// In a linear-to-rotary motion, the load turns the screw backward.
 #[test]
-fn back_driving_has_a_negative_speed() {
+fn linear_to_rotary_motion_has_a_negative_speed() {
     let requirement =
         requirement(&["motion=linear-to-rotary", "model=closed-form", "allow_warnings=true"])
             .expect("a requirement");
@@ -74,7 +74,7 @@ fn back_driving_has_a_negative_speed() {
 }
 
 #[test]
-fn requirements_are_checked() {
+fn invalid_requirements_are_rejected() {
     says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
     says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
@@ -94,7 +94,7 @@ fn requirements_are_checked() {
 /// If only load, motion and stroke are required, the result is the lightest screw, with a note on
 /// the assumed friction.
 #[test]
-fn a_requirement_of_load_motion_and_stroke_suffices() {
+fn load_motion_and_stroke_suffice_as_requirement() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
     let standard = Catalog::standard().expect("compiled in");
     let report = |settings: &[&str]| {
@@ -111,7 +111,7 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
 /// A screw whose case every command would reject is not reported as found. A lubricant replaces the
 /// friction coefficient of the requirement.
 #[test]
-fn a_rejected_case_is_not_a_result() {
+fn screw_with_a_rejected_case_is_not_reported_as_found() {
     let report = DesignReport::of(&requirement(&["pretension_K=3"]).expect("a requirement"));
     let why = report.reasons.join("; ");
     assert!(!report.found && why.contains("needs support fixed-fixed"), "{why}");
@@ -122,7 +122,7 @@ fn a_rejected_case_is_not_a_result() {
 
 /// An extremely large load is a valid input, but no screw can carry it.
 #[test]
-fn absurd_loads_are_infeasible() {
+fn extreme_load_is_reported_as_infeasible() {
     let report = DesignReport::of(&requirement(&["axial_load_N=1e30"]).expect("a number"));
     assert!(!report.found);
     assert!(
@@ -151,7 +151,7 @@ fn feed_drive() -> Case {
 /// A fit to the calculated output of a model recovers the friction coefficient, and the reported
 /// response agrees with the finite difference of the model.
 #[test]
-fn a_fit_recovers_the_friction_coefficient() {
+fn fit_recovers_the_friction_coefficient() {
     let mut case = feed_drive();
     case.friction_coefficient = Some(0.0713);
     for model in [Model::ClosedForm, Model::RacewayControl, Model::Traction] {
@@ -180,7 +180,7 @@ fn a_fit_recovers_the_friction_coefficient() {
 /// A fit to an output of the axis sheet finds all values of the input. The values agree with
 /// independent results to 1e-6.
 #[test]
-fn reverse_questions_about_an_axis_find_all_values_of_the_input() {
+fn fit_to_an_axis_output_finds_all_values_of_the_input() {
     let lift = json!([{ "distance_mm": 100, "time_s": 0.438, "profile": "triangular" }]);
     for (case, input, measured, expected) in [
         (
@@ -236,7 +236,7 @@ fn reverse_questions_about_an_axis_find_all_values_of_the_input() {
 /// A fit to the limit of a rule finds the range of the input in which the rule is met, and the
 /// limit of this range.
 #[test]
-fn the_limit_of_a_rule_divides_the_range() {
+fn fit_finds_the_input_range_that_meets_a_rule() {
     let case = json!({ "lead_mm": 4, "shaft_diameter_mm": 9.5, "support": "fixed-supported", "feed_m_min": 3.6 });
     let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
     let input = FittedInput::parse("unsupported_length_mm=50:20000").expect("an input");
@@ -254,7 +254,7 @@ fn the_limit_of_a_rule_divides_the_range() {
 /// Any input can be fitted. If the measured value is unreachable, the message states the reachable
 /// range.
 #[test]
-fn a_fit_states_the_reachable_range() {
+fn error_of_a_fit_states_the_reachable_range() {
     let case = feed_drive();
     let settings = Settings::from(Model::RacewayControl);
     let fit = Fit::parse(&case, "axial_load_N", "nut_max_pressure_MPa=1500").expect("names");
@@ -307,9 +307,9 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
 }
 
 /// Lin's step 1 requires a lead. If no lead is given, the program chooses a standard lead, and the
-/// selected screw has the same mass as if this lead were given. Other leads give heavier screws.
+/// selected screw has the same mass as if this lead were given. Other leads do not give lighter screws.
 #[test]
-fn a_missing_lead_is_chosen_from_the_standard() {
+fn missing_lead_is_chosen_from_standard_leads() {
     let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
     assert!(free.found, "{:?}", free.reasons);
     let lead = value(&free, "lead_mm");
@@ -329,7 +329,7 @@ fn a_missing_lead_is_chosen_from_the_standard() {
 /// For linear to rotary motion, Lin's rule chooses the largest contact angle and the lead angle
 /// from Eq 18.
 #[test]
-fn a_screw_driven_by_its_load_has_the_lead_of_eq_18() {
+fn screw_driven_by_its_load_has_the_lead_angle_of_eq_18() {
     let motion = "motion=linear-to-rotary";
     let back =
         without_lead(&[motion, "objective=efficiency", "model=closed-form", "required_life_h=100"]);
@@ -348,7 +348,7 @@ fn a_screw_driven_by_its_load_has_the_lead_of_eq_18() {
 
 /// A load of 8 kN at 250 mm/s requires 2 kW at the nut.
 #[test]
-fn the_motor_limits_the_power() {
+fn design_meets_the_limit_of_input_power() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!((value(&report, "screw_output_power_W") - 2000.0).abs() < 1e-6);
     let input = value(&report, "screw_input_power_W");

@@ -15,8 +15,7 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
 /// to 1 m/s in 0.15 s, and has a guide friction coefficient of 0.003 and a resistance of 15 N
 /// (printed 550, 17, -516, -550, -17, 516 N). The vertical axis moves 50 kg, accelerates to 0.3 m/s
 /// in 0.2 s, and has a resistance of 20 N (printed 585, 510, 435, 395, 470, 545 N). The expected
-/// values have five digits. The load during an acceleration acts for half of the phase at the mean
-/// speed and has the sign of the motion.
+/// values have five digits.
 #[test]
 fn loads_of_two_transfer_axes_match_thk() {
     let cycle = |feed: f64, acceleration: f64| {
@@ -50,7 +49,7 @@ fn loads_of_two_transfer_axes_match_thk() {
 
 /// Motor limits are checked by rules with remedies. Without motor limits, these rules are omitted.
 #[test]
-fn motor_limits_become_rules() {
+fn motor_limits_are_checked_by_rules() {
     let titles = |more: &[&str]| -> Vec<_> {
         let report = axis(more);
         report.answer.rules.iter().map(|rule| (rule.title, rule.passes())).collect()
@@ -94,7 +93,7 @@ fn motor_limits_become_rules() {
 /// For a vertical axis with 250 kg, the brake torque is checked without friction. The sheet also
 /// states the stopping distance and the speed after a fall.
 #[test]
-fn brake_torque_becomes_a_rule() {
+fn brake_torque_is_checked_by_a_rule() {
     let with = |more: &[&str]| {
         let upright = ["inclination_deg=90", "moved_mass_kg=250", "guide_friction=0"];
         axis(&[&upright, more].concat())
@@ -121,7 +120,7 @@ fn brake_torque_becomes_a_rule() {
 /// is rounded up to 3600 N in catalog steps. The preload is used on the axis sheet, in the nut with
 /// all its balls, and in a selection.
 #[test]
-fn a_preload_can_be_given_by_class_or_by_load() {
+fn preload_can_be_given_by_class_or_derived_from_the_load() {
     let case = |more: &[&str]| {
         let mut case = Case::from_json(AXIS).expect("an example");
         case.preload_N = None;

@@ -10,7 +10,7 @@ use bsm_case::Case;
 use bsm_dyn::{Evidence, Model, ModelWorkspace, Reason, Solution, Status};
 
 /// Solves all cases in a folder and returns their names and solutions.
-fn answers(folder: &str) -> Vec<(String, Solution)> {
+fn solve_cases_in(folder: &str) -> Vec<(String, Solution)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard").join(folder);
     let mut work = ModelWorkspace::default();
     let answer = |entry: Result<fs::DirEntry, _>| {
@@ -26,7 +26,7 @@ fn answers(folder: &str) -> Vec<(String, Solution)> {
 /// were solved.
 #[test]
 fn hard_points_are_solved() {
-    let answers = answers("solved");
+    let answers = solve_cases_in("solved");
     assert_eq!(answers.len(), 14);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::Converged, "{name}: {:?}", solution.reason());
@@ -37,8 +37,8 @@ fn hard_points_are_solved() {
 /// find it: the branch of states that begins at small inertia ends before this point, and other
 /// branches are not searched.
 #[test]
-fn solutions_off_the_branch_are_denied_with_the_evidence_of_a_trace() {
-    let answers = answers("off_branch");
+fn point_off_the_traced_branch_reports_traced_evidence() {
+    let answers = solve_cases_in("off_branch");
     assert_eq!(answers.len(), 1);
     for (name, solution) in answers {
         let evidence = solution.evidence();
@@ -50,7 +50,7 @@ fn solutions_off_the_branch_are_denied_with_the_evidence_of_a_trace() {
 /// flank.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
-    let answers = answers("no_solution");
+    let answers = solve_cases_in("no_solution");
     assert_eq!(answers.len(), 3);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::NoSolution, "{name}: {solution:?}");

@@ -80,7 +80,7 @@ fn lubricated_friction_matches_an_independent_solution() {
 
 /// Friction may only be given once, and only for models that use the given input.
 #[test]
-fn friction_is_given_only_once() {
+fn friction_given_twice_is_rejected() {
     let told = |case: &Case, settings: &Settings| match case.problem(settings) {
         Err(error) => error.to_string(),
         Ok(_) => String::new(),
@@ -129,7 +129,7 @@ fn auto_chooses_traction_for_a_lubricated_ball() {
 /// Derivatives match finite differences, both at a given temperature and at a temperature that
 /// depends on the losses.
 #[test]
-fn sensitivities_match_differences() {
+fn lubricated_sensitivities_match_finite_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
     let cases = [(Model::Traction, oiled_case(&[])), (Model::RacewayControl, oiled_case(&heat))];
     for (model, case) in cases {
@@ -209,7 +209,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
 /// roughness of ground grooves. Lubricant inputs replace the friction coefficient of a case, and
 /// vice versa.
 #[test]
-fn a_lubricant_needs_only_viscosity_and_temperature() {
+fn lubricant_is_defined_by_viscosity_and_temperature() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
     let dry = Case::from_json(drive).expect("an example");
     let with = |case: &Case, settings: &[&str]| {
@@ -232,7 +232,7 @@ fn a_lubricant_needs_only_viscosity_and_temperature() {
 
 /// A fit to calculated points in other units recovers the inputs, and the residuals are zero.
 #[test]
-fn a_fit_recovers_lubricant_inputs_from_a_table() {
+fn fit_recovers_lubricant_inputs_from_a_table() {
     let base = oiled_case(&[]);
     let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
     let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
@@ -270,7 +270,7 @@ fn a_fit_recovers_lubricant_inputs_from_a_table() {
 
 /// The message about an error in a table states where the error is.
 #[test]
-fn tables_of_measurements_are_checked() {
+fn errors_in_measurement_tables_state_the_location() {
     let why = |inputs: &[&str], table: &str| {
         let inputs: Result<Vec<_>, _> =
             inputs.iter().map(|input| FittedInput::parse(input)).collect();

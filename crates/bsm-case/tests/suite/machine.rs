@@ -119,7 +119,7 @@ fn order_names_both_nuts_and_the_thread() {
 
 /// The example axis has two nuts with 6 turns each.
 #[test]
-fn double_nut_of_a_known_groove_has_both_lengths() {
+fn length_of_a_double_nut_includes_both_nuts() {
     let example = include_str!("../../../../examples/axis.json");
     let case = Case::from_json(example.as_bytes()).expect("an example");
     let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
@@ -195,7 +195,7 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
 /// Without a load limit of the bearings, compression due to hindered growth causes a warning with a
 /// remedy. With a load limit, a rule checks the compression.
 #[test]
-fn hindered_growth_gives_a_rule_or_a_warning() {
+fn hindered_growth_causes_a_warning_or_is_checked_by_a_rule() {
     let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let report = sheet(&inputs).expect("a sheet");
@@ -246,7 +246,7 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
 
 /// The reference values were calculated for two axes with nut stiffnesses of 600 and 700 N/um.
 #[test]
-fn natural_frequencies_have_independent_values() {
+fn natural_frequencies_match_independent_values() {
     for (more, expected) in [
         (
             json!({
@@ -287,7 +287,7 @@ fn natural_frequencies_have_independent_values() {
 /// Film conductance and heat are averaged over the time including standstill. During a dwell, still
 /// air cools the screw, and the temperature rise decreases with the mean heat.
 #[test]
-fn standstill_counts_in_the_film_conductance() {
+fn film_conductance_is_averaged_over_standstill() {
     let cases = reference_cases("thermal");
     let of = |place: usize| {
         sheet(cases[place].get("inputs").and_then(Value::as_object).expect("inputs"))
@@ -304,7 +304,7 @@ fn standstill_counts_in_the_film_conductance() {
 /// If the torques of seals and bearings are not given, they are named next to the heat. The upper
 /// end of the temperature rise includes their usual torques.
 #[test]
-fn missing_heat_sources_are_named() {
+fn sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let note = |report: &AxisReport| report.answer.lacks("mean_heat_W");
@@ -332,7 +332,7 @@ fn missing_heat_sources_are_named() {
 /// The film conductance from a screw at rest to the air is smaller than from a turning screw: about
 /// 5 instead of 21 W/(m2 K).
 #[test]
-fn screw_at_rest_has_the_film_conductance_of_still_air() {
+fn film_conductance_of_a_screw_at_rest_is_for_still_air() {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let still = all["films_of_a_40_mm_screw_W_m2K"]["0"].as_f64().expect("a film");
     assert!((5.0..5.5).contains(&still));
@@ -398,7 +398,7 @@ fn sheet_and_warm_state_use_the_same_thermal_network() {
 /// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
 /// sheet of the selected screw contains the same numbers.
 #[test]
-fn select_uses_the_lengths_and_the_driven_part_of_axis() {
+fn select_and_axis_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
         "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;

@@ -56,7 +56,7 @@ fn axis(more: &Value) -> Value {
 
 /// The expected values were calculated independently of the program. All numbers agree to 1e-6.
 #[test]
-fn motion_rest_stop_motor_and_life_have_independent_values() {
+fn motion_stop_motor_and_life_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
     assert_eq!(cases.len(), 23);
     for case in &cases {
@@ -81,7 +81,7 @@ fn motion_rest_stop_motor_and_life_have_independent_values() {
 /// All forms of a required life are equivalent: a required life slightly below the calculated life
 /// passes, and a required life slightly above it fails, in every unit.
 #[test]
-fn each_form_of_the_required_life_refers_to_the_same_life() {
+fn all_forms_of_the_required_life_are_equivalent() {
     let cycle = json!([
         { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 500 },
         { "distance_mm": -300, "time_s": 1.5, "acceleration_m_s2": 1.0 },
@@ -115,7 +115,7 @@ fn each_form_of_the_required_life_refers_to_the_same_life() {
 }
 
 #[test]
-fn a_required_life_that_cannot_be_checked_is_rejected_with_a_reason() {
+fn error_states_why_a_required_life_cannot_be_checked() {
     let refused = |more: Value, part: &str| {
         let why = report(&axis(&more)).expect_err(part).to_string();
         assert!(why.contains(part), "{why}");
@@ -130,7 +130,7 @@ fn a_required_life_that_cannot_be_checked_is_rejected_with_a_reason() {
 }
 
 #[test]
-fn a_motor_curve_replaces_single_torques_and_ends_at_its_last_row() {
+fn motor_curve_replaces_motor_torques_and_limits_the_speed() {
     let row = |speed: f64, torque: f64| json!({ "speed_rpm": speed, "peak_torque_Nm": 2.0 * torque, "continuous_torque_Nm": torque });
     let curve = json!([row(0.0, 2.0), row(3000.0, 1.0)]);
     let refused = |more: Value, part: &str| {
@@ -160,7 +160,7 @@ fn a_motor_curve_replaces_single_torques_and_ends_at_its_last_row() {
 /// A phase with an acceleration is converted to a ramp. Its feed rate is the end speed if the axis
 /// accelerates, and the start speed otherwise. The expected values were calculated by hand.
 #[test]
-fn phase_with_acceleration_is_a_ramp() {
+fn phase_with_acceleration_is_converted_to_a_ramp() {
     let report = solved(&axis(&json!({ "cycle": [
         { "time_s": 0.5, "feed_m_min": 30, "acceleration_m_s2": 1.0 },
         { "time_s": 0.5, "feed_m_min": 30, "acceleration_m_s2": -1.0 },
@@ -185,7 +185,7 @@ fn phase_with_acceleration_is_a_ramp() {
 /// A cycle that is given as moves gives the same results as the same cycle given as ramps with
 /// their end speeds.
 #[test]
-fn moves_phases_and_ramps_agree() {
+fn equivalent_moves_and_ramps_give_equal_results() {
     let moves = json!([
         { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 50 },
         { "dwell_s": 0.5 },
@@ -221,7 +221,7 @@ fn moves_phases_and_ramps_agree() {
 }
 
 #[test]
-fn wrong_entries_of_a_cycle_are_rejected_with_a_reason() {
+fn error_states_what_is_wrong_with_a_cycle_entry() {
     let refused = |more: Value, part: &str| {
         let why = report(&axis(&more)).expect_err("refused").to_string();
         assert!(why.contains(part), "{why}: no {part}");
@@ -269,7 +269,7 @@ fn wrong_entries_of_a_cycle_are_rejected_with_a_reason() {
 /// If the shares add up to less than 1, the axis is at standstill for the rest of the time. A sum
 /// of 100 means percentages, and other sums above 1 are rejected. Results per cycle need durations.
 #[test]
-fn shares_below_one_leave_standstill() {
+fn time_not_covered_by_shares_is_standstill() {
     let of = |shares: [f64; 2]| {
         let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
         report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))
@@ -325,7 +325,7 @@ fn sums_of_a_cycle_do_not_overflow() {
 }
 
 #[test]
-fn warns_about_cycles_that_do_not_return_or_that_jump() {
+fn warns_about_cycles_that_do_not_return_or_have_speed_jumps() {
     let report = solved(&axis(&json!({ "cycle": [
         { "time_s": 1, "feed_m_min": 6 }, { "time_s": 0.8, "feed_m_min": -6 },
     ] })));
@@ -393,7 +393,7 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
 /// For a vertical axis with 10 kg and a drag torque of 0.15 N m, the program used to report an
 /// efficiency of -1.12.
 #[test]
-fn efficiency_is_null_where_the_drag_exceeds_the_load() {
+fn efficiency_is_null_if_the_drag_exceeds_the_load_torque() {
     let report = solved(&json!({
         "lead_mm": 5, "moved_mass_kg": 10, "inclination_deg": 90, "seal_torque_Nm": 0.15,
         "feed_m_min": -6,

@@ -33,7 +33,7 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
 /// sheet must contain every number that can be calculated without the groove, and list the omitted
 /// numbers once.
 #[test]
-fn four_catalog_numbers_suffice() {
+fn four_catalog_numbers_suffice_for_an_axis_sheet() {
     let report = sheet(FOUR, &[]).expect("a sheet");
     // The life is (C_a/F)³ million revolutions, apart from rounding errors.
     let life = (52.0_f64 / 5.0).powi(3) * 1e6;
@@ -89,7 +89,7 @@ fn four_catalog_numbers_suffice() {
 
 /// If a result needs the groove, the sheet explains why it is omitted.
 #[test]
-fn results_that_need_the_groove_explain_why() {
+fn sheet_explains_why_results_are_omitted_without_groove() {
     let case = Case::from_json(FOUR.as_bytes()).expect("a case");
     let settings = Settings::default();
     let refused = [
@@ -128,7 +128,7 @@ fn assert_printed_value(ours: f64, text: &str, name: &str) {
 /// calculated independently with the catalog efficiency: preload, torques, heat, and the remaining
 /// part of a pretension of 3 K.
 #[test]
-fn a_machining_center_with_catalog_data_matches_the_reference() {
+fn machining_center_with_catalog_data_matches_the_reference() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
     assert_printed_values(&report, &[("cold_preload_N", "2500"), ("preload_torque_percent", "30")]);
     for (name, expected) in [
@@ -163,7 +163,7 @@ fn a_machining_center_with_catalog_data_matches_the_reference() {
 /// The vertical axis with a rolled screw is example F of the specification. `bsm validate` checks
 /// its numbers.
 #[test]
-fn a_vertical_axis_with_catalog_data_matches_the_reference() {
+fn vertical_axis_with_catalog_data_matches_the_reference() {
     let report = sheet(UPRIGHT, &[]).expect("a sheet");
     assert!(report.answer.notes.iter().any(|note| note.contains("a brake is needed")));
 }
@@ -200,7 +200,7 @@ const FEED_AXIS: &str =
 /// If the groove is given in addition to the ratings, it must match the rated nut. A ratio of 1.7
 /// between the ratings causes a warning. A ratio of 2.1 is rejected unless the user confirms it.
 #[test]
-fn ratings_and_groove_are_compared() {
+fn contradiction_between_ratings_and_groove_is_reported() {
     let groove = include_str!("../../../../examples/axis.json");
     let own = sheet(groove, &["preload_N=1"]).expect("a sheet");
     let of_nut = bsm_case::ratings(&Case::from_json(groove.as_bytes()).expect("an example"));
@@ -222,7 +222,7 @@ fn ratings_and_groove_are_compared() {
 /// A row of a manufacturer's table that contains only ratings is checked with the same axis sheet
 /// as other rows.
 #[test]
-fn a_manufacturers_table_may_have_ratings_alone() {
+fn manufacturer_table_may_contain_only_ratings() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
@@ -254,7 +254,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
 /// exceeds the required 25 um. The sheet suggests a sufficient grade. If the standard contains no
 /// value, the rule is violated.
 #[test]
-fn the_travel_error_is_checked_by_a_rule() {
+fn travel_error_is_checked_by_a_rule() {
     let of = |settings: &[&str]| sheet(FEED_AXIS, settings).expect("a sheet");
     let rule = |report: &AxisReport| {
         let found = report.answer.rules.iter().find(|rule| rule.title == "travel error").cloned();
@@ -410,7 +410,7 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
 /// value. A hardness of 50 HRC gives factors of (50/60)² and (50/60)³. Catalogs advise load factors
 /// of 1 to 1.2 at 10 m/min.
 #[test]
-fn ratings_and_loads_have_factors() {
+fn rating_and_load_factors_match_hand_calculation() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
     let plain = of(&[]);
     let rated = of(&["accuracy_grade=T10"]);
@@ -495,7 +495,7 @@ fn the_life_of_a_transfer_axis_matches_thk() {
 /// A constant process force on a horizontal axis has the same effect as an equal weight on a
 /// vertical axis.
 #[test]
-fn a_constant_process_force_acts_like_a_weight() {
+fn constant_process_force_acts_like_a_weight() {
     let sheet = |more: &[&str]| sheet(UPRIGHT, more).expect("a sheet");
     let upright = sheet(&[]);
     // The force is 250 kg times 9.80665 m/s2.

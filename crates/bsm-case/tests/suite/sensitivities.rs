@@ -63,8 +63,8 @@ fn cases() -> impl Strategy<Value = Case> {
         })
 }
 
-/// Sets the nut speed to zero if both parts turn, because model `quasi-static` does not cover such
-/// drives.
+/// Removes the nut speed if the screw turns, because model `quasi-static` does not cover drives in
+/// which both parts turn.
 fn single_drive(mut case: Case) -> Case {
     if case.screw_speed_rpm != Some(0.0) {
         case.nut_speed_rpm = None;
@@ -235,7 +235,7 @@ fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
 /// differences, including the derivatives with respect to the play and to the friction coefficient
 /// at the far flank.
 #[test]
-fn a_ball_with_a_third_contact_has_exact_derivatives() {
+fn third_contact_derivatives_match_differences() {
     for rpm in [300.0, -300.0] {
         let case = Case {
             axial_load_N: Some(450.0),
@@ -277,7 +277,7 @@ fn closed_form_friction_derivative_matches_the_formula() {
 /// also be true below 15 rpm in model `rigid` and below 47 rpm in model `elastic`, where the result
 /// is extrapolated from faster balls.
 #[test]
-fn density_acts_with_the_square_of_the_speed() {
+fn density_effect_is_proportional_to_speed_squared() {
     for model in [Model::Rigid, Model::Elastic] {
         let at = |rpm| row(&lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2);
         let faster = at(100.0);
@@ -292,7 +292,7 @@ fn density_acts_with_the_square_of_the_speed() {
 /// Inputs that the model does not use have no row. Inputs whose value is zero have no relative
 /// sensitivity.
 #[test]
-fn rows_are_the_inputs_that_the_model_reads() {
+fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
     let names = |model: Model| {
         let rows = derived(&lin(2000.0), &model.into()).expect("solved").1;
         let mut names: Vec<_> = rows.iter().map(|row| row.input.name).collect();
@@ -312,7 +312,7 @@ fn rows_are_the_inputs_that_the_model_reads() {
 
 /// Without a load, the closed form has no torque. Without a solution, there are no derivatives.
 #[test]
-fn missing_results_have_no_derivatives() {
+fn results_that_do_not_exist_have_no_derivatives() {
     let case = Case { axial_load_N: None, ..lin(2000.0) };
     let friction = row(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
@@ -369,7 +369,7 @@ proptest! {
     /// The derivatives with `auto` equal the derivatives with the model that it chose, with the
     /// same settings.
     #[test]
-    fn auto_has_the_derivatives_of_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
+    fn derivatives_with_auto_match_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
         let found = derived(&case, &auto).expect("auto has an answer");

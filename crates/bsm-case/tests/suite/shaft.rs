@@ -37,7 +37,7 @@ fn says(report: &AxisReport, words: &str) -> bool {
 
 /// The expected values have five digits. Bearings with a stiffness of 750 N/um deform noticeably.
 #[test]
-fn pretension_determines_its_force_and_is_checked_by_a_rule() {
+fn pretension_force_is_calculated_and_checked_by_a_rule() {
     let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),
@@ -121,7 +121,7 @@ fn buckling_is_checked_between_bearing_and_nut() {
 /// A bore of half the core diameter reduces cross section, inertia and mass by the values of the
 /// removed rod.
 #[test]
-fn a_bore_reduces_area_inertia_and_mass() {
+fn screw_bore_reduces_area_inertia_and_mass() {
     let (solid, hollow) = (axis(&[]), axis(&["screw_bore_mm=20"]));
     let change = |name: &str| number(&solid, name) - number(&hollow, name);
     let (rod, length) =
@@ -139,7 +139,7 @@ fn a_bore_reduces_area_inertia_and_mass() {
 /// A note is given for strokes below three nut lengths, below one circulation of the balls, and
 /// below half a turn.
 #[test]
-fn short_strokes_are_noted() {
+fn sheet_contains_a_note_about_short_strokes() {
     // The two nuts are 380 mm long in total.
     let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
     assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
@@ -155,7 +155,7 @@ fn short_strokes_are_noted() {
 /// The manufacturing method determines the speed number limit of the ball return. The lead of 20 mm
 /// is less than half of 62 mm.
 #[test]
-fn the_manufacturing_method_determines_the_speed_number_limit() {
+fn manufacturing_method_determines_the_speed_number_limit() {
     let limit = |make: &str| {
         let given: Vec<_> = [make].into_iter().filter(|make| !make.is_empty()).collect();
         let mut case = Case::from_json(super::size::AXIS).expect("an example");

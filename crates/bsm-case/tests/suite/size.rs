@@ -45,7 +45,7 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
 /// After a remedy is applied, its rule is met. If the screw is then too short, the program reports
 /// that the nut has no room for the stroke.
 #[test]
-fn remedies_meet_their_rules() {
+fn rules_are_met_after_their_remedies_are_applied() {
     for (settings, title, asks, input) in [
         ("inclination_deg=90 brake_torque_Nm=1", "brake", "brake_torque_Nm ", "brake_torque_Nm"),
         ("preload_N=20000", "preload", "preload_N ", "preload_N"),
@@ -74,7 +74,7 @@ fn remedies_meet_their_rules() {
 /// Calculates the rules again from the sizes on the sheet, in mm, N and rpm as in catalogs. The
 /// results differ only by rounding errors of a few products.
 #[test]
-fn rules_match_a_calculation_in_workshop_units() {
+fn rules_match_a_calculation_in_catalog_units() {
     const TIGHT: f64 = 1e-9;
     for (support, root, kappa) in [
         ("fixed-free", 1.875_104_068_711_961, 0.25),
@@ -155,7 +155,7 @@ fn rules_match_a_calculation_in_workshop_units() {
 /// the torque of the model. This is tested with the screw or the load driving, with a turning nut,
 /// and with losses outside the contacts.
 #[test]
-fn the_screw_torque_is_the_sum_of_its_parts() {
+fn screw_torque_is_the_sum_of_its_parts() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
     for settings in [
         &[][..],
@@ -190,7 +190,7 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
 /// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
 /// the load falls.
 #[test]
-fn the_sheet_states_preload_torque_temperature_and_falling() {
+fn sheet_states_preload_torque_temperature_and_back_driving() {
     const NUT: [&str; 9] = [
         "pitch_circle_diameter_mm=41.75",
         "lead_mm=10",
@@ -291,7 +291,7 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
 /// Every torque that depends on a lubricant has an uncertainty band, which the sheet states. A
 /// torque with dry friction has no band.
 #[test]
-fn the_sheet_of_a_lubricated_axis_states_the_friction_band() {
+fn sheet_of_a_lubricated_axis_states_the_friction_band() {
     let oiled = |case: &[u8]| {
         let mut case = Case::from_json(case).expect("an example");
         case.friction_coefficient = None;
@@ -345,7 +345,7 @@ fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
 
 /// Missing inputs are named, and contradictory inputs are rejected.
 #[test]
-fn missing_inputs_are_named() {
+fn errors_name_missing_and_contradictory_inputs() {
     let says = |json: &str, words: &str| {
         let told = Case::from_json(json.as_bytes())
             .and_then(|case| AxisReport::of(&case, &Settings::default()).map(|_| ()));
@@ -385,7 +385,7 @@ fn requirement(settings: &[&str]) -> (RequirementFile, Catalog) {
 /// which no manufacturer offers, and that it ignored the critical speed. The result must be a
 /// standard screw with a contact angle of 45 deg that passes all rules on its axis sheet.
 #[test]
-fn a_design_has_a_standard_size() {
+fn design_selects_a_standard_size() {
     let (requirement, catalog) = requirement(&[]);
     let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(report.found, "{:?}", report.reasons);
@@ -466,7 +466,7 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
 
 /// Returns a generator of random numbers between two bounds that are uniformly distributed on a
 /// logarithmic scale.
-fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
+fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     move |low, high| rng.log_uniform(low, high)
 }
@@ -477,7 +477,7 @@ fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// which used another model.
 #[test]
 fn select_axis_nut_and_solve_agree() {
-    let (mut draw, mut axes) = (draws(44), 0);
+    let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let (load, feed) = (draw(500.0, 2e4), draw(2.0, 40.0));
@@ -561,8 +561,8 @@ const NAMES: [&str; 12] = [
 /// For random requirements (200 with `CAMPAIGNS=whole`), the screw selected from manufacturers'
 /// sizes passes its axis sheet, and so does the best screw of any size.
 #[test]
-fn the_selected_screw_passes_its_axis_sheet() {
-    let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
+fn selected_screw_passes_its_axis_sheet() {
+    let (mut draw, mut found) = (log_uniform_generator(0x9e37_79b9_7f4a_7c15), 0);
     let (sizes, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let mut settings = vec![
@@ -633,7 +633,7 @@ fn slenderness_is_limited_only_on_request() {
 /// An audit found that the required life was missing on the axis sheet of the selected screw, which
 /// therefore had no rule for the life.
 #[test]
-fn a_required_life_stays_on_the_sheet() {
+fn axis_sheet_keeps_the_required_life() {
     let catalog = Catalog::standard().expect("compiled in");
     let requirement =
         |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalog.lists.clone());
@@ -659,7 +659,7 @@ fn a_required_life_stays_on_the_sheet() {
 /// The manufacturers' grade C3 used to be interpreted as P3 of ISO 3408-3, and could not be entered
 /// as C3.
 #[test]
-fn an_accuracy_grade_names_its_standard() {
+fn note_on_accuracy_grade_names_its_standard() {
     for (grade, um, words) in [
         (
             "accuracy_grade=3",
@@ -695,7 +695,7 @@ fn a_vertical_axis_has_no_lost_motion() {
 
 /// If every standard size exceeds its critical speed, the design report states this.
 #[test]
-fn a_long_screw_is_blocked_by_its_critical_speed() {
+fn design_report_states_that_the_critical_speed_is_exceeded() {
     let (requirement, catalog) = requirement(&["stroke_mm=7000"]);
     let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(!report.found);
@@ -706,7 +706,7 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
 /// The ten nuts of the published catalog are read with the column names of the catalog, semicolons
 /// and decimal commas, and also with the column names of this program.
 #[test]
-fn a_manufacturers_table_is_read() {
+fn manufacturer_tables_are_read_in_both_formats() {
     let table = include_str!("../../../../examples/manufacturer_table.csv");
     let ours =
         ManufacturerNut::from_csv(table.as_bytes(), &TableFormat::default()).expect("an example");
@@ -828,7 +828,7 @@ fn results_need_only_their_own_inputs() {
 /// The buckling rule names its end conditions and the safety factor with the end conditions of
 /// `support`. If the rule is met only with the default end conditions, there is a warning.
 #[test]
-fn the_buckling_rule_names_its_end_condition() {
+fn buckling_rule_names_its_end_conditions() {
     for (inputs, ends, loads, safeties, is_default) in [
         (
             r#""lead_mm":6.35,"shaft_diameter_mm":21.336,"unsupported_length_mm":1050.2138,"support":"fixed-supported","axial_load_N":2224.1"#,
@@ -868,7 +868,7 @@ fn the_buckling_rule_names_its_end_condition() {
         let rule =
             report.answer.rules.iter().find(|rule| rule.title == "buckling").expect("a rule");
         assert!(rule.source.contains(ends), "{}", rule.source);
-        // A load that is twenty times larger is only permitted with the default end conditions.
+        // The increased load meets the rule only with the default end conditions.
         let mut heavy = case.clone();
         heavy
             .apply(&[&format!("axial_load_N={}", 0.9 * loads[0].max(loads[1]) / 2.0)])
@@ -921,7 +921,7 @@ fn catalog_axis(more: &str) -> Answer {
 /// Missing inputs are stated next to the numbers that they affect. The inputs are the torques of
 /// seals and support bearings, the load factor, and the churning of cold oil.
 #[test]
-fn numbers_name_their_missing_inputs() {
+fn missing_inputs_are_stated_next_to_the_affected_numbers() {
     let bare = catalog_axis("");
     let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and count as 0";
     for number in

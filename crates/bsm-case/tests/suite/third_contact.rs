@@ -30,7 +30,7 @@ fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
 
 /// Ten balls of reference V06 share ten times the load of one ball.
 #[test]
-fn a_play_below_the_threshold_gives_the_reference_third_contact() {
+fn third_contact_below_the_threshold_play_matches_the_reference() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
     let record = solved(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
@@ -53,7 +53,7 @@ fn a_play_below_the_threshold_gives_the_reference_third_contact() {
 }
 
 #[test]
-fn a_ball_without_a_given_play_states_its_threshold() {
+fn threshold_play_is_stated_if_no_play_is_given() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     let settings = Settings::from(Model::Traction);
@@ -75,7 +75,7 @@ fn a_ball_without_a_given_play_states_its_threshold() {
 /// In model `raceway-control`, friction does not affect the force balance of the ball, so there is
 /// no threshold.
 #[test]
-fn only_models_with_friction_in_the_balance_have_a_threshold() {
+fn only_models_with_friction_in_the_force_balance_have_a_threshold_play() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     for (model, has) in
@@ -89,7 +89,7 @@ fn only_models_with_friction_in_the_balance_have_a_threshold() {
 /// An axial play of zero and a radial gap of zero describe the same grooves. If either of these
 /// inputs is given, the play counts as given.
 #[test]
-fn a_radial_gap_counts_as_play() {
+fn radial_gap_counts_as_play() {
     let settings = Settings::default();
     let torque = |sets: &[&str]| {
         let (mut case, _) = reference("V06", &[]);
@@ -118,7 +118,7 @@ fn a_radial_gap_counts_as_play() {
 }
 
 #[test]
-fn a_radial_gap_deeper_than_the_grooves_is_rejected() {
+fn radial_gap_deeper_than_the_grooves_is_rejected() {
     let (mut case, _) = reference("V06", &["radial_gap_um=300"]);
     for model in [Model::RacewayControl, Model::Elastic, Model::Traction] {
         let why = case.problem(&Settings::from(model)).expect_err("no groove is that deep");
@@ -132,7 +132,7 @@ fn a_radial_gap_deeper_than_the_grooves_is_rejected() {
 /// For every play, from zero to a wide play, `auto` chooses model `traction`, because no cheaper
 /// model calculates a third contact.
 #[test]
-fn auto_is_traction_over_the_whole_range_of_play() {
+fn auto_chooses_traction_for_every_play() {
     let mut last = f64::INFINITY;
     for play in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 1000.0] {
         let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
@@ -167,7 +167,7 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
 /// The third contact of a lubricated ball adds the same loss as a dry third contact with the mean
 /// friction coefficient. The loss is a continuous function of the play at the threshold.
 #[test]
-fn a_lubricated_ball_has_a_third_contact() {
+fn loss_of_a_lubricated_third_contact_equals_the_dry_loss() {
     let oil = ["iso_vg=68", "lubricant_temperature_C=30"];
     let settings = Settings::default();
     let at = |play: Option<f64>| {
@@ -217,7 +217,7 @@ fn axis(sets: &[&str]) -> AxisReport {
 }
 
 #[test]
-fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
+fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
     let with = axis(&["axial_play_um=0", "friction_coefficient=0.09"]);
     let wide = axis(&["axial_play_um=500", "friction_coefficient=0.09"]);
     let of = |report: &AxisReport, name: &str| {
@@ -263,7 +263,7 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
 
 /// Under load, the friction of balls that drive differs from the friction of balls that are driven.
 #[test]
-fn a_loaded_nut_states_its_friction_in_both_directions() {
+fn loaded_nut_has_different_friction_in_both_directions() {
     let nut = |rpm: f64| {
         let mut case = Case::from_json(include_bytes!("../../../../examples/nut_double.json"))
             .expect("a case");
@@ -286,7 +286,7 @@ fn a_loaded_nut_states_its_friction_in_both_directions() {
 /// In a lubricated nut pair, third contacts contribute to the drag if the play is small, but not if
 /// the play is large.
 #[test]
-fn a_lubricated_pair_drags_more_with_little_play() {
+fn lubricated_pair_has_more_drag_with_little_play() {
     let nut = |play: Option<f64>| {
         let case = include_bytes!("../../../../examples/nut_double.json");
         let mut case = Case::from_json(case).expect("a case");

@@ -29,7 +29,7 @@ fn number(report: &NutReport, name: &str) -> f64 {
 /// The tolerances in the file are relative to the friction torque for torques, and relative to the
 /// largest push for pushes.
 #[test]
-fn reference_cases_agree_when_read_as_cases() {
+fn ball_train_matches_reference_cases() {
     for reference in cases() {
         let name = reference["id"].as_str().expect("name");
         let settings = Settings::default();
@@ -121,7 +121,7 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
 /// If no balls touch, the torque equals the torque of balls that are solved individually, within
 /// the residual of each root, 1e-10.
 #[test]
-fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
+fn torque_with_sufficient_gap_matches_individually_solved_balls() {
     let reference = &cases()[2];
     let settings = Settings::from(Model::Traction);
     let with = nut(&reference["case"], &json!({}), &settings).expect("a nut");
@@ -137,7 +137,7 @@ fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
 /// balls spin without friction. With raceway control, the range differs by a few percent from the
 /// range with model `traction`.
 #[test]
-fn the_band_uses_traction_or_raceway_control() {
+fn ball_contact_torque_range_uses_traction_or_raceway_control() {
     let case = &cases()[1]["case"];
     let band = |model: Model| {
         let report = nut(case, &json!({}), &Settings::from(model)).expect("a nut");
@@ -172,7 +172,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
 }
 
 #[test]
-fn without_a_solution_of_the_pushes_the_reason_is_stated() {
+fn reason_is_stated_if_pushes_have_no_solution() {
     let case = &cases()[1]["case"];
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
@@ -205,7 +205,7 @@ fn warns_about_a_push_above_three_percent_of_the_mean_load() {
 
 /// The circuits of a pair may have different gaps. If the gaps are sufficient, no balls touch.
 #[test]
-fn each_circuit_may_have_its_own_gaps() {
+fn each_circuit_may_have_a_separate_gap() {
     let case = &cases()[5]["case"];
     let touching = |gaps: [Value; 2], of_nut: Value| {
         let mut circuits = case["circuits"].clone();
@@ -236,7 +236,7 @@ fn each_circuit_may_have_its_own_gaps() {
 /// balls that pass per second, is the rate of the train divided by the angle between two touching
 /// balls (O8). Case T02 agrees with the reference to 1e-7.
 #[test]
-fn circuits_report_their_ball_flux() {
+fn ball_flux_is_reported_for_each_circuit() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let report = nut(&reference["case"], &json!({}), &Settings::default()).expect("a nut");
     let circuit = &report.answer().to_json()["circuits"][0];
@@ -271,7 +271,7 @@ fn too_many_balls_are_reported() {
 
 /// The sheet of an axis states whether its torque includes touching balls.
 #[test]
-fn the_axis_sheet_states_whether_its_torque_includes_touching_balls() {
+fn axis_sheet_states_whether_its_torque_includes_touching_balls() {
     let says = |change: Value| {
         let mut case = json!({
             "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12, "contact_angle_deg": 45,

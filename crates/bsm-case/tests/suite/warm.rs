@@ -36,7 +36,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
 /// The tolerances of the reference cases apply to temperature rises above the surroundings,
 /// preload, heat and growth. The tolerance for the loop gain is 1e-4.
 #[test]
-fn reference_cases_agree_when_read_as_cases() {
+fn warm_state_matches_reference_cases() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(1.01));
         let report = AxisReport::of(&case, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
@@ -93,7 +93,7 @@ fn reference_cases_agree_when_read_as_cases() {
 /// The answer states the value of each conductance, which agrees with the reference case, and the
 /// origin of this value.
 #[test]
-fn conductances_have_their_origin() {
+fn conductances_state_their_origin() {
     let names = [
         ("nut_conductance_W_K", "nut"),
         ("screw_film_W_m2K", "screw_film_W_m2K"),
@@ -125,7 +125,7 @@ fn conductances_have_their_origin() {
 /// Without a given air temperature, the program used to take the temperature at which the preload
 /// is set.
 #[test]
-fn the_air_temperature_defaults_to_20_degrees() {
+fn air_temperature_defaults_to_20_degrees() {
     let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let found = sheet.number(output!(nut_temperature_C)).expect("a temperature");
@@ -135,7 +135,7 @@ fn the_air_temperature_defaults_to_20_degrees() {
 
 /// The reference folds have a tolerance of 1e-5.
 #[test]
-fn folds_of_reference_cases_agree() {
+fn folds_match_reference_cases() {
     for id in ["WS-P3", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
@@ -193,7 +193,7 @@ fn fold_and_unstable_state_match_the_reference() {
 
 /// The cold life equals the life under the same cycle without a warm state.
 #[test]
-fn the_cold_life_equals_the_life_without_a_warm_state() {
+fn cold_life_equals_the_life_without_a_warm_state() {
     let lives = |warm: bool, name: &str| {
         let (case, _) = case("WS-P6", |case| {
             case["warm_state"] = json!(warm);
@@ -212,7 +212,7 @@ fn the_cold_life_equals_the_life_without_a_warm_state() {
 
 /// The number of balls and turns of a nut can be given by circuits.
 #[test]
-fn columns_of_a_nut_of_circuits_are_not_empty() {
+fn columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
     for name in ["fold_speed_factor", "cycle_life_h", "dynamic_load_rating_N"] {
         let column = Output::named(name).expect(name);
@@ -222,7 +222,7 @@ fn columns_of_a_nut_of_circuits_are_not_empty() {
 
 /// WS-P3 has no steady state above its fold. The rule states the speed ratio, 1166.55 of 1500 rpm.
 #[test]
-fn above_the_fold_a_rule_fails() {
+fn steady_state_rule_fails_above_the_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
@@ -305,7 +305,7 @@ fn all_answers_use_the_same_warm_state() {
 
 /// If no steady state exists at the speeds of the axis, the message states the reason.
 #[test]
-fn the_end_of_the_warm_states_is_explained() {
+fn message_states_why_no_warm_state_exists() {
     let hot = AxisReport::of(&feed_axis(&["screw_speed_rpm=40000"]), &settings());
     let why = hot.expect_err("too hot").to_string();
     assert!(why.contains("a temperature exceeds 180 C at 0.14 of these speeds"), "{why}");
@@ -318,7 +318,7 @@ fn the_end_of_the_warm_states_is_explained() {
 /// but a steady state always exists. In raceway control, the friction jumps at each of these
 /// points.
 #[test]
-fn states_do_not_end_where_balls_lose_their_load() {
+fn warm_states_exist_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
     for factor in [1.65, 1.7, 1.85, 1.9, 2.0, 2.15, 2.25] {
         let (case, _) = case("WS-P5", |case| {
@@ -341,7 +341,7 @@ fn states_do_not_end_where_balls_lose_their_load() {
 
 /// A preload causes drag even in a cycle without loads, and the preload rules apply.
 #[test]
-fn a_preload_without_load_causes_drag() {
+fn preload_causes_drag_without_load() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
@@ -355,7 +355,7 @@ fn a_preload_without_load_causes_drag() {
 /// Above the fold, only the results at the fold exist. The error for other results states why they
 /// are missing.
 #[test]
-fn above_the_fold_a_column_states_the_reason() {
+fn error_states_why_columns_are_missing_above_the_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let numbers = |names: &[&str]| {
         AnalysisKind::Warm.numbers(
@@ -376,7 +376,7 @@ fn above_the_fold_a_column_states_the_reason() {
 /// The uncertainty band of WS-P2 agrees with the reference to its tolerance of 1e-3. Values that
 /// are given are not varied, which narrows the band.
 #[test]
-fn given_values_narrow_the_band() {
+fn given_values_narrow_the_uncertainty_band() {
     let band = |change: &dyn Fn(&mut Value)| {
         let (case, reference) = case("WS-P2", |case| {
             case["fold_search_factor"] = json!(1.01);
@@ -414,7 +414,7 @@ fn given_values_narrow_the_band() {
 
 /// A screw that cannot grow is compressed. The compression increases the load in the buckling rule.
 #[test]
-fn thermal_compression_adds_to_the_buckling_load() {
+fn thermal_compression_reduces_the_buckling_safety() {
     let (case, _) = case("WS-P4", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let number = |name: &str| sheet.number(named(name)).expect(name);
@@ -430,7 +430,7 @@ fn thermal_compression_adds_to_the_buckling_load() {
 /// of states of an X pair ends at a fold, with dry friction and with a lubricant, and then returns
 /// to lower speeds at higher preloads. The branch of an O pair has no fold.
 #[test]
-fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
+fn x_pair_has_a_fold_and_o_pair_has_none() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
@@ -462,7 +462,7 @@ fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
 /// A phase that is given by a screw speed is equal to the phase that is given by the corresponding
 /// feed rate.
 #[test]
-fn phases_have_a_feed_or_a_speed() {
+fn screw_speed_and_equivalent_feed_rate_give_the_same_phase() {
     let at = |phase: Value| {
         let (case, _) = case("WS-P2", |case| {
             case["warm_state"] = json!(false);
@@ -487,7 +487,7 @@ fn phases_have_a_feed_or_a_speed() {
 /// equals the cold preload, and the loop gain is 0. The balls of the nut carry their load, but
 /// there is no friction torque.
 #[test]
-fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
+fn axis_at_rest_has_the_temperature_of_its_surroundings() {
     let case = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state").answer();
@@ -516,7 +516,7 @@ fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
 /// The warm state affects the selection. The lightest screw that is selected without it violates a
 /// rule when warm, while the screw that is selected with it meets all rules.
 #[test]
-fn a_screw_is_chosen_for_its_warm_state() {
+fn selection_takes_the_warm_state_into_account() {
     let catalog = Catalog::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 3000, "screw_speed_rpm": 500, "lead_mm": 10, "stroke_mm": 700, "required_life_h": 10000,
         "preload_N": 2500, "preload_arrangement": "O", "friction_coefficient": 0.05, "model": "raceway-control"}"#;
@@ -574,7 +574,7 @@ fn warm_states_exist_where_balls_lift_off() {
 /// If one of the varied assumptions has no steady state, the band has no upper end. The upper end
 /// used to be equal to the value itself.
 #[test]
-fn the_band_has_no_upper_end_if_an_assumption_has_no_steady_state() {
+fn uncertainty_band_has_no_upper_end_without_steady_state() {
     let words = [
         "preload_arrangement=X",
         "preload_N=2500",
@@ -600,7 +600,7 @@ fn the_band_has_no_upper_end_if_an_assumption_has_no_steady_state() {
 /// In a nut without preload, the warm balls expand into the play. The balls used to press against
 /// both flanks, for which no friction could be calculated.
 #[test]
-fn a_nut_without_preload_has_a_warm_state() {
+fn nut_without_preload_has_a_warm_state() {
     let mut case: Value = serde_json::from_str(FEED_AXIS).expect("JSON");
     let entries = case.as_object_mut().expect("a case");
     entries.retain(|name, _| !name.starts_with("preload"));
