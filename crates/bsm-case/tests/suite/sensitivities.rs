@@ -369,7 +369,7 @@ proptest! {
     /// The derivatives with `auto` equal the derivatives with the model that it chose, with the
     /// same settings.
     #[test]
-    fn derivatives_with_auto_match_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
+    fn auto_derivatives_match_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
         let found = derived(&case, &auto).expect("auto has an answer");
