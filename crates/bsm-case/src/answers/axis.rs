@@ -63,30 +63,30 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
         cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
         cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle; 0 if the cycle returns to its start";
-        speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of jumps of the speed in the cycle";
+        speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of speed jumps in the cycle";
     }
     "screw and bearings" {
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression due to hindered growth reduces the critical speed, and a screw at rest has no value";
         nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
         critical_speed_warm_rpm ["rpm"] Scalar(|w| {
             let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
             Some(w.shaft()?.critical_speed_under(-compression) / RPM)
-        }), "critical speed of the screw under the compression by hindered growth";
+        }), "critical speed of the screw, including compression due to hindered growth";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
-            "buckling load with the ends of support";
-        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the ends of support";
-        yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load, core stress 147 N/mm2";
+            "buckling load with the end conditions of support";
+        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the end conditions of support";
+        yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load at a core stress of 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
         stretch_um ["um"] Scalar(|w| {
             Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
-        }), "elongation of the screw by its pretension";
+        }), "elongation of the screw due to pretension";
         travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "travel compensation over the stroke for a screw with pretension; a negative value means a shorter travel";
         screw_tension_N = INPUTS Scalar(|w| w.tension());
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
@@ -137,35 +137,35 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
-        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
-        cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
-        cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life of the cycle as travel in both directions";
+        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life under the cycle according to ISO 3408-5";
+        cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life under the cycle according to ISO 3408-5";
+        cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life under the cycle as travel in both directions";
         cycle_life_cycles [""] Scalar(|w| Some(w.life()?.revolutions / w.revolutions_per_cycle()?)), "life in cycles";
-        cycle_life_strokes [""] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / w.machine.stroke?)), "life of the cycle in strokes of stroke_mm";
-        cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life of the cycle in years of operating_h_day and operating_days_year";
+        cycle_life_strokes [""] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / w.machine.stroke?)), "life under the cycle in strokes of stroke_mm";
+        cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life under the cycle in years, according to operating_h_day and operating_days_year";
         required_life_revolutions = INPUTS Scalar(|w| w.required_revolutions());
-        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "required dynamic load rating for a million revolutions, with its factors";
+        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "required dynamic load rating for one million revolutions, including its factors";
         required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "required dynamic load rating for the travel of rating_basis, without factors";
-        modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
-        modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
+        modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; includes the factors for accuracy, hardness and steel";
+        modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; includes the factors for accuracy and hardness";
         fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
-            "fatigue load limit, largest pressure 1500 MPa";
+            "fatigue load limit, at a maximum pressure of 1500 MPa";
         modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs MODIFIED_LIFE,
-            "modified life of the cycle by ISO 281, with lubricant and contamination";
+            "modified life under the cycle according to ISO 281, with lubricant and contamination";
         modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs MODIFIED_LIFE,
             "modified life at the smallest contamination factor";
         modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
             "modified life at the largest contamination factor";
-        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
+        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life under the cycle, from the loads of all balls";
         limit_load_N = NUT Scalar(|w| w.of_nut(output!(limit_load_N)));
     }
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
-            "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
+            "stiffness of the nut at the largest load; tangent stiffness of all balls, or 0.8 times the catalog stiffness";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, with the nut in the worst position";
-        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass on the axis stiffness";
+        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass with the axis stiffness";
         natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass, including the torsion of the screw";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic displacement, plus the axial play of a nut without preload";
     }
@@ -177,8 +177,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         continuous_torque_at_mean_speed_Nm ["N m"] Scalar(|w| w.continuous_torque()), "continuous torque of motor_curve at the mean speed of the motor";
         rms_torque_utilization [""] Scalar(|w| Some(w.rms_torque()? / w.continuous_torque()?)) needs FRICTION, "ratio of the RMS motor torque to the continuous torque of motor_curve at the mean speed";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
-        regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy per cycle that returns to the drive";
-        peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
+        regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy that is returned to the drive per cycle";
+        peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that is returned to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
@@ -213,7 +213,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw when the motor has no power";
         back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "smallest back-driving torque of the load at rest; assumes the largest friction, twice the drag, and guide friction";
         back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; assumes the smallest friction";
-        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance along the load at rest from the largest feed, including brake_delay_s";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance in the direction of the load at rest, from the largest feed, including brake_delay_s";
         stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
         stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, including the motor";
         inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor";
@@ -408,23 +408,23 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
     let temperatures = match heating {
         _ if case.asks_warm() => "temperatures over time, because the state is steady",
         Some(_) => {
-            "effect of the steady-state temperature rise on preload and torque, which warm_state calculates"
+            "effect of the steady-state temperature rise on preload and torque; set warm_state to true to include it"
         }
         None => {
             "temperatures of nut, screw and balls, because friction or the length of the screw is unknown"
         }
     };
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
-        "lubricant, because its inputs are not given: the contacts are dry and have one friction coefficient",
+        "lubricant, because its inputs are not given; the contacts are dry and have a constant friction coefficient",
     );
-    let preload = "friction torque of the preload, which follows from manufacturers' rule and is accurate to about 50 %";
+    let preload = "exact friction torque of the preload; it is calculated with the manufacturers' rule, which is accurate to about 50 %";
     let pushes = match (case.ball_gap_mm, case.is_preloaded()) {
         (None, _) => {
-            "ball returns and ball-to-ball contact, which only manufacturers' rule for the preload includes"
+            "ball returns and ball-to-ball contact, which only the manufacturers' rule for the preload includes"
         }
         // The torque of a preloaded nut is calculated with all its balls.
         (Some(_), true) => {
-            "ball returns beyond return_push_N and its causes, which only manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
+            "ball returns beyond return_push_N and its causes, which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
         (Some(_), false) => {
             "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"

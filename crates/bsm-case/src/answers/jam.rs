@@ -81,7 +81,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         approach_speed_m_s ["m/s"] Scalar(|j| j.ball_return.speed), "speed of the ball at the ball return";
         impact_force_N ["N"] Scalar(|j| j.ball_return.impact), "force of the impact";
         apex_thrust_N ["N"] Scalar(|j| j.ball_return.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
-        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step";
+        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step on the ball";
         step_thrust_N ["N"] Scalar(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
         highest_step_mm ["mm"] Scalar(|j| j.ball_return.highest / MM), "critical height of a step into the return";
         entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
@@ -89,17 +89,17 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         entry_thrust_N ["N"] Scalar(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
         screw_track_friction_N ["N"] Scalar(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
-            "track friction of one turn in steady motion, screw (as published)";
+            "track friction of one turn in steady motion, at the screw (as published)";
         weaker_track_friction_N ["N"] Scalar(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
-            "track friction of one turn in steady motion, weaker contact";
+            "track friction of one turn in steady motion, at the contact with less friction";
         stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
-            "track friction of one turn with stationary balls, screw";
+            "track friction of one turn with stationary balls, at the screw";
         ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
         published_margin [""] Scalar(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction / thrust: steady motion, screw (as published)";
+            "friction / thrust in steady motion, at the screw (as published)";
         weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction / thrust: steady motion, weaker contact";
+            "friction / thrust in steady motion, at the contact with less friction";
         jams [""] Statement(|j| {
             let track = j.track?;
             if j.ball_return.is_blocked() { Some(true) } else { Some(j.ball_return.thrust()? >= track.stopped) }

@@ -384,7 +384,7 @@ impl ManufacturerRow {
             let size = ball.zip(lead).filter(|(ball, lead)| ball / lead > MAX_BALL_OVER_LEAD);
             let of_ball = size.map(|(ball, lead)| {
                 format!(
-                    "ball_diameter_mm {} is more than {MAX_BALL_OVER_LEAD} of lead_mm {}, so neighboring turns touch",
+                    "ball_diameter_mm {} is more than {MAX_BALL_OVER_LEAD} times lead_mm {}, so adjacent turns touch",
                     trimmed(ball),
                     trimmed(lead)
                 )
@@ -394,7 +394,7 @@ impl ManufacturerRow {
                 .filter(|(ratio, median)| !(low..=high).contains(&(ratio / **median)));
             let of_rating = far.map(|(ratio, median)| {
                 format!(
-                    "the dynamic load rating of the geometry is {} of the stated one, and {} in the median of the table; check ball, \
+                    "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball, \
                      turns and rating of the row",
                     digits(ratio, 3),
                     digits(*median, 3)

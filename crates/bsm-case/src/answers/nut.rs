@@ -326,12 +326,12 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         limit_load_N ["N" "F_lim"] Scalar(|n| n.limit_load()), "limit load, at which one side of the nut is fully unloaded and the preload is lost";
     }
     "life and safety" {
-        life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
-        iso_life_revolutions [""] Scalar(|n| n.iso_life()), "life by ISO 3408-5, revolutions";
+        life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life from the loads of all balls, revolutions";
+        iso_life_revolutions [""] Scalar(|n| n.iso_life()), "life according to ISO 3408-5, revolutions";
         life_ratio [""] Scalar(|n| {
         let ours = lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))?;
         Some(ours / n.iso_life()?)
-    }), "life by all balls / life by ISO 3408-5";
+    }), "life from the loads of all balls / life according to ISO 3408-5";
         static_safety_by_balls [""] Scalar(|n| {
         lasting(n.made.found.static_safety(&n.made.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
@@ -344,9 +344,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that catch up with a slower ball";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
-            "balls loaded on one diagonal that friction presses onto a far flank, at axial_play_um or with oversize balls";
+            "balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
-            "largest normal load of these third contacts";
+            "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
             "  third contacts, included in the contacts with nut and screw";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
@@ -367,7 +367,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
             "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
-            "preload of a pair while the screw turns, which friction changes";
+            "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
             "friction torque of the running preload, contacts alone";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
@@ -390,7 +390,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
-            "torque of ball-to-ball contact with a push of 3 % of the ball load at every contact; 0 with the needed gaps";
+            "torque of ball-to-ball contact if every contact carries a push of 3 % of the ball load; 0 if the gaps are sufficient";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without pushes";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of contacts between balls that carry a push";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";

@@ -17,9 +17,9 @@ use bsm_dyn::{
 quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
     "closed form" {
         optimum_contact_angle_deg ["deg"] Directions(|k| k.best.map(|best| Some(best?.contact_angle / DEG)))
-            needs [lead_angle_deg | lead_mm], "contact angle of best efficiency";
+            needs [lead_angle_deg | lead_mm], "contact angle with the best efficiency";
         optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
-            "lead angle for which the case's contact angle is the best";
+            "lead angle for which the contact angle of the case is the best";
         optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the optimum angle";
         self_locking_contact_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
@@ -32,14 +32,14 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
         efficiency [""] Directions(|k| {
             let own = k.lead.zip(k.contact).map(|(lead, contact)| Angles { lead, contact });
             DIRECTIONS.map(|d| Some(own?.efficiency(d, k.friction)))
-        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the case's contact angle";
+        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the contact angle of the case";
     }
 }
 
 quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     "by the model" {
         optimum_contact_angle_deg ["deg"] Scalar(|best| Some(best.as_ref()?.contact_angle / DEG)),
-            "contact angle of best efficiency";
+            "contact angle with the best efficiency";
         optimum_efficiency [""] Scalar(|best| Some(best.as_ref()?.efficiency)), "efficiency at this contact angle";
     }
 }

@@ -31,7 +31,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preload_displacement_um ["um"] Scalar(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";
         contact_displacement_um ["um"] Scalar(|r| r.displacement()) needs [axial_load_N],
-            "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
+            "axial displacement of the contacts of one nut or of the preloaded pair under the axial load";
         secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
             "secant stiffness of the contacts of one nut without preload, load / displacement";
         tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
@@ -42,14 +42,14 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preloaded_body_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| 2.0 * e.body * UM)),
             "stiffness of the bodies of a preloaded pair";
         single_nut_secant_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
-            "secant stiffness of one nut without preload, contacts and body";
+            "secant stiffness of one nut without preload, including contacts and body";
         single_nut_tangent_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
-            "tangent stiffness of one nut without preload, contacts and body";
+            "tangent stiffness of one nut without preload, including contacts and body";
         preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
-            "stiffness of a preloaded pair, contacts and bodies";
+            "stiffness of a preloaded pair, including contacts and bodies";
         rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, with rolling resistance and without slip";
         mass_kg ["kg"] Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
-        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
+        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed according to the speed number limit";
         speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.case)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         rating_life_revolutions ["" "L_10"] Scalar(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
         rating_life_h ["h" "L_10h"] Scalar(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
@@ -65,9 +65,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         screw_groove_offset_mm ["mm"] Scalar(|r| r.thread.screw.offset / MM),
             "distance of the arc centers from the middle of the groove, screw";
         nut_core_diameter_mm ["mm"] Scalar(|r| r.thread.nut.core / MM),
-            "calculated core diameter of the nut; at the bottom of the full arcs";
+            "calculated core diameter of the nut; at the bottom of the complete groove arcs";
         screw_core_diameter_mm ["mm" "d_2"] Scalar(|r| r.thread.screw.core / MM),
-            "calculated core diameter of the screw; at the bottom of the full arcs";
+            "calculated core diameter of the screw; at the bottom of the complete groove arcs";
         nut_root_diameter_mm ["mm"] Scalar(|r| r.thread.nut.root / MM),
             "root diameter, where the two arcs meet, nut";
         screw_root_diameter_mm ["mm"] Scalar(|r| r.thread.screw.root / MM),
@@ -79,9 +79,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         screw_edge_angle_deg ["deg"] Scalar(|r| r.thread.screw.edge / DEG),
             "angle from the radial direction at which the groove ends, screw";
         nut_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.nut.section() / (MM * MM)),
-            "section of the groove, nut";
+            "cross-sectional area of the groove, nut";
         screw_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.screw.section() / (MM * MM)),
-            "section of the groove, screw";
+            "cross-sectional area of the groove, screw";
         gamma ["" "gamma"] Scalar(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle / pitch circle diameter";
         f_c ["" "f_c"] Scalar(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
         C_s_N ["N" "C_s"] Scalar(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";

@@ -606,9 +606,9 @@ pub(crate) fn message(reason: &Reason) -> String {
              screw_conformity towards 0.52"
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
-            "the branch of steady motions with saturated friction, followed from small inertia on, ends before this point: \
-             inertia forces / axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
-             value with a solution is {nearest:.3e}. Change axial_load_N or the speed"
+            "the branch of steady motions with saturated friction that starts at small inertia ends before this point: \
+             inertia forces / axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest value with a solution is \
+             {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::BallDoesNotCircle => {

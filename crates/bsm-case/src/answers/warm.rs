@@ -28,7 +28,7 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         preload_setting_um = NUT Scalar(|w| Some(state(w)?.preload?.setting / UM));
         steady_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.heat())), "heat flow of contacts, drag, seals, support bearings and motor in the steady state";
         nut_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.nut_heat())), "heat flow of contacts, drag and seals in the steady state, without support bearings and motor";
-        cold_cycle_life_revolutions [""] Scalar(|w| state(w)?.cold_life), "life of the cycle by ISO 3408-5 with the cold preload, revolutions";
+        cold_cycle_life_revolutions [""] Scalar(|w| state(w)?.cold_life), "life under the cycle according to ISO 3408-5 with the cold preload, revolutions";
         cold_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
         no_load_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
         screw_tension_N = INPUTS Scalar(|w| state(w)?.tension);
@@ -206,8 +206,8 @@ impl Warm {
             );
         }
         if state.steady.on_jump {
-            let what = "The friction of some balls jumps at the warm state, because the controlling raceway or the model changes there. \
-                        The state has the friction of one side of the jump.";
+            let what = "The friction of some balls jumps at the warm state, because the controlling raceway or the model changes \
+                        there. The calculated state uses the friction on one side of the jump.";
             notes.push(what.to_owned());
         }
         let Some(band) = &state.band else { return notes };

@@ -16,9 +16,9 @@ use crate::{Case, CaseError, InputKey, InputSet};
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
 /// Results that are omitted from the sheet of a screw with only catalog data.
-pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life \
-    from the loads of all balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
-    of a model, and lubricant film; ball return, and jamming.";
+pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life from the loads of all \
+    balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
+    from a ball model, and lubricant film; ball return, and jamming.";
 
 impl InputSet {
     /// Describes the purpose of missing inputs, and names the command for which the given inputs

@@ -64,13 +64,13 @@ macro_rules! entries {
 }
 
 entries! {
-    project: String, "head of the sheet of `axis`: project";
-    drawing: String, "head of the sheet: number of the drawing";
-    revision: String, "head of the sheet: revision";
-    author: String, "head of the sheet: author";
-    date: String, "head of the sheet: date, printed as given";
-    customer: String, "head of the sheet: customer";
-    remark: String, "head of the sheet: remark";
+    project: String, "project, printed in the head of the sheet of `axis`";
+    drawing: String, "number of the drawing, printed in the head of the sheet";
+    revision: String, "revision, printed in the head of the sheet";
+    author: String, "author, printed in the head of the sheet";
+    date: String, "date, printed as given in the head of the sheet";
+    customer: String, "customer, printed in the head of the sheet";
+    remark: String, "remark, printed in the head of the sheet";
     manufacturer: String, "manufacturer of the screw, for the order on the sheet";
     order_code: String, "order code of the screw or the nut, for the order on the sheet";
     display_units: Named<DisplayUnits>,

@@ -499,7 +499,7 @@ inputs! {
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
             "moment of inertia per meter of the screw as stated by the manufacturer; defaults to a value calculated from the cross section";
         support_bearing_axial_load_N ["N"] Above(0.0), None,
-            "largest permitted axial load of the support bearings; load, pretension and hindered growth together must not exceed it";
+            "largest permitted axial load of the support bearings; the sum of load, pretension and force of hindered growth must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
@@ -543,7 +543,7 @@ inputs! {
         cycles_per_hour [""] Above(0.0), None,
             "number of cycles per hour; standstill fills the time between the cycles";
         hold_force_N ["N" "F_c"] Any, None,
-            "process force that acts at rest, in addition to the weight; positive against a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
+            "process force that acts at rest, in addition to the weight; positive if it opposes a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
         stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,
             "deceleration with which the drive stops the axis after brake_delay_s; replaces brake_torque_Nm";
         brake_torque_Nm ["N m"] Above(0.0), None,

@@ -361,7 +361,7 @@ outputs! {
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
             "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
         "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
-            "gap between a ball and the nearer far flank at axial_play_um; negative: approach of the third contact";
+            "gap between a ball and the closer of the two far flanks at axial_play_um; a negative gap is the elastic approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
             "normal load of the third contact of a ball, at the far flank of nut or screw";
         "third contact slip speed" ["m/s"] Number: third_contact_slip_m_s whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.slip),
@@ -405,7 +405,7 @@ outputs! {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
             "relative error of the power balance; only rounding error at an exact solution";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
-            "Newton steps, or sweeps of `rigid`";
+            "number of Newton steps, or of sweeps in model `rigid`";
         "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),
             "scaled residual of the equations";
         "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(s.film.as_ref()?.outside.seal),
@@ -421,7 +421,7 @@ outputs! {
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
-            "evidence of no_solution: proof; bound (limits measured at many points: the error of an expansion, or where two solutions exist); traced (the curve of states from small inertia on was followed to its end in steps of finite size)";
+            "evidence for no_solution: proof; bound (limits measured at many points: the error of an expansion, or the range in which two solutions exist); traced (the branch of states that starts at small inertia was traced to its end in steps of finite size)";
     }
 }
 

@@ -76,7 +76,7 @@ phase! {
     max_feed_m_min ["m/min"] Above(0.0), None, "highest speed of a move; replaces time_s";
     deceleration_m_s2 ["m/s2" "d"] Above(0.0), None, "deceleration of a move; defaults to acceleration_m_s2";
     dwell_s ["s"] Above(0.0), None, "time of a standstill";
-    force_N ["N" "F"] Any, None, "process force, positive against a positive feed; defaults to 0, and at standstill to hold_force_N";
+    force_N ["N" "F"] Any, None, "process force, positive if it opposes a positive feed; defaults to 0, or to hold_force_N at standstill";
     end_force_N ["N"] Any, None, "process force at the end of a phase with constant speed; the force changes linearly along the travel. Defaults to force_N";
     feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; defaults to 0";
     start_feed_m_min ["m/min"] Any, None, "feed at the start of a ramp; defaults to 0";

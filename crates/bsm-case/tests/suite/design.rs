@@ -126,10 +126,13 @@ fn extreme_load_is_reported_as_infeasible() {
     let report = DesignReport::of(&requirement(&["axial_load_N=1e30"]).expect("a number"));
     assert!(!report.found);
     assert!(
-        report.reasons.iter().any(|r| r.contains("largest pressure at the nut, equal sharing")),
+        report
+            .reasons
+            .iter()
+            .any(|r| r.contains("largest pressure at the nut, with equal load sharing")),
         "{report:?}"
     );
-    assert!(report.reasons.iter().any(|r| r.contains("life of the cycle")), "{report:?}");
+    assert!(report.reasons.iter().any(|r| r.contains("life under the cycle")), "{report:?}");
 }
 
 /// Lead and lead angle together determine the pitch circle diameter.

@@ -149,7 +149,7 @@ fn commands_work_or_reject_the_case_with_a_reason() {
     assert!(
         code == Some(0)
             && text.contains("warning: No usual groove")
-            && text.contains("life of the cycle"),
+            && text.contains("life under the cycle"),
         "{text}"
     );
     let (code, text) = run(&["fit", "line.json", "--measured", "screw_torque_Nm=16.65"]);

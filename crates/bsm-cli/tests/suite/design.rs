@@ -50,7 +50,10 @@ fn an_unattainable_requirement_names_the_blocking_limit() {
     assert!(!dir.path().join("none.json").exists());
     let (code, text, _) = set("axial_load_N=1e30");
     assert_eq!(code, Some(3), "{text}");
-    assert!(text.contains("largest pressure at the nut, equal sharing must be"), "{text}");
+    assert!(
+        text.contains("largest pressure at the nut, with equal load sharing must be"),
+        "{text}"
+    );
     for (setting, words) in [
         ("screw_torque_Nm=12", "give one of axial_load_N and screw_torque_Nm"),
         ("lead_mm=-2", "`lead_mm` = -2 must be a finite number > 0"),
@@ -138,7 +141,8 @@ fn bad_catalog_requests_are_reported() {
         [&["select", &requirement, "--from", "standard", "--first", "1"], &long[..]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(3));
-    let limit = "no nut was selected: life of the cycle by ISO 3408-5 must be >= 100000 h";
+    let limit =
+        "no nut was selected: life under the cycle according to ISO 3408-5 must be >= 100000 h";
     assert!(stdout(&output).contains(limit), "{}", stdout(&output));
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),

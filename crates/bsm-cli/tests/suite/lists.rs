@@ -117,9 +117,12 @@ fn rows_that_contradict_their_geometry_are_named() {
     let said = stderr(&output);
     let named: Vec<_> = said.lines().filter(|line| line.contains("warning")).collect();
     assert_eq!(named.len(), 2, "{said}");
-    assert!(said.contains("misprint: the dynamic load rating of the geometry is"), "{said}");
     assert!(
-        said.contains("crowded: ball_diameter_mm 3.175 is more than 0.8 of lead_mm 3.5"),
+        said.contains("misprint: the ratio of calculated to stated dynamic load rating is"),
+        "{said}"
+    );
+    assert!(
+        said.contains("crowded: ball_diameter_mm 3.175 is more than 0.8 times lead_mm 3.5"),
         "{said}"
     );
 }

@@ -309,7 +309,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
         "limit load",
         "K_p",
         "third contact",
-        "life by all balls / life by ISO 3408-5",
+        "life from the loads of all balls / life according to ISO 3408-5",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }

@@ -117,7 +117,7 @@ impl AxisState<'_> {
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
         let long = long.map(|(thread, longest)| {
             format!(
-                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, at most {:.0} mm for this diameter, make and grade.",
+                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, which are at most {:.0} mm long for this diameter, make and grade.",
                 thread / MM,
                 longest / MM
             )
@@ -128,8 +128,8 @@ impl AxisState<'_> {
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
             (apart > UNCERTAIN).then(|| {
                 format!(
-                    "The viscosity ratio is {by_film:.2} by the film ratio, which the modified life uses, and {by_viscosity:.2} by \
-                     the viscosity alone."
+                    "The viscosity ratio is {by_film:.2} if it is calculated from the film ratio, as in the modified life, and \
+                     {by_viscosity:.2} if it is calculated from the viscosity alone."
                 )
             })
         });
@@ -333,8 +333,8 @@ impl AxisState<'_> {
         let by_default = self.case.nut.buckling_support.is_none();
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
-                "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end condition); \
-                 with the ends of support it is {of_support:.2}. Set buckling_support."
+                "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \
+                 condition); with the end conditions of support, it is {of_support:.2}. Set buckling_support."
             )
         })
     }

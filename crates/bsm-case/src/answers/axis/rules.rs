@@ -389,7 +389,7 @@ pub(super) fn rules(
 
 /// Returns the rule that a warm steady state must exist.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
-    let source = "no steady state exists above the fold (I20); the heat is uncertain by a quarter";
+    let source = "no steady state exists above the fold (I20); the heat is accurate to 25 %";
     criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {
         "a colder screw, a warmer nut, less preload, or O arrangement instead of X".to_owned()
     })
