@@ -64,7 +64,7 @@ mod tests {
 
     /// Regression test: the rate was once displayed as `20,083.5883/s`.
     #[test]
-    fn progress_is_in_whole_numbers() {
+    fn progress_rate_is_a_whole_number() {
         assert_eq!(rate(20_083.588_3), "20,084/s");
         assert_eq!(rate(0.2), "0/s");
     }

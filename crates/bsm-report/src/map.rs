@@ -350,7 +350,7 @@ mod tests {
     /// Cells must be placed around their values in sorted order, regardless of the order in the
     /// list, and neighboring cells must share an edge.
     #[test]
-    fn cells_lie_around_their_values() {
+    fn cells_are_placed_around_their_values() {
         let (order, found) = edges(&[100.0, 1000.0, 10.0], true);
         assert_eq!(order, [2, 0, 1]);
         // The expected edges are the geometric means of neighboring values.

@@ -1,5 +1,5 @@
-//! The groove from load ratings: comparison with catalog rows whose balls are known, and with an
-//! independent implementation.
+//! Estimation of the groove from load ratings: comparison with catalog rows whose ball diameters
+//! are known, and with an independent implementation.
 
 use std::collections::BTreeSet;
 
@@ -16,10 +16,10 @@ use crate::{Check, PublishedData, ValidateError};
 const PROTOTYPE: &str = "an independent implementation of theory 21";
 const CATALOGS: &str = "catalogs of HIWIN, TBI and THK";
 
-/// Steel of raceways and balls in the reference bands: the default of a case.
+/// Steel of raceways and balls in the reference bands. It is the default steel of a case.
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Returns all checks of the estimate.
+/// Returns all checks of the groove estimate.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let file: File = published.groove.json()?;
     let name = published.groove.name();
@@ -52,20 +52,21 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Rows with the prior by which they are estimated.
+/// A set of catalog rows, each with the prior that is used for its estimate.
 struct Split<'a> {
-    /// Part that the rows contribute to the keys of the checks.
+    /// Part of the check keys that identifies this set of rows.
     key: String,
-    /// Description of the rows to which the prior was fitted, and of the rows that are estimated.
+    /// Describes the rows to which the prior was fitted and the rows that are estimated.
     words: String,
     rows: Vec<(&'a Row, Prior)>,
-    /// Reason for the limits of the rates; `None` if the rates have no limits.
+    /// Reason for the limits on the rates; `None` if there are no limits.
     limits: Option<&'static str>,
 }
 
 impl<'a> Split<'a> {
-    /// Returns the splits of a file: its rows with the usual prior; each half of the rows with a prior that is fitted to the other half;
-    /// and the rows of each manufacturer with a prior that is fitted to the other manufacturers.
+    /// Returns all sets of rows: all rows with the built-in prior; each half of the rows with a
+    /// prior fitted to the other half; and the rows of each manufacturer with a prior fitted to the
+    /// other manufacturers.
     fn all(file: &'a File) -> Vec<Self> {
         let is_fit = file.half == FITTED;
         let relation = if is_fit { "fitted to the same rows" } else { "fitted to other rows" };
@@ -76,8 +77,8 @@ impl<'a> Split<'a> {
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // Rows of a table are ordered by series and size, so that both halves contain all series
-        // and sizes.
+        // The rows are ordered by series and size. Taking every second row therefore puts all
+        // series and sizes into both halves.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();
@@ -108,12 +109,12 @@ impl<'a> Split<'a> {
         [usual, halves].into_iter().chain(makers.into_iter().map(of_maker)).collect()
     }
 
-    /// Completes a claim with the number of rows and the split.
+    /// Appends the number of rows and the description of the set to a claim.
     fn claim(&self, what: &str) -> String {
         format!("{what}, {} rows; {}", self.rows.len(), self.words)
     }
 
-    /// Returns the rows with their estimates. Refused rows are left out.
+    /// Returns the rows with their groove estimates. Rows without a possible groove are left out.
     fn estimates(&self) -> impl Iterator<Item = (&'a Row, GrooveEstimate)> {
         let estimate = |(row, prior): &(&'a Row, Prior)| {
             Some((*row, row.line(Known::default()).estimate_with(prior).ok()?))
@@ -122,10 +123,10 @@ impl<'a> Split<'a> {
     }
 }
 
-/// Value of `half` in the file to whose rows the prior of the program was fitted.
+/// Value of `half` that identifies the file to whose rows the built-in prior was fitted.
 const FITTED: &str = "public";
 
-/// Fits a prior to rows, with equal weights of all manufacturers.
+/// Fits a prior to rows. All manufacturers have the same weight.
 fn fitted(rows: &[&Row]) -> Prior {
     let known = |row: &&Row| {
         #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
@@ -141,8 +142,8 @@ fn fitted(rows: &[&Row]) -> Prior {
     Prior::fitted(&rows.iter().filter_map(known).collect::<Vec<_>>())
 }
 
-/// Returns the ball return of a series by its catalog; `None` for an unknown series. SFU nuts have
-/// deflectors, but their ratings are the ratings of full turns.
+/// Returns the type of ball return that the catalog states for a series, or `None` for an unknown
+/// series. SFU nuts have deflectors, but their ratings are those of full turns.
 fn ball_return(series: &str) -> Option<BallReturn> {
     match series {
         "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
@@ -156,10 +157,11 @@ fn ball_return(series: &str) -> Option<BallReturn> {
 
 #[derive(Deserialize)]
 struct File {
-    /// Origin of the rows: [`FITTED`] for the rows to which the prior was fitted, or another word.
+    /// Origin of the rows: [`FITTED`] if the built-in prior was fitted to these rows, or another
+    /// word.
     half: String,
     rows: Vec<Row>,
-    /// Rows with misprints.
+    /// Catalog rows with misprints, which must be rejected.
     refused: Vec<Misprint>,
 }
 
@@ -182,7 +184,7 @@ struct Misprint {
     sizes: Sizes,
 }
 
-/// Sizes and ratings of a row.
+/// Dimensions and load ratings of a catalog row.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct Sizes {
@@ -199,7 +201,8 @@ struct Truth {
     printed_turns: f64,
 }
 
-/// Results of the independent implementation. Three numbers are the quantiles at 5, 50 and 95 %.
+/// Results of the independent implementation. Lists of three numbers are the 5, 50 and 95 %
+/// quantiles.
 #[derive(Deserialize)]
 struct Prototype {
     ln_evidence: f64,
@@ -224,7 +227,7 @@ struct Bands {
     secant_contact_stiffness_N_um: [f64; 3],
 }
 
-/// Quantities that are known besides nominal diameter, lead and dynamic load rating.
+/// States which quantities are known in addition to nominal diameter, lead and dynamic load rating.
 #[derive(Clone, Copy)]
 struct Known {
     static_rating: bool,
@@ -233,14 +236,14 @@ struct Known {
 }
 
 impl Default for Known {
-    /// The catalog row with both ratings.
+    /// By default, both load ratings are known.
     fn default() -> Self {
         Self { static_rating: true, turns: false, core: false }
     }
 }
 
 impl Sizes {
-    /// Returns the catalog row with both ratings.
+    /// Returns the catalog line with both load ratings.
     fn line(&self) -> CatalogLine {
         CatalogLine {
             nominal_diameter: self.nominal_diameter_mm * MM,
@@ -258,7 +261,7 @@ impl Sizes {
 }
 
 impl Row {
-    /// Returns the catalog row with the known quantities that are printed.
+    /// Returns the catalog line with those known quantities that the catalog prints.
     fn line(&self, known: Known) -> CatalogLine {
         let line = self.sizes.line();
         CatalogLine {
@@ -269,20 +272,20 @@ impl Row {
         }
     }
 
-    /// Returns true if a ball diameter \[m\] agrees with the ball diameter of the row to within a
-    /// fraction of the diameter.
+    /// Returns true if a ball diameter \[m\] agrees with the true diameter to within the given
+    /// relative tolerance.
     fn has_ball(&self, ball: f64, tolerance: f64) -> bool {
         (ball / MM / self.truth.ball_diameter_mm - 1.0).abs() <= tolerance
     }
 }
 
-/// Relative tolerance of equal ball diameters. Catalogs round ball diameters to 0.01 mm or three
-/// digits.
+/// Maximum relative difference between ball diameters that are considered equal. Catalogs round
+/// ball diameters to 0.01 mm or three digits.
 const SAME_BALL: f64 = 0.006;
 
-/// Returns the largest value, with the name of its row.
+/// Returns the largest value together with the name of its row.
 fn worst<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> (&'a str, f64) {
-    // NaN counts as the largest value.
+    // In this order, NaN is the largest value.
     values.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or(("", f64::NAN))
 }
 
@@ -291,7 +294,7 @@ fn relative(ours: f64, theirs: f64) -> f64 {
     (ours / theirs - 1.0).abs()
 }
 
-/// Compares the results with the results of the independent implementation, for every row.
+/// Compares the estimates of all rows with the results of the independent implementation.
 fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     let check = |key: &str, claim: &str, difference: &dyn Fn(&Row, &GrooveEstimate) -> f64| {
         let (name, value) =
@@ -342,16 +345,16 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     ]
 }
 
-/// A quantity of a groove, which the independent implementation gives as a band.
+/// A quantity of the groove for which the independent implementation states a band.
 struct BandQuantity {
     key: &'static str,
     words: &'static str,
-    /// Returns the quantity at a lead \[m\] and a load \[N\].
+    /// Function that returns the quantity for a lead \[m\] and a load \[N\].
     value: GrooveValue,
     reference: fn(&Bands) -> [f64; 3],
-    /// Relative tolerance of the band, and its reason.
+    /// Relative tolerance for the limits of the band, and the reason for it.
     tolerance: (f64, &'static str),
-    /// Upper limit of the median width.
+    /// Upper limit for the median width of the band.
     widest: f64,
 }
 
@@ -385,8 +388,8 @@ fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reas
     Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
 }
 
-/// Returns the largest pressure at the screw \[MPa\] if all balls carry equal loads at the unloaded
-/// contact angle.
+/// Returns the largest pressure at the screw \[MPa\] for equal ball loads and the unloaded contact
+/// angle.
 fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
     let [_, screw] = nut.hertz()?;
@@ -394,7 +397,7 @@ fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reaso
     Ok(screw.max_pressure(load / (groove.loaded_balls * direction)) * 1e-6)
 }
 
-/// Returns the band of a quantity at a tenth of the dynamic load rating.
+/// Returns the band of a quantity. The load is a tenth of the dynamic load rating.
 fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     let (lead, load) = (estimate.line.lead, 0.1 * estimate.line.dynamic_rating);
     let values: Result<Vec<_>, _> =
@@ -402,7 +405,7 @@ fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     Ok(Band::of(values?).expect("there are draws"))
 }
 
-/// Sets of known quantities.
+/// Sets of quantities that are assumed to be known.
 const KNOWN: [(&str, &str, Known); 5] = {
     let line = Known { static_rating: true, turns: false, core: false };
     [
@@ -419,8 +422,8 @@ const KNOWN: [(&str, &str, Known); 5] = {
 };
 
 impl Split<'_> {
-    /// Counts how often the most likely ball is correct and how often the ball is among the likely balls, for each set of known
-    /// quantities.
+    /// For each set of known quantities, counts how often the most likely ball diameter is correct
+    /// and how often the correct diameter is among the likely diameters.
     fn rates(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (key, words, known) in KNOWN {
@@ -451,7 +454,7 @@ impl Split<'_> {
     }
 }
 
-/// Fractions of the rows.
+/// Rates at which the estimates are correct, as fractions of the rows.
 #[derive(Default)]
 struct Rates {
     first: f64,
@@ -486,7 +489,7 @@ impl Rates {
     }
 }
 
-/// Compares bands with the bands of the independent implementation.
+/// Compares the bands of all rows with the bands of the independent implementation.
 fn against_prototype_bands(
     estimates: &[(&Row, GrooveEstimate)],
 ) -> Result<Vec<Check>, ValidateError> {
@@ -509,13 +512,13 @@ fn against_prototype_bands(
     Ok(checks)
 }
 
-/// Returns the band of a quantity of a row.
+/// Returns the band of a quantity for a row.
 fn band_of(row: &Row, found: &GrooveEstimate, value: GrooveValue) -> Result<Band, ValidateError> {
     band(found, value).map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))
 }
 
 impl Split<'_> {
-    /// Calculates the median widths of bands.
+    /// Calculates the median width of the band for each quantity.
     fn widths(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, widest, .. } in BAND_QUANTITIES {
@@ -533,7 +536,8 @@ impl Split<'_> {
         Ok(checks)
     }
 
-    /// Counts how often the band of a quantity contains the quantity of the groove with the known ball and turns.
+    /// Counts how often the band of a quantity contains the value for the true groove, which is
+    /// estimated with the known ball diameter and number of turns.
     fn contained(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {
@@ -543,7 +547,7 @@ impl Split<'_> {
                     ball_diameter: Some(row.truth.ball_diameter_mm * MM),
                     ..row.line(Known { turns: true, ..Known::default() })
                 };
-                // A printed ball may contradict the ratings.
+                // If the printed ball diameter contradicts the ratings, the row is skipped.
                 let Ok(exact) = line.estimate() else { continue };
                 let failed = |why| ValidateError::of(&row.name, format!("{why:?}"));
                 let load = 0.1 * line.dynamic_rating;
@@ -563,10 +567,10 @@ impl Split<'_> {
     }
 }
 
-/// A mistake in a catalog row.
+/// A function that inserts a mistake into a catalog row.
 type Corruption = fn(CatalogLine) -> CatalogLine;
 
-/// Checks that corrupted rows are rejected.
+/// Checks that catalog rows with mistakes are rejected.
 fn refusals(file: &File) -> Vec<Check> {
     let misprints = file.refused.iter().map(|row| {
         let refused = row.sizes.line().estimate().err().and_then(|refused| refused.nearest);

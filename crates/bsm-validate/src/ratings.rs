@@ -1,4 +1,4 @@
-//! Load ratings and stiffness: design tables.
+//! Load ratings and stiffness: comparison with the tables of Sobolewski (2002).
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -12,10 +12,10 @@ use crate::{Check, PublishedData, ValidateError};
 const TABLES: &str = "Sobolewski (2002), by ISO/DP 9783 and 9784";
 const PAPER: &str = "Sobolewski (2002)";
 
-/// Steel of the tables.
+/// Steel of the nuts in the tables.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Returns all checks of these sources.
+/// Returns all checks of load ratings and stiffness.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     let rows = published.rating_tables.rows::<Row>()?;
@@ -74,21 +74,21 @@ impl Row {
     }
 }
 
-/// Returns the stiffness of a pair under the preload of the tables \[N/um\].
+/// Returns the stiffness of a nut pair at the preload assumed in the tables \[N/um\].
 fn pair_stiffness(nut: &Nut) -> f64 {
     let preload = PRELOAD * nut.dynamic_rating().rating;
     let elasticity = nut.elasticity(&NutBody::usual(nut, NutSet::Single));
     elasticity.map_or(f64::NAN, |elasticity| elasticity.preloaded_pair(preload) * UM)
 }
 
-/// A column of the tables.
+/// A column of the tables, with the function that calculates it.
 struct Column {
     key: &'static str,
     what: &'static str,
     unit: &'static str,
     printed: fn(&Row) -> f64,
     ours: fn(&Nut) -> f64,
-    /// Absolute and relative tolerance, and their reason.
+    /// Absolute and relative tolerance, and the reason for them.
     tolerance: (f64, f64),
     reason: &'static str,
 }
@@ -132,7 +132,7 @@ const QUANTITIES: &[Column] = columns! {
         5e-3 + 0.0, "two printed digits; formula and lever arm are ours, the arm is fitted to these rows";
 };
 
-/// Returns the usual thread of a nut, without play.
+/// Returns the thread of a nut without play and with the usual lands.
 fn thread(nut: &Nut) -> Thread {
     nut.thread(0.0, nut.usual_lands())
 }
@@ -142,13 +142,13 @@ impl Column {
         self.tolerance.0 + self.tolerance.1 * (self.printed)(row)
     }
 
-    /// Compares a column. The check reports the row with the largest deviation relative to its
-    /// tolerance; the details list all rows.
+    /// Compares a column of the tables. The check reports the row with the largest ratio of
+    /// deviation to tolerance; the details list all rows.
     fn check(&self, rows: &[Row]) -> Check {
         let Self { printed, ours, .. } = self;
         let off = |row: &Row| {
             let off = (ours(&row.nut()) - printed(row)).abs() / self.tolerance_of(row);
-            // A missing number counts as the largest deviation.
+            // A missing number is treated as an infinite deviation.
             if off.is_nan() { f64::INFINITY } else { off }
         };
         let worst = rows.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
@@ -178,9 +178,8 @@ impl Column {
     }
 }
 
-/// Checks statements of the paper about contact angle and conformity: load rating and stiffness of
-/// every row fall as the contact angle decreases from 45 deg, and as the conformity increases from
-/// 0.51.
+/// Checks two statements of the paper: the load rating and the stiffness of every row decrease if
+/// the contact angle decreases from 45 deg, and if the conformity increases from 0.51.
 fn statements(rows: &[Row]) -> [Check; 2] {
     let angle = |row: &Row, i: i32| Nut {
         contact_angle: FRAC_PI_4 - f64::from(i).to_radians(),

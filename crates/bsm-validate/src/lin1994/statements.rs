@@ -1,4 +1,5 @@
-//! Further statements of Lin, Velinsky and Ravani (1994), besides the comparison of both theories.
+//! Further statements of Lin, Velinsky and Ravani (1994), in addition to the comparison of the
+//! closed-form solution with the exact theory.
 
 use bsm_case::Case;
 use bsm_design::search::minimum_of;
@@ -13,12 +14,12 @@ use bsm_report::sheets::efficiency_as_printed;
 use super::{SOURCE, slender};
 use crate::{Check, ValidateError};
 
-/// Friction coefficient of the paper.
+/// Friction coefficient in the paper.
 const F: f64 = 0.075;
 
 const FORWARD: Direction = Direction::RotaryToLinear;
 
-/// Returns all checks of statements.
+/// Returns the checks of these statements.
 pub(super) fn checks(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let mut checks = vec![quotient(), driving_part(lin)?, driven_side()];
     checks.extend(direction_of_slip(lin)?);
@@ -34,7 +35,7 @@ fn angles(lead_deg: f64, contact_deg: f64) -> Angles<f64> {
     Angles { lead: lead_deg.to_radians(), contact: contact_deg.to_radians() }
 }
 
-/// Compares the efficiencies of Eqs 3 and 4 with the quotient of force and torque of Eq 1.
+/// Compares the efficiencies of Eqs 3 and 4 with the ratio of force to torque according to Eq 1.
 fn quotient() -> Check {
     let (size, mut worst) = (0.18, 0.0_f64);
     for lead in (4..=40).step_by(4).map(f64::from) {
@@ -53,8 +54,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // The expressions are Eq 2, and Eq 1 divided by its normal load. At the nut,
-                    // friction across the groove has the opposite sign.
+                    // The expressions are Eq 2 and Eq 1, divided by the normal load. At the nut,
+                    // the friction across the groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;
@@ -74,7 +75,7 @@ fn quotient() -> Check {
     .at_most(1e-13, "rounding")
 }
 
-/// "The driving component does not have an effect". The statement is not exact.
+/// Checks the statement "The driving component does not have an effect", which is not exactly true.
 fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let rpm = lin.screw_speed_rpm;
     let nut =
@@ -92,7 +93,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let mut worst = (0.0, 0.0);
     for lead in (8..=60).map(f64::from) {
         let [screw, nut] = pair(lead)?;
-        // If the nut drive has no root, there is nothing to compare.
+        // Without a solution for the nut drive, there is nothing to compare.
         if (screw - nut).abs() > worst.0 {
             worst = ((screw - nut).abs(), lead);
         }
@@ -185,12 +186,13 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     ])
 }
 
-/// "The peak efficiency exists only at lower helix angles and higher contact angles."
+/// Checks the statement "The peak efficiency exists only at lower helix angles and higher contact
+/// angles."
 fn optimum_range() -> Vec<Check> {
     let range = |direction: Direction, suffix: &str| {
         let constant = Optimum::constant(direction, F);
         let (largest, least) = (constant.acos(), constant.asin());
-        // A numerical search is made on both sides of the largest lead angle.
+        // The maximum is searched numerically below and above the largest lead angle.
         let inside = |lead: f64| {
             let loss = |contact: f64| {
                 Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
@@ -215,7 +217,7 @@ fn optimum_range() -> Vec<Check> {
     vec![range(FORWARD, "rotary-to-linear"), range(Direction::LinearToRotary, "linear-to-rotary")]
 }
 
-/// "The self-braking condition always takes place at the driven side."
+/// Checks the statement "The self-braking condition always takes place at the driven side."
 fn driven_side() -> Check {
     let (mut wrong, mut points) = (0, 0);
     for friction in (1..=20).map(|i| 0.05 * f64::from(i)) {
@@ -229,8 +231,8 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // The tolerance is the rounding error of a sum of terms of the order of friction
-                // divided by the lead angle.
+                // The tolerance is the rounding error of a sum whose terms are as large as the
+                // friction coefficient divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }
