@@ -69,7 +69,7 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     Ok(Check::new(
         "dong2020/radical",
         &format!("{SOURCE}, Eq 17 corrected"),
-        "the radical of the lengths is the difference of the contact angles, 1 N on a ball",
+        "the radical of the lengths gives the difference of the contact angles, at 1 N per ball",
     )
     .measured((ours - (b - a)).abs(), "rad")
     .note(format!("difference {:.4} deg", (b - a).to_degrees()))
@@ -104,7 +104,7 @@ fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
         &format!("{SOURCE}, Eq 17 as printed"),
         "the printed radical requires a friction coefficient that steel never reaches",
     )
-    .measured(1.0 / printed, "over the printed bound")
+    .measured(1.0 / printed, "reciprocal of the printed radical")
     .note(format!("as printed {printed:.1}, corrected {:.1e}", (0.5 * (b - a)).tan().abs()))
     .at_most(0.1, "ten times a friction coefficient of 1"))
 }

@@ -60,9 +60,10 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         [
             "feed-axis",
             "Preload of a feed axis with a cooled nut",
-            "2500 N set cold. In X arrangement a screw warmer than the nut raises the preload, which raises the heat: above \
-             the circle nothing is steady, and a disturbance beyond the dashed line runs away below it too. In O \
-             arrangement the preload hardly changes.",
+            "The preload of the cold nut is 2500 N. In X arrangement, a screw that is warmer than the nut increases the \
+             preload, which increases the heat. Above the speed of the circle, no steady state exists. Below this speed, \
+             a disturbance beyond the dashed line also causes a thermal runaway. In O arrangement, the preload hardly \
+             changes.",
         ],
         &branches,
     ))

@@ -70,7 +70,7 @@ impl<'a> Split<'a> {
     fn all(file: &'a File) -> Vec<Self> {
         let is_fit = file.half == FITTED;
         let relation = if is_fit { "fitted to the same rows" } else { "fitted to other rows" };
-        let limits = "required of rows that the prior was not fitted to";
+        let limits = "required for rows that were not used to fit the prior";
         let usual = Self {
             key: "usual".to_owned(),
             words: format!("prior of the program, {relation}"),
@@ -302,7 +302,7 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
         Check::new(
             key,
             PROTOTYPE,
-            format!("{claim}, largest difference of {} rows", estimates.len()),
+            format!("{claim}: largest difference in {} rows", estimates.len()),
         )
         .measured(value, "")
         .note(format!("largest at {name}"))
@@ -376,7 +376,7 @@ const BAND_QUANTITIES: [BandQuantity; 2] = [
         reference: |bands| bands.screw_max_pressure_MPa,
         tolerance: (
             0.01,
-            "1 %: contact angles of the reference grow under load, which lowers its pressures by up to 1 %",
+            "1 %: in the reference, contact angles increase with the load, which reduces its pressures by up to 1 %",
         ),
         widest: 1.35,
     },
@@ -432,12 +432,13 @@ impl Split<'_> {
                 let key = format!("groove/{}/{what}-{key}", self.key);
                 Check::new(&key, CATALOGS, self.claim(&format!("{claim} from {words}")))
             };
-            let first = check("first-ball", "first ball right").measured(rates.first, "");
+            let first =
+                check("first-ball", "most likely ball is correct").measured(rates.first, "");
             let first = first.note(format!(
-                "within 7 % of the diameter: {:.2}; refused: {:.3}",
+                "ball diameter within 7 %: {:.2}; rows rejected: {:.3}",
                 rates.near, rates.refused
             ));
-            let likely = check("likely-balls", "ball among the likely ones");
+            let likely = check("likely-balls", "correct ball is among the likely balls");
             let likely = likely.measured(rates.likely, "");
             let size = check("number-of-likely-balls", "mean number of likely balls");
             let size = size.measured(rates.set_size, "");
@@ -445,7 +446,10 @@ impl Split<'_> {
                 Some(reason) => [
                     first.at_least(0.87, reason),
                     likely.at_least(0.93, reason),
-                    size.at_most(3.0, "fewer would be chance, more of no use"),
+                    size.at_most(
+                        3.0,
+                        "fewer balls would be correct only by chance, and more would be of no use",
+                    ),
                 ],
                 None => [first, likely, size],
             });
@@ -503,8 +507,10 @@ fn against_prototype_bands(
             differences.push((row.name.as_str(), off));
         }
         let (name, difference) = worst(differences);
-        let claim =
-            format!("band of the {words}, largest relative difference of {} rows", estimates.len());
+        let claim = format!(
+            "band for the {words}: largest relative difference in {} rows",
+            estimates.len()
+        );
         let equal = Check::new(&format!("groove/{key}-band"), PROTOTYPE, claim);
         let equal = equal.measured(difference, "").note(format!("largest at {name}"));
         checks.push(equal.at_most(tolerance.0, tolerance.1));
@@ -527,11 +533,14 @@ impl Split<'_> {
             };
             let mut widths = self.estimates().map(width).collect::<Result<Vec<_>, _>>()?;
             widths.sort_by(f64::total_cmp);
-            let claim =
-                self.claim(&format!("width of the band of the {words}, high over low, median"));
+            let claim = self.claim(&format!(
+                "ratio of upper to lower limit of the band for the {words} (median)"
+            ));
             let width = Check::new(&format!("groove/{}/{key}-width", self.key), CATALOGS, claim);
             let width = width.measured(quantile(&widths, 0.5), "");
-            checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
+            checks.push(
+                width.at_most(widest, "required for rows that were not used to fit the prior"),
+            );
         }
         Ok(checks)
     }
@@ -557,7 +566,7 @@ impl Split<'_> {
                 inside += f64::from(u8::from((low..=high).contains(&exact)));
             }
             let claim = self.claim(&format!(
-                "band of the {words} contains that of the known ball and turns, part of {known}"
+                "band for the {words} contains the value for the known ball and turns (fraction of {known})"
             ));
             let check =
                 Check::new(&format!("groove/{}/{key}-contained", self.key), CATALOGS, claim);
@@ -578,7 +587,7 @@ fn refusals(file: &File) -> Vec<Check> {
         Check::new(
             &format!("groove/misprint-{}", row.name),
             CATALOGS,
-            "misprinted static rating is refused",
+            "row with a misprinted static load rating is rejected",
         )
         .measured(measured, "")
         .equals(
@@ -606,10 +615,10 @@ fn refusals(file: &File) -> Vec<Check> {
         Check::new(
             &format!("groove/refused-{key}"),
             CATALOGS,
-            format!("{words}: part of {rows} rows that is refused"),
+            format!("{words}: fraction of {rows} rows that are rejected"),
         )
         .measured(refused / rows, "")
-        .at_least(0.99, "an error of a factor of 10 is recognized")
+        .at_least(0.99, "an error by a factor of 10 must be detected")
     });
     misprints.chain(corrupted).collect()
 }

@@ -93,7 +93,7 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         checks.push(
             Check::new(&format!("lin1994/{key}-{suffix}-load"), &source, claim)
                 .measured(load, "N")
-                .note("at 2000 rpm; the paper's 2113 N are far above"),
+                .note("at 2000 rpm; the load of 2113 N in the paper is far larger"),
         );
     }
     let search = |log_rpm: f64| {
@@ -247,10 +247,10 @@ fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         Check::new(
             "lin1994/no-false-root",
             &source,
-            "below the critical lead angle no root is returned, above it one is",
+            "no solution is returned below the critical lead angle, and one is returned above it",
         )
-        .measured(f64::from(wrong), "points of 191 that differ")
+        .measured(f64::from(wrong), "wrong results at 191 points")
         .note("lead angles of 1.05 to 20.05 deg; the root at infinity is never returned")
-        .at_most(0.0, "existence is decided, not guessed"),
+        .at_most(0.0, "the existence of a solution is decided exactly"),
     ])
 }

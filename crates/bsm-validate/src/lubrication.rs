@@ -126,11 +126,11 @@ fn solution(
     Ok(Check::new(
         &format!("lubrication/{}", reference.id),
         SOLUTION,
-        format!("{}: all numbers", reference.id),
+        format!("{}: all results", reference.id),
     )
     .measured(worst, "of the tolerance")
     .note(at)
-    .at_most(1.0, "error due to nodes and creep speed of the independent solution"))
+    .at_most(1.0, "error of the independent solution due to its nodes and creep speed"))
 }
 
 /// Returns the smallest value, the median and the largest value.
@@ -231,13 +231,13 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
         Check::new(
             &format!("lubrication/{key}"),
             BEARING,
-            format!("{what} divided by that of SKF's model"),
+            format!("{what} divided by the value from SKF's model"),
         )
         .measured(middle, "")
         .note(format!(
-            "middle of {points} points, {least:.2} to {most:.2}; constants of the model from memory"
+            "median of {points} points, which range from {least:.2} to {most:.2}; constants of the model quoted from memory"
         ))
-        .equals(1.0, 0.36, "two models of friction agree to a third")
+        .equals(1.0, 0.36, "two friction models should agree to within a third")
     };
     Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
 }
@@ -277,11 +277,11 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
     Ok(Check::new(
         "lubrication/palmgren",
         PALMGREN,
-        "torque divided by that of Palmgren's formulas",
+        "torque divided by the value from Palmgren's formulas",
     )
     .measured(middle, "")
-    .note(format!("middle of {points} points, {least:.2} to {most:.2}; factors from memory"))
-    .equals(1.0, 0.36, "two models of friction agree to a third"))
+    .note(format!("median of {points} points, which range from {least:.2} to {most:.2}; factors quoted from memory"))
+    .equals(1.0, 0.36, "two friction models should agree to within a third"))
 }
 
 /// The contact between a ball and the outer raceway of a bearing, for comparing film thickness and
@@ -405,23 +405,23 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let outermost = (1.0 - least).max(most - 1.0);
         let worst = if middle.is_nan() { f64::NAN } else { outermost };
         Check::new(&format!("lubrication/{key}"), source, what).measured(worst, "").note(format!(
-            "{points} points, {least:.2} to {most:.2}, in the middle {middle:.3}; factors from memory"
+            "{points} points, {least:.2} to {most:.2}, median {middle:.3}; factors quoted from memory"
         ))
     };
     let film = check(
         "film",
         FILM,
-        "central film thickness divided by that of another formula, value farthest from 1",
+        "central film thickness divided by the value from another formula (ratio farthest from 1)",
         films,
     )
-    .at_most(0.25, "two fits of solutions of the same equation, to 20 % each");
+    .at_most(0.25, "two fits to solutions of the same equation, each accurate to 20 %");
     let rolling = check(
         "rolling-force",
         ROLLING,
-        "rolling force divided by that of power laws, value farthest from 1",
+        "rolling force divided by the value from power laws (ratio farthest from 1)",
         forces,
     )
-    .at_most(0.08, "power laws, within a tenth where the surfaces are nearly rigid");
+    .at_most(0.08, "power laws agree to within a tenth if the surfaces are nearly rigid");
     Ok([film, rolling])
 }
 
@@ -471,7 +471,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     )
     .measured(spread(gains)[0], "")
     .note("smallest increase from 1 to 8 kN")
-    .at_least(0.0, "it grows");
+    .at_least(0.0, "the efficiency increases");
     let mut curve = Vec::new();
     for speed in [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 4000.0] {
         curve.push((speed, at(3000.0, speed, output!(equivalent_friction_coefficient))?));

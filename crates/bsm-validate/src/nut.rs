@@ -180,7 +180,7 @@ fn limit_loads() -> Vec<Check> {
             0.04 * hertz,
             turned,
         ),
-        check("nut/busier-nut", "load of the more loaded nut if the load equals the preload")
+        check("nut/busier-nut", "load of the more heavily loaded nut if the axial load is equal to the preload")
             .measured(usual[1], "preloads")
             .equals(
                 (1.0 + 1.0 / hertz).powf(1.5),
@@ -299,7 +299,7 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         check.details = details;
         check
     };
-    let usual = "the usual allowance on calculated stiffness, and the spread of the nuts";
+    let usual = "the usual reduction of calculated stiffness, and the scatter of the nuts";
     let single = "stiffness of single nuts FSI, load over displacement at 0.3 of the rating";
     let pair = "stiffness of pairs FDI at a preload of 0.1 of the rating";
     let definition = rows.iter().map(|row| row.pair_N_um / row.single_N_um).collect::<Vec<_>>();
@@ -323,13 +323,13 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         Check::new(
             "nut/stiffness-definition",
             CATALOG,
-            "FDI divided by FSI: two definitions of stiffness, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+            "FDI divided by FSI, which have different definitions: 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
         )
         .measured(spread(&definition)[0], "")
         .equals(
             2.0_f64.powf(1.5) * 0.1 / (0.3_f64.cbrt() * 0.1_f64.powf(2.0 / 3.0)),
             0.03,
-            "Hertz contacts alone, and stiffnesses of three digits",
+            "Hertzian contacts alone, and catalog values with three digits",
         ),
     ]
 }
@@ -388,9 +388,9 @@ fn stiff_bars() -> Vec<Check> {
     .note(format!("with tenfold stiffness, 1/{ratio:.1} of the difference remains"))
     .at_most(
         0.15,
-        "a tenth to first order, plus the next order and the effect of the ball spacing",
+        "one tenth to first order, plus terms of the next order and the effect of the ball spacing",
     );
-    let reason = "the stiffness of the balls is not linear, and 4000 balls are not a continuum";
+    let reason = "the contact stiffness is not constant, and 4000 balls are not a continuum";
     let [two, across] = [two, across].map(|check| check.at_most(2e-3, reason));
     vec![two, across, order]
 }

@@ -116,10 +116,10 @@ const QUANTITIES: &[Column] = columns! {
     "groove-offset" groove_offset_mm ["mm"] "offset of the arc centers, eq. 1": |nut| thread(nut).nut.offset / MM;
         5e-3 + 0.0, "two printed decimals";
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
-        1.0 + 0.0, "the last printed digit, of a diameter with four";
+        1.0 + 0.0, "the last printed digit; the diameter has four digits";
     "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of a turn":
         |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn * 1e-9);
-        0.0 + 0.02, "2 %: exact Hertz contacts instead of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low";
+        0.0 + 0.02, "2 %: exact Hertzian contacts are used instead of fits that the source does not print; all five rows with conformity 0.52 are 1.5 to 1.8 % too low";
     "stiffness" preloaded_stiffness_N_um ["N/um"] "stiffness of the preloaded pair": pair_stiffness;
         0.0 + 0.012, "1.2 %: two thirds of the error of the stiffness characteristic";
     "outer-diameter" outer_diameter_mm ["mm"] "outer diameter": |nut| NutBody::usual(nut, NutSet::Single).outer / MM;
@@ -129,7 +129,7 @@ const QUANTITIES: &[Column] = columns! {
     "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut, NutSet::Single).mass(nut, &thread(nut));
         0.0 + 0.052, "the source does not state its rule; none of 360 rules is within 3.8 % of all rows";
     "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
-        5e-3 + 0.0, "two printed digits; formula and lever arm are ours, the arm is fitted to these rows";
+        5e-3 + 0.0, "two printed digits; the formula and the lever arm are not published, and the arm is fitted to these rows";
 };
 
 /// Returns the thread of a nut without play and with the usual lands.
@@ -202,7 +202,7 @@ fn statements(rows: &[Row]) -> [Check; 2] {
     let check = |key: &str, claim: &str, largest: f64| {
         Check::new(key, PAPER, claim)
             .measured(largest, "")
-            .at_most(1.0, "largest ratio of neighboring values in all rows, for both numbers")
+            .at_most(1.0, "largest ratio of consecutive values in all rows, for both quantities")
     };
     [
         check(

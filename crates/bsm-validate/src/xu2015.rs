@@ -115,7 +115,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         check("eqs-1-2", "Eqs 1-2", "differential slip as printed equals the slip at the contact center")
             .measured(worst, "relative")
             .note(format!("{:.4} m/s at the nut, {:.4} at the screw, 50 and 40 deg", exact[0], exact[1]))
-            .at_most(1e-11, "rounding of speeds of a hundred times the slip"),
+            .at_most(1e-11, "rounding errors of speeds that are a hundred times the slip"),
         check("eq-3", "Eq 3", "contact angles from the distances between the centers of the grooves")
             .measured(off, "of the length")
             .note("with the axial displacement in (f) and without it in (e); as printed, both equations give the approaches again")
@@ -171,13 +171,13 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             "field-value",
             "differential slip equals the slip velocity field at the contact center",
             value,
-            "rounding of speeds of a hundred times the slip",
+            "rounding errors of speeds that are a hundred times the slip",
         ),
         check(
             "field-slope",
-            "spin is the derivative of that field across the groove",
+            "spin equals the derivative of the slip velocity field across the groove",
             slope,
-            "rounding error of speeds of a hundred times the spin over a millimeter",
+            "rounding errors of speeds that are a hundred times the spin times a millimeter",
         ),
     ])
 }

@@ -69,7 +69,7 @@ fn quotient() -> Check {
     check(
         "quasi-static-quotient",
         "Eqs 1-4",
-        "Eqs 3 and 4 equal output work divided by input work of Eqs 1 and 2",
+        "Eqs 3 and 4 are equal to output work divided by input work according to Eqs 1 and 2",
     )
     .measured(worst, "largest difference")
     .at_most(1e-13, "rounding")
@@ -103,7 +103,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     Ok(check("driving-part", "conclusions; Eqs 5-9", claim)
         .measured(worst.0, "difference of the efficiencies")
         .note(format!(
-            "at a lead angle of {} deg; at 10 deg {screw:.7} with the screw turning, {nut:.7} with the nut",
+            "at a lead angle of {} deg; at 10 deg, {screw:.7} if the screw turns and {nut:.7} if the nut turns",
             worst.1
         ))
         .at_most(1e-4, "a hundredth of a percentage point, the effect of inertia at 2000 rpm"))
@@ -145,7 +145,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         .measured(off, "largest difference")
         .note("lead angles of 2 to 60 deg, contact angles of 5 to 85 deg, r_b/r_m = 0.1")
         .at_most(1e-12, "rounding"),
-        check("eq-11-as-printed", "Eq 11 as printed", "one efficiency for each slip angle")
+        check("eq-11-as-printed", "Eq 11 as printed", "efficiency as a function of the slip angle")
             .measured(most, "largest efficiency")
             .note("above one: the sign of friction in the numerator contradicts Eq 9"),
         check(
@@ -163,7 +163,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         )
         .measured((1.0 - at(90.0)) / (1.0 - at(0.0)), "times the loss")
         .note(format!("efficiency {:.4} at 0 deg, {:.4} at 90 deg", at(0.0), at(90.0)))
-        .at_least(1.0, "more is more than once"),
+        .at_least(1.0, "the statement requires a ratio above one"),
         check(
             "fig-5-lower-limit",
             "Fig 5",
@@ -180,7 +180,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
             "Eq 11",
             "if friction acts only across the groove, the efficiency increases with the contact angle",
         )
-        .measured(f64::from(falling), "steps of a degree that do not")
+        .measured(f64::from(falling), "steps of one degree without an increase")
         .note("psi_B = 0, lead angles of 2 to 60 deg, contact angles of 5 to 86 deg")
         .at_most(0.0, "a strict statement"),
     ])
@@ -208,11 +208,11 @@ fn optimum_range() -> Vec<Check> {
         )
         .measured(f64::from(wrong), "searches that differ")
         .note(format!(
-            "lead angles to {:.2} deg, contact angles from {:.2} deg; searched half a degree below and above",
+            "lead angles up to {:.2} deg, contact angles from {:.2} deg on; searched half a degree below and above the largest lead angle",
             largest.to_degrees(),
             least.to_degrees()
         ))
-        .at_most(0.0, "a peak below that lead angle, none above")
+        .at_most(0.0, "there is a peak below the largest lead angle and none above it")
     };
     vec![range(FORWARD, "rotary-to-linear"), range(Direction::LinearToRotary, "linear-to-rotary")]
 }
@@ -238,7 +238,7 @@ fn driven_side() -> Check {
         }
     }
     check("driven-side", "Eqs 16, 19", "self-locking takes place at the driven side")
-        .measured(f64::from(wrong), "points of the limits that differ")
-        .note(format!("{points} points: the driven side transmits nothing, the driving side more than without friction"))
+        .measured(f64::from(wrong), "points on the limits that contradict the claim")
+        .note(format!("{points} points: the driven side transmits no power, and the driving side transmits more than without friction"))
         .at_most(0.0, "always")
 }

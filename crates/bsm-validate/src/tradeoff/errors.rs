@@ -74,7 +74,7 @@ impl Distribution {
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 clippy::cast_precision_loss,
-                reason = "a place among thousands"
+                reason = "an index among thousands"
             )]
             let place = (share * values.len() as f64).ceil() as usize;
             values.get(place.max(1) - 1).copied()
