@@ -513,7 +513,7 @@ impl AxisReport {
         warnings.extend(texts.into_iter().map(Warning::advice));
         warnings.extend(worked.warnings());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
-            let text = format!("{}; the rules of the preload are not checked", no_balls(why));
+            let text = format!("{}; the preload rules are not checked", no_balls(why));
             warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
         }
         warnings.sort();

@@ -177,7 +177,7 @@ fn range_of(
     let ends = [range.0, range.1];
     let key = input.name();
     if matches!(rule, Rule::Whole(_) | Rule::OneOf(_)) {
-        return Err(bad(key, "takes only discrete values, which a search cannot find"));
+        return Err(bad(key, "takes only discrete values, so a continuous search cannot fit it"));
     }
     if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
         let (low, high) = range;
@@ -554,7 +554,7 @@ impl Fit {
                     if all.len() > 1 { "; the output is the same at all these values" } else { "" };
                 let response = first.response.abs();
                 format!(
-                    "{}{more}; 1 % of {what} is {response:.2} % of {input}{jumps}",
+                    "{}{more}; a change of {what} by 1 % corresponds to a change of {input} by {response:.2} %{jumps}",
                     all.join(", ")
                 )
             }
@@ -592,7 +592,7 @@ impl Fit {
         let fails = report.found.is_empty() && report.kept.is_empty();
         let without = report.found.iter().filter(|found| found.without > 0).map(|found| {
             format!(
-                "With {} of {} possible grooves, no value near {} = {:.6} in the range has this result.",
+                "For {} of {} possible grooves, no value near {} = {:.6} in the range gives this result.",
                 found.without,
                 case.draws(FEW_DRAWS),
                 self.input.name(),

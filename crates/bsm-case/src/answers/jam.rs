@@ -139,7 +139,7 @@ struct Jam {
     track: Option<Track>,
 }
 
-/// Contacts with permanent deformation, and their maximum pressures \[Pa\].
+/// Contacts with permanent set, and their maximum pressures \[Pa\].
 struct PermanentContacts {
     set: PermanentSet,
     pressures: [f64; 2],
@@ -184,14 +184,14 @@ struct Track {
     stopped: f64,
 }
 
-/// Calculates the contacts with permanent deformation, the centrifugal and drag forces, the wedge
+/// Calculates the contacts with permanent set, the centrifugal and drag forces, the wedge
 /// between the raceways, and the thrust in the ball return. The thrust is compared with the
 /// friction that pushes the balls through the return.
 ///
 /// # Errors
 ///
 /// [`CaseError::Invalid`] if the model does not calculate the motion of the ball, if the contacts
-/// with permanent deformation have no solution, or if a number exceeds the range of double
+/// with permanent set have no solution, or if a number exceeds the range of double
 /// precision.
 pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
@@ -217,7 +217,7 @@ impl Jam {
         if case.running_angles().is_some() {
             return Err(bad(
                 InputKey::nut_running_contact_angle_deg.name(),
-                "is an input of slip; jamming needs contact angles in balance with the load",
+                "is an input of slip; jamming needs contact angles in equilibrium with the load",
             ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {

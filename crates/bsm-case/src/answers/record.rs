@@ -637,7 +637,9 @@ pub(crate) fn message(reason: &Reason) -> String {
             hottest - ZERO_CELSIUS
         ),
         Reason::PowerDoesNotBalance { imbalance } => {
-            format!("rounding is too large: relative error of the power balance {imbalance:.1e}")
+            format!(
+                "rounding errors are too large: relative error of the power balance {imbalance:.1e}"
+            )
         }
         Reason::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
             status.describe().to_owned()

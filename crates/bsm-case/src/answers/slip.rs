@@ -96,7 +96,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     }
     if given {
         lacks.push(
-            "friction and its power: needs contact angles in balance with the load instead of given contact angles"
+            "friction and its power: needs contact angles in equilibrium with the load instead of given contact angles"
                 .to_owned(),
         );
     }

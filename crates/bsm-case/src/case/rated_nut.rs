@@ -172,7 +172,7 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
         if !within(usual, ratio) {
             let name = key.name();
             differ.push(format!(
-                "{name} is {stated:.0} N, and the calculated rating is {calculated:.0} N ({ratio:.2} times)"
+                "{name} is {stated:.0} N, but the calculated rating is {calculated:.0} N ({ratio:.2} times the given value)"
             ));
         }
     }

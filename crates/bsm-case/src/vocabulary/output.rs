@@ -403,7 +403,7 @@ outputs! {
     }
     "hidden" {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
-            "relative error of the power balance; only rounding error at an exact solution";
+            "relative error of the power balance; for an exact solution, only rounding errors remain";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
             "number of Newton steps, or of sweeps in model `rigid`";
         "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),

@@ -541,7 +541,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     }
     assert!(report.number(output!(nut_friction_power_W)).is_none());
     assert!(
-        report.texts("lacks").iter().any(|lack| lack.contains("in balance")),
+        report.texts("lacks").iter().any(|lack| lack.contains("in equilibrium")),
         "{:?}",
         report.texts("lacks")
     );

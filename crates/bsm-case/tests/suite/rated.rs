@@ -213,7 +213,7 @@ fn contradiction_between_ratings_and_groove_is_reported() {
         |report: &AxisReport| report.answer.warnings.iter().any(|w| w.contains("rated nut"));
     assert!(!warned(&own) && !warned(&stated(1.2, &[]).expect("usual")));
     let other = stated(1.7, &[]).expect("a sheet");
-    assert!(other.answer.warnings.iter().any(|w| w.contains("(1.70 times)")));
+    assert!(other.answer.warnings.iter().any(|w| w.contains("(1.70 times the given value)")));
     let why = stated(2.1, &[]).expect_err("another nut").to_string();
     assert!(why.contains("keep_ratings"), "{why}");
     assert!(warned(&stated(2.1, &["keep_ratings=true"]).expect("as meant")));

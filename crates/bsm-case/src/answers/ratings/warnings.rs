@@ -31,7 +31,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let over_pitch = nut.ball_diameter / nut.pitch();
     if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
         let text = format!(
-            "The ball diameter is {over_pitch:.3} of the groove pitch; above {}, little land is left between the turns.",
+            "The ball diameter is {over_pitch:.3} of the groove pitch; above {}, the land between the turns is narrow.",
             limits.ball_over_lead
         );
         warnings.push(Warning::limit(SelectionLimit::BallOverLead, text));
@@ -39,7 +39,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let root = thread.screw.root;
     if nut.ball_diameter >= limits.ball_over_root * root {
         warnings.push(Warning::advice(format!(
-            "The ball diameter is {:.3} of the root diameter of the screw, {:.3} mm; it should be below {}.",
+            "The ball diameter is {:.3} of the root diameter of the screw, {:.3} mm; this ratio should be below {}.",
             nut.ball_diameter / root,
             root / MM,
             limits.ball_over_root
