@@ -90,7 +90,7 @@ impl AnalysisKind {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the analysis cannot be calculated.
+    /// Returns [`CaseError`] if the analysis cannot be calculated.
     pub fn numbers(
         self,
         case: &Case,
@@ -131,8 +131,8 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model does not calculate the motion of the ball, or if inputs
-    /// are missing.
+    /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball, or if
+    /// inputs are missing.
     pub fn check(&self, base: &Case, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         let mut missing = kind.missing(base, given);

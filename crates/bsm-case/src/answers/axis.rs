@@ -341,13 +341,13 @@ impl Screw<'_> {
 /// Report on an axis: numbers, rules and the phases of the cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// The case.
+    /// Case for which the sheet was calculated.
     pub case: Case,
     /// Settings used to calculate friction.
     pub settings: Settings,
     /// Torques in each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
-    /// Data for an order.
+    /// Order data of the screw.
     pub order: Order,
     /// Warnings in the answer, each with the selection limit that it concerns, if any.
     pub warnings: Vec<Warning>,
@@ -435,13 +435,13 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
 }
 
 impl AxisReport {
-    /// Calculates the axis of a case.
+    /// Calculates the axis sheet of a case.
     ///
     /// * `settings`: model and solver settings for friction.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or violates its rule.
+    /// Returns [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         let full = Detail { fold: true, band: true };
         let line = case.without_estimates();
@@ -601,7 +601,7 @@ impl AxisReport {
         !self.answer.fails
     }
 
-    /// Returns a number by name.
+    /// Returns the output with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.answer.number(name)
     }
@@ -627,7 +627,8 @@ impl AxisReport {
 ///
 /// # Errors
 ///
-/// The errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal runaway.
+/// Returns the errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal
+/// runaway.
 ///
 /// * `wanted`: selects the quantities to calculate.
 /// * `work`: workspace of the models.

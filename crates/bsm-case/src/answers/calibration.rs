@@ -62,7 +62,7 @@ impl MeasurementError {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if no kind has this name.
+    /// Returns [`CaseError`] if no kind has this name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         let found = Self::ALL.into_iter().find(|error| error.name() == name);
         found.ok_or_else(|| bad("errors", format!("is {name}, but must be relative or absolute")))
@@ -107,7 +107,7 @@ const REACH_STEPS: u32 = 8;
 /// Reason why the fit to a table failed.
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum NoFit {
-    /// The search ended without a result.
+    /// The search ended without a result, for one of the reasons in the message.
     #[error(
         "a point has no solution for values that the search tries, or the search does not converge; give narrower ranges for \
          the inputs"
@@ -163,8 +163,8 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors that are
-    /// not positive, and a table that has an `_error` column although `errors` is given.
+    /// Returns [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors
+    /// that are not positive, and a table that has an `_error` column although `errors` is given.
     pub fn new(
         base: &Case,
         inputs: &[FittedInput],
@@ -211,8 +211,8 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the points lack inputs of the model, or the model does not calculate the
-    /// output.
+    /// Returns [`CaseError`] if the points lack inputs of the model, or the model does not
+    /// calculate the output.
     pub fn run(
         &self,
         base: &Case,

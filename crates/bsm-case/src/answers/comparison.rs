@@ -30,8 +30,8 @@ const SHOWN: [(&str, &str); 9] = [
 ///
 /// # Errors
 ///
-/// [`CaseError`] if a value violates a rule, or if even the model with the fewest inputs lacks
-/// inputs.
+/// Returns [`CaseError`] if a value violates a rule, or if even the model with the fewest inputs
+/// lacks inputs.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
     // Possible grooves are solved without timing, so the time has no interval.

@@ -31,9 +31,9 @@ pub struct DesignRow {
     pub name: &'static str,
     /// Label of the quantity.
     pub label: &'static str,
-    /// Unit as text.
+    /// Unit of the quantity as text.
     pub unit: &'static str,
-    /// Value, if there is one.
+    /// Value of the quantity, if it is known.
     pub value: Option<f64>,
     /// Requirement as text, if there is one.
     pub requirement: Option<String>,
@@ -55,9 +55,9 @@ pub struct DesignReport {
     pub notes: Vec<String>,
     /// Warnings about the screw.
     pub warnings: Vec<String>,
-    /// Data for an order.
+    /// Order data of the screw, if the axis sheet could be calculated.
     pub order: Option<String>,
-    /// The screw at its operating point.
+    /// Case of the screw at its operating point.
     pub case: Case,
 }
 

@@ -70,8 +70,8 @@ impl EllipseFields {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model does not calculate the motion of the ball or there is no
-    /// solution.
+    /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball or
+    /// there is no solution.
     pub fn of(
         case: &Case,
         settings: &Settings,

@@ -46,7 +46,8 @@ fn of_inputs(output: &Output) -> Option<AnalysisKind> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the case lacks inputs of the model, or the model does not calculate the output.
+/// Returns [`CaseError`] if the case lacks inputs of the model, or the model does not calculate the
+/// output.
 pub(crate) fn measured(
     output: &Output,
     case: &Case,
@@ -91,7 +92,7 @@ const NEAR: (f64, f64) = (0.25, 4.0);
 /// value in the case.
 const WIDE: (f64, f64) = (0.01, 100.0);
 
-/// Condition that determines the input.
+/// Condition that the value of the input must satisfy.
 #[derive(Debug, Clone)]
 enum Target {
     /// The output equals the measured value.
@@ -203,7 +204,7 @@ impl FittedInput {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the text has another form.
+    /// Returns [`CaseError`] if the text has another form.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
         let wrong = || CaseError::bad_setting(text, form);
@@ -251,7 +252,7 @@ impl Measurement {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the text has another form.
+    /// Returns [`CaseError`] if the text has another form.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let wrong = || CaseError::bad_setting(text, "output=value, such as screw_torque_Nm=1.5");
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
@@ -277,7 +278,8 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, an invalid range, or a measured value that is not finite.
+    /// Returns [`CaseError`] for unknown names, an invalid range, or a measured value that is not
+    /// finite.
     pub fn new(
         case: &Case,
         input: &FittedInput,
@@ -291,7 +293,7 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// The errors of [`FittedInput::parse`], [`Measurement::parse`] and [`new`](Self::new).
+    /// Returns the errors of [`FittedInput::parse`], [`Measurement::parse`] and [`new`](Self::new).
     pub fn parse(case: &Case, input: &str, measurement: &str) -> Result<Self, CaseError> {
         Self::new(case, &FittedInput::parse(input)?, &Measurement::parse(measurement)?)
     }
@@ -302,7 +304,7 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
+    /// Returns [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
     pub fn of_limit(case: &Case, input: &FittedInput, rule: &str) -> Result<Self, CaseError> {
         let known = rule_titles().find(|title| *title == rule.trim()).ok_or_else(|| {
             CaseError::unknown_word("rule", rule, &rule_titles().collect::<Vec<_>>())
@@ -351,7 +353,7 @@ impl Fit {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the output cannot be calculated at any value of the input.
+    /// Returns [`CaseError`] if the output cannot be calculated at any value of the input.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut report = self.search(case, settings)?;
         for fitted in &mut report.found {

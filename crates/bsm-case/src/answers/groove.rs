@@ -79,8 +79,8 @@ impl Case {
 ///
 /// # Errors
 ///
-/// The errors of `answer` for the case itself. If `answer` fails for some possible grooves, a note
-/// states their number.
+/// Returns the errors of `answer` for the case itself. If `answer` fails for some possible grooves,
+/// a note states their number.
 pub fn over_grooves<E>(
     case: &Case,
     count: usize,

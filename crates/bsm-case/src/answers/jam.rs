@@ -160,9 +160,9 @@ struct Friction {
 struct BallReturn {
     /// Speed of the ball at the entry to the return \[m/s\].
     speed: f64,
-    /// Impact force \[N\].
+    /// Force of the impact on the ball return \[N\].
     impact: f64,
-    /// Thrust at the apex \[N\].
+    /// Thrust at the apex of the return curve \[N\].
     apex: Option<f64>,
     /// Normal force and thrust at the step into the screw \[N\].
     step: Option<(f64, f64)>,
@@ -190,8 +190,8 @@ struct Track {
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the model does not calculate the motion of the ball, if the contacts
-/// with permanent set have no solution, or if a number exceeds the range of double
+/// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball, if the
+/// contacts with permanent set have no solution, or if a number exceeds the range of double
 /// precision.
 pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;

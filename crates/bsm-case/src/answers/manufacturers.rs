@@ -61,7 +61,7 @@ impl ManufacturerNut {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] that names the row or the column that is invalid.
+    /// Returns a [`CaseError`] that names the row or the column that is invalid.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let words = [&TEXT_COLUMNS, CaseEntries::KEYS].concat();
@@ -205,7 +205,7 @@ pub struct ManufacturerRow {
     /// True if the axis sheet violates no rule and no selection limit; `None` without a
     /// requirement.
     pub passes: Option<bool>,
-    /// Warnings of the axis sheet.
+    /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
     /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the groove is given.
     pub groove: Option<String>,
@@ -224,7 +224,7 @@ const MAX_BALL_OVER_LEAD: f64 = 0.8;
 /// Smallest number of rows for which the median of the rating ratios is meaningful.
 const MIN_ROWS_OF_MEDIAN: usize = 5;
 
-/// Smallest and largest plausible quotient of a row's rating ratio and the median of its table.
+/// Plausible range of a row's rating ratio, relative to the median of its table.
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 
 /// A number of a nut in a list.
@@ -232,7 +232,7 @@ const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 pub struct ListNumber {
     /// Output of the column, with name, unit and meaning.
     pub column: &'static Output,
-    /// Value, if there is one.
+    /// Value of the number, if it is known.
     pub value: Option<f64>,
     /// 90 % interval, if the number depends on an estimated groove.
     pub band: Option<Band>,
@@ -256,8 +256,8 @@ impl ManufacturerRow {
     ///
     /// # Errors
     ///
-    /// The name of the nut that cannot be calculated, with the [`CaseError`] that names the missing
-    /// or invalid input.
+    /// Returns the name of the nut that cannot be calculated, with the [`CaseError`] that names the
+    /// missing or invalid input.
     pub fn all(
         nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,

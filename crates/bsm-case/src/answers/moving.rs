@@ -109,7 +109,8 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] if the angles are given although the model calculates them.
+    /// Returns [`CaseError::OutOfRange`] if the angles are given although the model calculates
+    /// them.
     pub(crate) fn at_given_angles(
         mut self,
         case: &Case,
@@ -134,8 +135,8 @@ impl MovingBall {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model does not calculate the motion of the ball or there is no
-    /// solution.
+    /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball or
+    /// there is no solution.
     pub(crate) fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
@@ -174,7 +175,7 @@ impl MotionAnswer {
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::problem`].
+    /// Returns the errors of [`Case::problem`].
     pub fn of(
         case: &Case,
         settings: &Settings,

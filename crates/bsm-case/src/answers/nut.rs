@@ -714,7 +714,8 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`NutError`] if no ball can carry the load, or if no displacement produces the preload.
+    /// Returns [`NutError`] if no ball can carry the load, or if no displacement produces the
+    /// preload.
     pub fn solve(self) -> Result<NutReport, NutError> {
         let made = self.made()?;
         Ok(NutReport::new(self, made))
@@ -780,7 +781,7 @@ impl NutReport {
         &self.made.found
     }
 
-    /// Returns the requested numbers, as far as they exist for this nut.
+    /// Returns the requested numbers that exist for this nut.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
         let numbers = read(self, wanted).where_finite();
         // At this point, friction has been calculated if any requested number depends on it.

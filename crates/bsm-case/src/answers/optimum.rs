@@ -120,7 +120,7 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if an input is missing or violates its rule.
+/// Returns [`CaseError`] if an input is missing or violates its rule.
 pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     case.check()?;
     let found = model.map(|model| Ok((model, best_by(case, model)?))).transpose()?;

@@ -290,8 +290,8 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if an input is missing or violates its rule, or if the grooves allow no contact
-/// ellipse.
+/// Returns [`CaseError`] if an input is missing or violates its rule, or if the grooves allow no
+/// contact ellipse.
 pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     let rated = NutRatings::of(case)?;
     let mut answer = rated.answer()?;

@@ -125,7 +125,7 @@ impl Record {
         self.message.as_deref()
     }
 
-    /// Returns the regime of the motion.
+    /// Returns a description of the slip regime, for example rolling or gross skid.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
         let solved = solution.solved()?;

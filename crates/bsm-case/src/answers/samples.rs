@@ -49,8 +49,8 @@ impl<'a> Samples<'a> {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if nothing in the nut is random, and [`CaseError::OutOfRange`] if the
-    /// number of samples is zero or too large.
+    /// Returns [`CaseError::Entry`] if nothing in the nut is random, and [`CaseError::OutOfRange`]
+    /// if the number of samples is zero or too large.
     pub fn new(problem: &'a NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
         if number == 0 || number > MAX_SAMPLES {
             let rule = format!("from 1 to {MAX_SAMPLES}");

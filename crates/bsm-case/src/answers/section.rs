@@ -35,7 +35,7 @@ impl GrooveSection {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or a value violates a rule.
+    /// Returns [`CaseError`] if an input is missing or a value violates a rule.
     pub fn of(case: &Case) -> Result<Self, CaseError> {
         /// Number of chords that approximate a flank.
         const STEPS: u32 = 40;
@@ -50,7 +50,7 @@ impl GrooveSection {
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
-            // The outline continues along the land.
+            // The outline of the groove continues along the land.
             let land = flank.last().map_or(0.0, |(_, depth)| *depth);
             flank.push((half, land));
             let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
@@ -120,8 +120,8 @@ pub(crate) fn beyond_the_flanks(
 /// * `member`: `nut` or `screw`.
 /// * `flank`: angles at which the flank begins and ends \[deg\].
 /// * `angle`: contact angle \[deg\].
-/// * `half`: half the length of the ellipse across the groove, as an angle around the center of the
-///   groove arc \[deg\].
+/// * `half`: length of the semi-axis of the ellipse across the groove, as an angle around the
+///   center of the groove arc \[deg\].
 pub(crate) fn beyond_the_flank(
     member: &str,
     [meet, edge]: [f64; 2],

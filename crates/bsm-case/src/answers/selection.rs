@@ -157,8 +157,8 @@ impl Condition {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the text has another form, the column is unknown, or the value is not a
-    /// number.
+    /// Returns [`CaseError`] if the text has another form, the column is unknown, or the value is
+    /// not a number.
     pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
         let form = "name>=value, name<=value or name=value";
         let bad = || CaseError::bad_setting(text, form);
@@ -242,7 +242,7 @@ impl NutFilter {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a condition has another form or names an unknown column.
+    /// Returns [`CaseError`] if a condition has another form or names an unknown column.
     pub fn new(
         conditions: &[String],
         columns: &[ListColumn],
@@ -261,7 +261,7 @@ impl NutFilter {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for an unknown column.
+    /// Returns [`CaseError::Unknown`] for an unknown column.
     pub fn sorted_by(
         self,
         name: &str,

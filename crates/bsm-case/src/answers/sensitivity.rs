@@ -54,7 +54,7 @@ impl Sensitivities {
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::problem`].
+    /// Returns the errors of [`Case::problem`].
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::by(case, settings, InputKey::ALL.into_iter().collect())
     }
@@ -64,7 +64,7 @@ impl Sensitivities {
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::problem`].
+    /// Returns the errors of [`Case::problem`].
     pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
         // The derivatives are calculated at constant temperatures of the warm state.
         let case = &case.in_warm_state(settings)?;
@@ -95,7 +95,7 @@ impl Sensitivities {
     ///
     /// # Errors
     ///
-    /// The errors of [`Problem::sensitivities`].
+    /// Returns the errors of [`Problem::sensitivities`].
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,

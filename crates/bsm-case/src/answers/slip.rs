@@ -82,7 +82,7 @@ const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the model does not calculate the motion of the ball.
+/// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball. Returns
 /// [`CaseError::OutOfRange`] if running contact angles are given and the model is not raceway
 /// control.
 pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {

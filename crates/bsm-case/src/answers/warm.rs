@@ -286,8 +286,8 @@ impl WarmBranch {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or violates its rule, or if no steady state exists at
-    /// low speed.
+    /// Returns [`CaseError`] if an input is missing or violates its rule, or if no steady state
+    /// exists at low speed.
     #[expect(
         non_snake_case,
         reason = "the names end with symbols of units, some of which are capital letters"

@@ -49,7 +49,7 @@ pub(crate) struct Machine {
     /// Duration \[s\] and travel of the cycle; `None` for a cycle with time shares and for a single
     /// operating point.
     pub(crate) cycle: Option<(f64, CycleTravel)>,
-    /// Required life, if one is given.
+    /// Required life, if it is given.
     pub(crate) required_life: Option<RequiredLife>,
     /// Torque-speed curve of the motor, if one is given.
     pub(crate) motor_curve: Option<MotorCurve>,
@@ -57,7 +57,7 @@ pub(crate) struct Machine {
     pub(crate) rest_load: f64,
     /// Screw between two fixed bearings; `None` for other supports.
     pub(crate) held: Option<FixedEnds>,
-    /// Notes on estimated values.
+    /// Notes on estimated values of screw and nut.
     pub(crate) assumed: Vec<String>,
     /// Warning if the manufacturer's ratings do not match the groove.
     pub(crate) warning: Option<String>,
@@ -284,7 +284,7 @@ impl Machine {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the thread is longer than the unsupported length.
+    /// Returns [`CaseError`] if the thread is longer than the unsupported length.
     pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let Some((stroke, thread)) = self.stroke.zip(self.thread) else { return Ok(None) };
         let length = self.axis.shaft.map_or(f64::INFINITY, |shaft| shaft.length);
@@ -384,7 +384,7 @@ fn screws_per_motor(case: &Case) -> Result<f64, CaseError> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the cycle is invalid or exceeds the given stroke.
+/// Returns [`CaseError`] if the cycle is invalid or exceeds the given stroke.
 pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     // Differences below a millionth of the stroke are rounding errors.
     const ROUNDING: f64 = 1e-6;
@@ -445,7 +445,7 @@ pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if both parts turn, or if the turning part is not the given driven part.
+/// Returns [`CaseError`] if both parts turn, or if the turning part is not the given driven part.
 pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
     let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
@@ -515,8 +515,8 @@ pub(crate) fn mount(case: &Case) -> Mount {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the rating basis is given without a rating, or if the basis is a travel and the
-/// lead is missing.
+/// Returns [`CaseError`] if the rating basis is given without a rating, or if the basis is a travel
+/// and the lead is missing.
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
     let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
     let Some(stated) = case.rated_dynamic_load_N else {
@@ -536,9 +536,9 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the life is given in cycles, but the cycle has no durations; if it is given in
-/// strokes, but the stroke is unknown; or if it is given in years, but the hours or days of
-/// operation are missing.
+/// Returns [`CaseError`] if the life is given in cycles, but the cycle has no durations; if it is
+/// given in strokes, but the stroke is unknown; or if it is given in years, but the hours or days
+/// of operation are missing.
 pub(crate) fn required_life(
     case: &Case,
     cycle: Option<f64>,
@@ -581,8 +581,8 @@ pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if motor torques are given in addition to the curve, if the speeds of the curve do
-/// not increase, or if the motor turns faster than the last point of the curve.
+/// Returns [`CaseError`] if motor torques are given in addition to the curve, if the speeds of the
+/// curve do not increase, or if the motor turns faster than the last point of the curve.
 fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
     const NAME: &str = "motor_curve";
     let Some(rows) = &case.nut.motor_curve else { return Ok(None) };

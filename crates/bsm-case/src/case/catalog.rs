@@ -30,7 +30,7 @@ const MIN_LENGTH_MM: f64 = 1e-3;
 /// Lists of sizes, and the limits that a combination of sizes must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalog {
-    /// Lists of sizes.
+    /// Lists of sizes that are combined.
     pub lists: Lists,
     /// Limits for combinations of sizes.
     pub limits: Limits,
@@ -66,7 +66,7 @@ impl Catalog {
     ///
     /// # Errors
     ///
-    /// Never in practice, because the lists are compiled into the program.
+    /// Never fails in practice, because the lists are compiled into the program.
     pub fn standard() -> Result<Self, CaseError> {
         Self::from_json(b"{}")
     }
@@ -76,7 +76,7 @@ impl Catalog {
     ///
     /// # Errors
     ///
-    /// Never in practice, because the sizes are compiled into the program.
+    /// Never fails in practice, because the sizes are compiled into the program.
     pub fn manufacturers() -> Result<Self, CaseError> {
         Self::of_sizes(offered_sizes())
     }
@@ -87,7 +87,7 @@ impl Catalog {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] that names the row or the column that is invalid.
+    /// Returns a [`CaseError`] that names the row or the column that is invalid.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Option<Self>, CaseError> {
         let has_turns = |head: &String| format.name(head) == Some("turns");
         if !Cells::read(table, format)?.heads().iter().any(has_turns) {
@@ -119,7 +119,7 @@ impl Catalog {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax errors, unknown keys, values out of range, or too many
+    /// Returns [`CaseError`] for syntax errors, unknown keys, values out of range, or too many
     /// combinations.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         Self::from_entries(entries(json)?)
@@ -129,7 +129,7 @@ impl Catalog {
     ///
     /// # Errors
     ///
-    /// The errors of [`from_json`](Self::from_json) except for syntax errors.
+    /// Returns the errors of [`from_json`](Self::from_json) except for syntax errors.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, CaseError> {

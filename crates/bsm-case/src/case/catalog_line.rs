@@ -94,8 +94,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings` is true.
-    /// [`CaseError::OutOfRange`] if an input violates its rule.
+    /// Returns [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings`
+    /// is true. Returns [`CaseError::OutOfRange`] if an input violates its rule.
     pub fn with_groove(&self) -> Result<Self, CaseError> {
         let line = self.without_estimates();
         let estimate = line.groove_estimate()?;

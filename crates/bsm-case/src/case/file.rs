@@ -23,7 +23,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the file cannot be read, is not a valid case, or violates a rule.
+    /// Returns [`CaseError`] if the file cannot be read, is not a valid case, or violates a rule.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let bytes = fs::read(path)
             .map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
@@ -37,7 +37,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax errors, unknown or repeated keys, and wrong types.
+    /// Returns [`CaseError`] for syntax errors, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         Self::from_entries(entries(json)?)
     }
@@ -46,7 +46,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown or repeated keys, and wrong types.
+    /// Returns [`CaseError`] for unknown or repeated keys, and wrong types.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, CaseError> {
@@ -98,7 +98,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for an unknown name.
+    /// Returns [`CaseError::Unknown`] for an unknown name.
     pub fn remove(&mut self, name: &str) -> Result<(), CaseError> {
         if name == DESCRIPTION {
             self.description = None;
@@ -113,7 +113,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for an unknown name.
+    /// Returns [`CaseError::Unknown`] for an unknown name.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), CaseError> {
         let mut setting = Self::default();
         setting[InputKey::named(name)?] = Some(value);
@@ -125,8 +125,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a setting has another form, an unknown name or an invalid number, or if an
-    /// input is set twice.
+    /// Returns [`CaseError`] if a setting has another form, an unknown name or an invalid number,
+    /// or if an input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
         let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
@@ -162,7 +162,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] that states the key, the value and the violated rule.
+    /// Returns a [`CaseError`] that states the key, the value and the violated rule.
     pub fn check(&self) -> Result<(), CaseError> {
         self.check_but(InputSet::default())
     }

@@ -63,7 +63,7 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the text has another form, and the errors of [`new`](Self::new).
+    /// Returns [`CaseError`] if the text has another form, and the errors of [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
                     count of at least 2; both ends of a log range must be > 0";
@@ -97,9 +97,9 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for an unknown input, a value that is not finite or violates the rule of the
-    /// input, fewer than 2 values in a range or 1 value in a list, and a range with equal ratios
-    /// whose ends are not both positive.
+    /// Returns [`CaseError`] for an unknown input, a value that is not finite or violates the rule
+    /// of the input, fewer than 2 values in a range or 1 value in a list, and a range with equal
+    /// ratios whose ends are not both positive.
     pub fn new(name: &str, values: AxisValues) -> Result<Self, CaseError> {
         let (key, change) = InputKey::in_unit(name)?;
         let values = values.in_unit(change);
@@ -193,7 +193,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// The errors of [`Axis::parse`] and [`new`](Self::new).
+    /// Returns the errors of [`Axis::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(axes: &[T]) -> Result<Self, CaseError> {
         let axes = axes.iter().map(|axis| Axis::parse(axis.as_ref()));
         Self::new(axes.collect::<Result<_, _>>()?)
@@ -203,7 +203,8 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input appears twice or the number of points is too large to count.
+    /// Returns [`CaseError`] if an input appears twice or the number of points is too large to
+    /// count.
     pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|former| former.key == axis.key) {
@@ -271,7 +272,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::check`].
+    /// Returns the errors of [`Case::check`].
     pub fn check(&self, base: &Case) -> Result<(), CaseError> {
         base.check_but(self.varied().replaced())
     }
@@ -281,7 +282,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// The errors of [`check`](Self::check) and [`ModelChoice::resolve`].
+    /// Returns the errors of [`check`](Self::check) and [`ModelChoice::resolve`].
     pub fn choose(&self, base: &Case, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.case(base, &self.point(i)));

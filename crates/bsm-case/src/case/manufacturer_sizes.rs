@@ -34,7 +34,7 @@ static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
 ///
 /// # Errors
 ///
-/// [`CaseError`] that names the row or the column that is invalid.
+/// Returns a [`CaseError`] that names the row or the column that is invalid.
 pub(crate) fn read_sizes(
     table: &[u8],
     format: &TableFormat,
@@ -125,7 +125,8 @@ pub(crate) fn manufacturer_column(
 ///
 /// # Errors
 ///
-/// [`CaseError`] for syntax errors, repeated names, and values that are neither a name nor null.
+/// Returns [`CaseError`] for syntax errors, repeated names, and values that are neither a name nor
+/// null.
 pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
     let name = |(key, value): (String, Value)| match value {
         Value::Null => Ok((key, None)),

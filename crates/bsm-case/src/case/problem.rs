@@ -33,12 +33,12 @@ impl From<Model> for ModelChoice {
 }
 
 impl ModelChoice {
-    /// Returns all names, with `auto` first.
+    /// Returns the names of all choices, with `auto` first.
     pub fn names() -> impl Iterator<Item = &'static str> {
         std::iter::once(Self::Auto.name()).chain(Model::ALL.into_iter().map(Model::name))
     }
 
-    /// Returns the name of the choice.
+    /// Returns the name of the model, or `auto`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -50,7 +50,7 @@ impl ModelChoice {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for an unknown name.
+    /// Returns [`CaseError::Entry`] for an unknown name.
     pub fn from_name(name: &str) -> Result<Self, CaseError> {
         if name == Self::Auto.name() {
             return Ok(Self::Auto);
@@ -64,7 +64,7 @@ impl ModelChoice {
 /// Choice of the model, and settings of the solvers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Model.
+    /// Model that solves the case.
     pub model: ModelChoice,
     /// Largest efficiency error that `auto` may accept (see [`Self::TOLERANCE`]).
     pub tolerance: f64,
@@ -117,7 +117,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for an unknown name.
+    /// Returns [`CaseError::Entry`] for an unknown name.
     pub fn named(
         model: &str,
         control: Option<&str>,
@@ -143,8 +143,8 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for a wrong name or type, and [`CaseError::OutOfRange`] for a value out
-    /// of range.
+    /// Returns [`CaseError::Entry`] for a wrong name or type, and [`CaseError::OutOfRange`] for a
+    /// value out of range.
     pub fn from_json(given: &Value) -> Result<Self, CaseError> {
         if !given.is_object() && !given.is_null() {
             return Err(bad("settings", "must be an object"));
@@ -194,8 +194,8 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that lists the settings of the model, or [`CaseError::OutOfRange`]
-    /// for a value out of range.
+    /// Returns a [`CaseError::Invalid`] that lists the settings of the model, or
+    /// [`CaseError::OutOfRange`] for a value out of range.
     pub fn checked(self) -> Result<Self, CaseError> {
         self.check()?;
         let usual = Self { model: self.model, ..Self::default() };
@@ -218,7 +218,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] for a value out of range.
+    /// Returns [`CaseError::OutOfRange`] for a value out of range.
     pub fn check(&self) -> Result<(), CaseError> {
         Self::TOLERANCE.check("tolerance", self.tolerance)?;
         Self::ACCURACY.check("accuracy", self.accuracy)?;
@@ -333,9 +333,9 @@ impl ModelChoice {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if even the cheapest model lacks inputs, the error of `covers` for a
-    /// fixed model, and [`CaseError::Invalid`] if friction is given twice or in a form that the
-    /// model does not support.
+    /// Returns [`CaseError::Entry`] if even the cheapest model lacks inputs, the error of `covers`
+    /// for a fixed model, and [`CaseError::Invalid`] if friction is given twice or in a form that
+    /// the model does not support.
     pub fn resolve(
         self,
         given: InputSet,
@@ -439,7 +439,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] for a value that the model does not cover.
+    /// Returns [`CaseError::OutOfRange`] for a value that the model does not cover.
     pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
         match covered(model, self) {
             Some(false) => Err(not_covered(model, self)),
@@ -456,8 +456,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if inputs are missing, and [`CaseError::OutOfRange`] for a value
-    /// outside the range of the model.
+    /// Returns [`CaseError::Entry`] if inputs are missing, and [`CaseError::OutOfRange`] for a
+    /// value outside the range of the model.
     pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         choice.resolve(self.stated(), |model| self.covered_by(model))
     }
@@ -488,8 +488,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a setting violates a rule, if an input of the model is missing,
-    /// or if there is no warm state.
+    /// Returns [`CaseError`] if a value or a setting violates a rule, if an input of the model is
+    /// missing, or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.nut.preload_class.is_some() {
             return Err(bad(

@@ -78,8 +78,8 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the basis of the dynamic load rating is given without the rating, or if the
-/// lead is missing.
+/// Returns [`CaseError`] if the basis of the dynamic load rating is given without the rating, or if
+/// the lead is missing.
 pub(crate) fn load_ratings(
     case: &Case,
     nut: &Nut,
@@ -140,8 +140,8 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless `keep_ratings`
-/// is true.
+/// Returns [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless
+/// `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
     /// Ranges of the ratio of calculated to stated rating that need no note, because the formulas
     /// of manufacturers differ by this much.

@@ -56,7 +56,7 @@ impl Case {
 pub(crate) struct RatedScrew {
     pub(crate) screw: Screw,
     pub(crate) body: NutBody,
-    /// Notes on estimated values.
+    /// Notes on the sizes that were estimated.
     pub(crate) assumed: Vec<String>,
 }
 

@@ -142,7 +142,7 @@ impl RequirementFile {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax errors, unknown keys, values out of range, and missing or
+    /// Returns [`CaseError`] for syntax errors, unknown keys, values out of range, and missing or
     /// contradictory inputs.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         Self::from_entries(entries(json)?, settings, standard)
@@ -152,7 +152,7 @@ impl RequirementFile {
     ///
     /// # Errors
     ///
-    /// The errors of [`from_json`](Self::from_json) except for syntax errors.
+    /// Returns the errors of [`from_json`](Self::from_json) except for syntax errors.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
         settings: &[String],

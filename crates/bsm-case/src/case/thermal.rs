@@ -57,8 +57,8 @@ pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the thread is longer than the unsupported length, or if coolant flows through a
-/// screw without a bore.
+/// Returns [`CaseError`] if the thread is longer than the unsupported length, or if coolant flows
+/// through a screw without a bore.
 pub(crate) fn thermal_axis(
     case: &Case,
     machine: &Machine,

@@ -158,7 +158,7 @@ impl Warm {
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoWarmState`] if no steady state exists, for example because of thermal
+    /// Returns [`CaseError::NoWarmState`] if no steady state exists, for example because of thermal
     /// runaway.
     pub(crate) fn state_of(
         case: &Case,
@@ -198,8 +198,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if no warm steady state exists, or if inputs of the warm state are missing or
-    /// contradictory.
+    /// Returns [`CaseError`] if no warm steady state exists, or if inputs of the warm state are
+    /// missing or contradictory.
     pub fn in_warm_state(&self, settings: &Settings) -> Result<Self, CaseError> {
         let warm = Warm::state_of(self, settings, false)?;
         Ok(warm.map_or_else(|| self.clone(), |warm| warm.case(self)))

@@ -17,7 +17,7 @@ pub struct Answer {
     pub rules: Vec<Criterion>,
     /// Notes on defaults that were used and on effects that are neglected.
     pub notes: Vec<String>,
-    /// Warnings.
+    /// Warnings about the results.
     pub warnings: Vec<String>,
     /// Missing inputs that were treated as zero, each with a number that it affects.
     pub not_given: Vec<NotGiven>,
@@ -47,7 +47,7 @@ pub struct Section {
 /// Content of a section.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// Numbers from a table of quantities.
+    /// Values of a table of quantities.
     Numbers {
         /// Numbers of the section.
         numbers: Numbers,
@@ -229,7 +229,7 @@ pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
 }
 
 impl Content {
-    /// Creates a section content from numbers.
+    /// Creates a section content that consists of numbers.
     pub fn numbers(numbers: Numbers, whole: &'static str) -> Self {
         Self::Numbers { numbers, whole, unbounded: Vec::new() }
     }

@@ -22,7 +22,7 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the line with the error.
+    /// Returns a [`CaseError::Invalid`] that names the line with the error.
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
         let wrong = |error: TextError| CaseError::Invalid(error.to_string());
         let mut lines = Lines::new(table);
@@ -55,7 +55,8 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// The errors of `column`, and [`CaseError::Entry`] if two columns give the same quantity.
+    /// Returns the errors of `column`, and [`CaseError::Entry`] if two columns give the same
+    /// quantity.
     pub(crate) fn columns(
         &self,
         column: impl Fn(&str) -> Result<Option<NamedColumn>, CaseError>,

@@ -163,7 +163,7 @@ impl ShownColumn {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for a name that is not a column.
+    /// Returns [`CaseError::Unknown`] for a name that is not a column.
     pub fn select(
         heads: &[(String, &'static str)],
         wanted: Option<&[String]>,

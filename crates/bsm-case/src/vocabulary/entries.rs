@@ -159,7 +159,7 @@ impl CaseEntries {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] with the path of the invalid value.
+    /// Returns [`CaseError::Entry`] with the path of the invalid value.
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
         let one: Self = serde_path_to_error::deserialize(one)
@@ -175,7 +175,7 @@ impl CaseEntries {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the entry does not permit the value.
+    /// Returns [`CaseError`] if the entry does not permit the value.
     pub(crate) fn set_cell(&mut self, key: &str, cell: &str) -> Result<(), CaseError> {
         self.set(key.to_owned(), json_or_text(cell)?)
             .or_else(|error| self.set(key.to_owned(), Value::from(cell)).map_err(|_| error))
@@ -295,9 +295,9 @@ pub struct SteelFactor(pub f64);
 /// Basis for the viscosity ratio of the modified life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KappaBy {
-    /// Film thickness ratio, if it is known.
+    /// Viscosity ratio from the film thickness, if it is known.
     Film,
-    /// Viscosity alone.
+    /// Viscosity ratio from the viscosity alone.
     Viscosity,
 }
 
@@ -427,7 +427,7 @@ const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
 pub struct GradeName {
-    /// The grade.
+    /// Accuracy grade to which the name or number refers.
     pub grade: &'static Grade,
     /// Number of a P grade, if the grade was specified without its letter.
     number: Option<u8>,

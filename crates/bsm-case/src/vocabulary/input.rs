@@ -10,7 +10,7 @@ use super::rules::Pointwise;
 use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
-/// Number up to which a double can represent every integer.
+/// Largest number up to which a double can represent every integer.
 pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Rule that a value must satisfy.
@@ -28,7 +28,7 @@ pub enum Rule {
     Within(f64, f64),
     /// An integer that is greater than or equal to this bound.
     Whole(f64),
-    /// One of these numbers.
+    /// Equal to one of these numbers.
     OneOf(&'static [f64]),
 }
 
@@ -70,7 +70,7 @@ impl Rule {
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] if the value violates the rule.
+    /// Returns [`CaseError::OutOfRange`] if the value violates the rule.
     pub fn check(self, key: &str, value: f64) -> Result<(), CaseError> {
         if self.holds(value) {
             return Ok(());
@@ -187,7 +187,7 @@ impl InputKey {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] that suggests the most similar name.
+    /// Returns a [`CaseError::Unknown`] that suggests the most similar name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         Self::known(name).ok_or_else(|| unknown_key(name))
     }
@@ -201,7 +201,7 @@ impl InputKey {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] that suggests the most similar name.
+    /// Returns a [`CaseError::Unknown`] that suggests the most similar name.
     pub fn in_unit(name: &str) -> Result<(Self, UnitChange), CaseError> {
         Self::known_in_unit(name).ok_or_else(|| unknown_key(name))
     }

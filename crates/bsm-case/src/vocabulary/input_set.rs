@@ -148,7 +148,7 @@ impl InputSet {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if a quantity is given in two forms.
+    /// Returns [`CaseError::Entry`] if a quantity is given in two forms.
     pub fn check_forms(self) -> Result<(), CaseError> {
         let agrees = |keys: &[InputKey; 2]| keys[0] == LEAD.forms[0].key;
         match self.two_forms().find(|keys| !agrees(keys)) {
@@ -191,7 +191,7 @@ pub(crate) struct Form {
 }
 
 impl Quantity {
-    /// Returns the inputs of all forms.
+    /// Returns the main inputs of all forms of the quantity.
     fn keys(&self) -> InputSet {
         self.forms.iter().map(|form| form.key).collect()
     }
@@ -281,8 +281,8 @@ pub(crate) fn lead_mm(lead_angle: f64, pitch_circle_diameter_mm: f64) -> f64 {
     PI * pitch_circle_diameter_mm * lead_angle.tan()
 }
 
-/// Returns the number of loaded turns: the given number, or the sum over all circuits of one turn
-/// minus the gap.
+/// Returns the number of loaded turns: either the given number, or the number of circuits times one
+/// turn minus the gap.
 pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     let by_gap = || {
         let arc = 360.0 - given(InputKey::gap_deg)?;

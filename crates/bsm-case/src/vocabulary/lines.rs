@@ -44,7 +44,8 @@ impl<R: Read> Lines<R> {
     ///
     /// # Errors
     ///
-    /// [`TextError`] that names the line, if the line is too long, blank, or not valid text.
+    /// Returns a [`TextError`] that names the line, if the line is too long, blank, or not valid
+    /// text.
     pub fn next_line(&mut self) -> Result<Option<&str>, TextError> {
         self.next_but(|line| line.trim_ascii().is_empty())
     }
@@ -53,7 +54,7 @@ impl<R: Read> Lines<R> {
     ///
     /// # Errors
     ///
-    /// The errors of [`next_line`](Self::next_line).
+    /// Returns the errors of [`next_line`](Self::next_line).
     pub fn next_but(
         &mut self,
         is_blank: impl Fn(&[u8]) -> bool,
@@ -126,7 +127,7 @@ impl<R: Read> Lines<R> {
 ///
 /// # Errors
 ///
-/// [`TextError`] for a quote that is not part of a pair of quotes around a cell.
+/// Returns [`TextError`] for a quote that is not part of a pair of quotes around a cell.
 pub fn split<'a>(
     mut text: &'a str,
     delimiter: char,
@@ -182,7 +183,7 @@ pub fn split<'a>(
 ///
 /// # Errors
 ///
-/// [`TextError`] that names the line, if the numbers differ.
+/// Returns a [`TextError`] that names the line, if the numbers differ.
 pub fn check_width(found: usize, columns: usize, line: u64) -> Result<(), TextError> {
     if found == columns {
         return Ok(());

@@ -24,7 +24,7 @@ impl GivenNames {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] with both names if the quantity is already present.
+    /// Returns [`CaseError::Entry`] with both names if the quantity is already present.
     pub fn add(&mut self, quantity: &'static str, name: &str) -> Result<(), CaseError> {
         if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == quantity) {
             return Err(CaseError::same_input(former, name));
@@ -38,7 +38,8 @@ impl GivenNames {
 ///
 /// # Errors
 ///
-/// [`CaseError`] for invalid syntax, and for a key that occurs twice in an object at any depth.
+/// Returns [`CaseError`] for invalid syntax, and for a key that occurs twice in an object at any
+/// depth.
 pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     // Some editors write a byte order mark at the beginning of a file.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
@@ -55,8 +56,8 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
 ///
 /// # Errors
 ///
-/// The errors of the deserializer, and errors for a number that is not finite or a key that occurs
-/// twice in an object.
+/// Returns the errors of the deserializer, and errors for a number that is not finite or a key that
+/// occurs twice in an object.
 pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value, D::Error> {
     UniqueKeys(&RefCell::default()).deserialize(deserializer)
 }
@@ -66,7 +67,7 @@ pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value
 ///
 /// # Errors
 ///
-/// [`CaseError::Entry`] for a key that occurs twice in an object.
+/// Returns [`CaseError::Entry`] for a key that occurs twice in an object.
 pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
     match json_value(text.as_bytes()) {
         Err(CaseError::Syntax(_)) => Ok(Value::from(text)),

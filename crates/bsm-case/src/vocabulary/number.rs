@@ -21,7 +21,7 @@ pub fn exact(value: f64) -> String {
 ///
 /// # Errors
 ///
-/// The errors of the writer.
+/// Returns the errors of the writer.
 pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     if !value.is_finite() {
         return write!(to, "{value}");

@@ -278,7 +278,7 @@ impl PhaseEntry {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the row with the error.
+    /// Returns a [`CaseError::Invalid`] that names the row with the error.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let columns =

@@ -353,7 +353,7 @@ impl Numbers {
         Self::of(table, |_| [None; 3], |_| false)
     }
 
-    /// Appends other numbers to these numbers.
+    /// Appends the rows of `other`.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.rows.extend(other.rows);
@@ -433,7 +433,7 @@ impl Numbers {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the first number that is not finite.
+    /// Returns a [`CaseError::Invalid`] that names the first number that is not finite.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
         let endless = self.entries().find(|(_, value)| !value.is_finite());
         match endless.map(|(column, _)| column.name) {

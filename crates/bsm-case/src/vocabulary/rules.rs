@@ -77,7 +77,7 @@ const ROUNDED: f64 = 1e-9;
 const LEADS_AGREE: f64 = 1e-9;
 
 impl Relation {
-    /// All relations.
+    /// All rules that relate several inputs.
     pub const ALL: [Self; 5] =
         [Self::BallsFit, Self::TurnHolds, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
 

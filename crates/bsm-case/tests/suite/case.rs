@@ -296,7 +296,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
         let error = lin.apply(&[setting]).expect_err(setting).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // Rules do not accept NaN.
+    // The rule for an input rejects NaN.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
 }

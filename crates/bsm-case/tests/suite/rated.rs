@@ -143,8 +143,8 @@ fn machining_center_with_catalog_data_matches_the_reference() {
             );
         }
     }
-    // The warm bearings compress the screw. The pretension is 6605.3 N for 3 K. The temperature
-    // rise of 13.979 K from the thermal network was calculated independently.
+    // When warm, the screw is compressed between its bearings. The pretension is 6605.3 N for 3 K.
+    // The temperature rise of 13.979 K from the thermal network was calculated independently.
     let pressed = 6605.3 / 3.0 * 13.979_30 - 6605.3;
     // Each of these numbers has five digits.
     let safety = 265_885.0 / (7000.0 + pressed);

@@ -147,7 +147,7 @@ fn sheet_contains_a_note_about_short_strokes() {
     assert!(says(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");
     assert!(says(&still, "false brinelling") && still.number(output!(cycle_life_h)).is_none());
-    // If the life cannot be calculated, the rule for the required life counts as violated.
+    // If the life cannot be calculated, the rule for the required life is violated.
     let life = rule(&still, "life");
     assert!(!life.passes() && life.remedy.is_none(), "{life:?}");
 }

@@ -22,7 +22,7 @@ use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, NutReport, OutputName, Settings, output};
 
-/// Intermediate results of an axis.
+/// Intermediate results from which the axis sheet is calculated.
 pub(crate) struct AxisState<'a> {
     pub(super) case: &'a Case,
     pub(super) settings: &'a Settings,
@@ -238,7 +238,7 @@ impl<'a> AxisState<'a> {
         Some(self.case.nut.accuracy_grade?.grade)
     }
 
-    /// Returns the useful travel \[m\].
+    /// Returns the useful travel, over which the accuracy grade limits the travel error \[m\].
     pub(super) fn travel(&self) -> Option<f64> {
         useful_travel(self.case)
     }

@@ -94,8 +94,8 @@ impl AxisState<'_> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] that names the smallest set of inputs with which a result could be calculated,
-/// with a preference for inputs that catalogs state.
+/// Returns a [`CaseError`] that names the smallest set of inputs with which a result could be
+/// calculated, with a preference for inputs that catalogs state.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {

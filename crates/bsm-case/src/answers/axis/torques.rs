@@ -37,7 +37,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
 /// that follow from the torque.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
-    /// Torque, its parts and derived results.
+    /// Screw torque, its parts and derived results.
     pub numbers: Numbers,
     /// Name of the model of the contacts, or the reason why there is no contact torque.
     pub contacts: String,
@@ -56,7 +56,7 @@ impl ScrewTorque {
         output!(support_bearing_torque_Nm),
     ];
 
-    /// Returns a number by name.
+    /// Returns the output with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers.number(name)
     }
@@ -280,7 +280,7 @@ impl Preload {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the nut or its point has no solution.
+/// Returns [`CaseError`] if the nut or its point has no solution.
 ///
 /// * `work`: workspace of the models, reused from case to case.
 pub fn torque_parts(

@@ -9,7 +9,7 @@ use crate::{Case, CaseError};
 /// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum FrictionSource {
-    /// Friction coefficient that is constant.
+    /// Constant friction coefficient.
     Coefficient(f64),
     /// Lubricant film of each ball, and losses in the ball returns. Seal losses are not included.
     Lubricant(Lubricant),

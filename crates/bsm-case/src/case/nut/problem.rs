@@ -113,8 +113,8 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or violates a rule, or if two inputs give the same
-    /// quantity.
+    /// Returns [`CaseError`] if an input is missing or violates a rule, or if two inputs give the
+    /// same quantity.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         let case = &case.with_preload()?;
@@ -223,7 +223,8 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`NutError`] if no ball can carry the load, or if no displacement produces the preload.
+    /// Returns [`NutError`] if no ball can carry the load, or if no displacement produces the
+    /// preload.
     pub(crate) fn made(&self) -> Result<NutAtRest, NutError> {
         if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
     }
@@ -327,8 +328,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input of the axis is missing, or if the nut is loaded neither by the
-    /// axis nor by a preload.
+    /// Returns [`CaseError`] if an input of the axis is missing, or if the nut is loaded neither by
+    /// the axis nor by a preload.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
         let cycles = self.nut.cycle.is_some();
         if !cycles && !carriage(self)?.is_loaded() {
