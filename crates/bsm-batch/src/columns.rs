@@ -158,10 +158,7 @@ impl Columns {
         let answers = [
             text(model, "model that was solved"),
             text(status, "result of the solve"),
-            text(
-                message,
-                "reason why the result is missing, or reason for the choice of model auto",
-            ),
+            text(message, "reason why the row has no result, or why model auto chose its model"),
         ];
         let outputs = outputs.iter().map(|output| {
             let Output { name, json_type, unit, about, .. } = **output;

@@ -131,7 +131,7 @@ pub struct RunOptions {
 ///
 /// # Errors
 ///
-/// [`DatasetError`]. Finished parts are kept.
+/// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
 pub fn fill(
     folder: &Path,
     task: &Task,
@@ -447,7 +447,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`]. Finished parts are kept.
+    /// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
     pub fn run_parts(
         &self,
         task: &Task,
@@ -533,7 +533,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`]. Finished parts are kept.
+    /// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
     pub fn run(
         &self,
         task: &Task,

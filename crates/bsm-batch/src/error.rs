@@ -13,7 +13,7 @@ pub enum TableError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The first line of a CSV table uses another separator than expected.
-    #[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
+    #[error("the column names are separated by `{}`, but the expected separator is `{}`",
         found.escape_debug(), expected.escape_debug())]
     Separator {
         /// Separator in the file.

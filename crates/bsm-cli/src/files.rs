@@ -106,7 +106,7 @@ pub(crate) fn ending_of(
         let or =
             if others.is_empty() { String::new() } else { format!("{} or ", others.join(", ")) };
         let stream =
-            if endings.contains(&"csv") { "; - means CSV on the standard streams" } else { "" };
+            if endings.contains(&"csv") { "; - means CSV on standard input or output" } else { "" };
         Failure::Input(format!(
             "{option} {}: the file name must end with {or}{last}{stream}",
             path.display()

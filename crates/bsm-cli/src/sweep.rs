@@ -31,7 +31,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     // Combinations of options, fixed inputs, model and outputs are checked before the work starts.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
-        let text = "pictures and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
+        let text = "plots and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
@@ -89,7 +89,7 @@ fn of_table(
     workers: &Workers<'_>,
 ) -> Result<(), Failure> {
     if files.lines.or(files.map).or(files.lookup).is_some() {
-        let text = "pictures and lookup tables need all points of a grid; they cannot be combined with --points";
+        let text = "plots and lookup tables need all points of a grid; they cannot be combined with --points";
         return Err(Failure::Input(text.to_owned()));
     }
     let once = is_stdout(path) || path.metadata().is_ok_and(|points| !points.is_file());
@@ -249,7 +249,7 @@ fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColum
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
     OutputColumn::named(name).filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(
-            "-o {}: a picture shows the first output of --columns, but {name} is not a number; put a number first, such as \
+            "-o {}: a plot shows the first output of --columns, but {name} is not a number; put a number first, such as \
              --columns efficiency,{name}",
             path.display()
         ))

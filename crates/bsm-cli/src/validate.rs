@@ -26,7 +26,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         report.checks.retain(|check| check.key.contains(key.as_str()));
         if report.checks.is_empty() {
             let text = format!(
-                "--only {key}: no check has this text in its key; bsm validate prints all keys"
+                "--only {key}: no check has a key that contains this text; bsm validate prints all keys"
             );
             return Err(Failure::Input(text));
         }

@@ -394,7 +394,7 @@ pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
 fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
-        // Rounding and parsing again gives the shortest digits.
+        // Parsing the rounded text gives a number with few digits.
         let value: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
         let plain = (1e-4..1e6).contains(&value.abs());
         if value.abs() < 1e-15 {

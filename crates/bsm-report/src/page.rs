@@ -27,7 +27,7 @@ pub struct Page<'a> {
     /// Template for the contents, which fills the block `content` of `base.html`. It can use the
     /// filters `number` and `short`, the macro `figure`, and the list `figures`.
     pub template: &'a str,
-    /// Figures of the page.
+    /// Figures that the page contains.
     pub figures: &'a [Figure],
 }
 

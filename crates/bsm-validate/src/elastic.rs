@@ -160,7 +160,7 @@ impl Reference {
         .filter_map(|(name, ours, theirs, (absolute, relative))| {
             let (ours, theirs) = (number(ours), theirs?);
             let limit = f64::max(absolute, relative * theirs.abs());
-            let note = format!("largest in {name}: {ours} for {theirs}");
+            let note = format!("largest deviation in {name}: {ours} instead of {theirs}");
             Some(((ours - theirs).abs() / limit, note))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0))

@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
 
-const PROTOTYPE: &str = "an independent implementation of theory 21";
+const PROTOTYPE: &str = "an independent implementation of theory chapter 21";
 const CATALOGS: &str = "catalogs of HIWIN, TBI and THK";
 
 /// Steel of raceways and balls in the reference bands. It is the default steel of a case.
@@ -34,7 +34,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
             Err(refused) => {
                 let nearest = refused.nearest.map(|nearest| nearest.ln_evidence);
                 let why =
-                    format!("{} is refused; logarithm of its evidence: {nearest:?}", row.name);
+                    format!("{} is rejected; logarithm of its evidence: {nearest:?}", row.name);
                 return Err(ValidateError::of(name, why));
             }
         }
@@ -73,7 +73,7 @@ impl<'a> Split<'a> {
         let limits = "required for rows that were not used to fit the prior";
         let usual = Self {
             key: "usual".to_owned(),
-            words: format!("prior of the program, {relation}"),
+            words: format!("built-in prior, {relation}"),
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
@@ -89,7 +89,7 @@ impl<'a> Split<'a> {
         });
         let halves = Self {
             key: "other-half".to_owned(),
-            words: "prior fitted to every second row, tested on the other rows, both ways"
+            words: "prior fitted to every second row and tested on the other rows, and vice versa"
                 .to_owned(),
             rows: halves.concat(),
             limits: Some(limits),
@@ -328,7 +328,7 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             (found.ln_evidence - row.prototype.ln_evidence).abs()
         })
         .at_most(1e-3, "three decimals"),
-        check("groove/probabilities", "probabilities of the first balls", &|row, found| {
+        check("groove/probabilities", "probabilities of the most likely balls", &|row, found| {
             let differences =
                 row.prototype.balls.iter().map(|(ball, p)| (probability(found, *ball) - p).abs());
             worst(differences.map(|difference| ("", difference))).1
@@ -340,8 +340,12 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             worst(pairs.map(|(ours, theirs)| ("", relative(ours, theirs)))).1
         })
         .at_most(1e-3, "four digits"),
-        check("groove/best", "rows with another best groove or other likely balls", &other_best)
-            .at_most(0.0, "the same balls, turns and numbers of balls"),
+        check(
+            "groove/best",
+            "rows with a different best groove or different likely balls",
+            &other_best,
+        )
+        .at_most(0.0, "the same balls, turns and numbers of balls"),
     ]
 }
 

@@ -175,7 +175,7 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
             Check::new(
                 &format!("lin1994/optimum-condition-{suffix}"),
                 &source,
-                "the published condition of the optimum holds (18 with its missing factor D)",
+                "the published condition of the optimum holds (Eq 18 with its missing factor D)",
             )
             .measured(condition_off, "largest residual")
             .note(over)
@@ -211,10 +211,10 @@ fn self_locking() -> Vec<Check> {
             Check::new(
                 &format!("lin1994/self-locking-{suffix}"),
                 &format!("{SOURCE}, {equation}"),
-                "self-locking exactly where the efficiency is not positive",
+                "the screw is self-locking exactly where the efficiency is not positive",
             )
             .measured(f64::from(wrong), "points that differ")
-            .note(format!("{locked} of {points} points lock"))
+            .note(format!("{locked} of {points} points are self-locking"))
             .at_most(0.0, "an equivalence"),
         );
     }

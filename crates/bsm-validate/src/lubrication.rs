@@ -487,7 +487,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     .equals(
         350.0,
         200.0,
-        "inside the curve from 10 to 4000 rpm, which is flat within 2 % from 200 to 500",
+        "the minimum is within 10 to 4000 rpm, and the curve is flat to within 2 % from 200 to 500 rpm",
     );
     Ok(vec![grows, stribeck])
 }

@@ -17,7 +17,7 @@ use crate::{Check, PublishedData, ValidateError};
 const BEARING: &str = "a commercial program for ISO/TS 16281";
 const CATALOG: &str = "HIWIN catalog BS-08-2";
 const STEINMEYER: &str = "Steinmeyer, and HIWIN catalog BS-08-2, section 3.6";
-const BARS: &str = "linear bars on an elastic bed (theory 16)";
+const BARS: &str = "linear-elastic bars on an elastic foundation (theory chapter 16)";
 
 /// Steel of the catalog nuts.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -162,7 +162,7 @@ fn limit_loads() -> Vec<Check> {
         [0.4, 860.0, 4300.0].map(|preload| over(preload).unwrap_or([f64::NAN; 2]));
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
     let hertz = 2.0_f64.powf(1.5);
-    let claim = "a pair of nuts opens at 2.83 times its preload";
+    let claim = "one nut of a pair unloads at 2.83 times the preload";
     let turned = "4 %: contact angles change under the preload, but the claim assumes that they are constant";
     vec![
         check("nut/limit-load-light", claim).measured(light[0], "preloads").equals(
@@ -185,7 +185,7 @@ fn limit_loads() -> Vec<Check> {
             .equals(
                 (1.0 + 1.0 / hertz).powf(1.5),
                 0.04,
-                "the formula assumes that the remaining preload is linear in the load, which is 2 % too high",
+                "the formula assumes that the remaining preload is linear in the load; its result is 2 % too high",
             ),
     ]
 }
@@ -300,8 +300,9 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         check
     };
     let usual = "the usual reduction of calculated stiffness, and the scatter of the nuts";
-    let single = "stiffness of single nuts FSI, load over displacement at 0.3 of the rating";
-    let pair = "stiffness of pairs FDI at a preload of 0.1 of the rating";
+    let single =
+        "stiffness FSI of single nuts, load divided by displacement at 0.3 of the load rating";
+    let pair = "stiffness FDI of nut pairs at a preload of 0.1 of the load rating";
     let definition = rows.iter().map(|row| row.pair_N_um / row.single_N_um).collect::<Vec<_>>();
     vec![
         check("nut/stiffness-single-contacts", &format!("{single}: contacts alone"), &|r| {

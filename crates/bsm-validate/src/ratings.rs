@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
 
-const TABLES: &str = "Sobolewski (2002), by ISO/DP 9783 and 9784";
+const TABLES: &str = "Sobolewski (2002), according to ISO/DP 9783 and 9784";
 const PAPER: &str = "Sobolewski (2002)";
 
 /// Steel of the nuts in the tables.
@@ -127,7 +127,7 @@ const QUANTITIES: &[Column] = columns! {
     "length" nut_length_mm ["mm"] "length of the nut": |nut| NutBody::usual(nut, NutSet::Single).length / MM;
         1e-3 + 0.0, "a whole number of leads";
     "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut, NutSet::Single).mass(nut, &thread(nut));
-        0.0 + 0.052, "the source does not state its rule; none of 360 rules is within 3.8 % of all rows";
+        0.0 + 0.052, "the source does not state its rule; none of 360 tested rules is within 3.8 % for all rows";
     "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
         5e-3 + 0.0, "two printed digits; the formula and the lever arm are not published, and the arm is fitted to these rows";
 };
@@ -156,7 +156,7 @@ impl Column {
         let line = |row: &Row| {
             let (claimed, ours) = (printed(row), ours(&row.nut()));
             let off = 100.0 * (ours / claimed - 1.0);
-            format!("{}: {claimed} printed, {ours:.5} ours, {off:+.2} %", row.name())
+            format!("{}: {claimed} printed, {ours:.5} calculated, {off:+.2} %", row.name())
         };
         let ratios = || rows.iter().map(|row| 100.0 * (ours(&row.nut()) / printed(row) - 1.0));
         let (low, high) =
@@ -169,7 +169,7 @@ impl Column {
         .measured(ours(&worst.nut()), self.unit)
         .equals(printed(worst), self.tolerance_of(worst), self.reason)
         .note(format!(
-            "worst of {} rows: {}; all are {low:+.2} to {high:+.2} % off",
+            "worst of {} rows: {}; all deviations are from {low:+.2} to {high:+.2} %",
             rows.len(),
             worst.name()
         ));

@@ -57,7 +57,7 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
         row.axial_load_N
     );
     let check =
-        Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
+        Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved with 40 digits", claim);
 
     let problem = case.problem(&bsm_dyn::Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };

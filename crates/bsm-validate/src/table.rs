@@ -289,7 +289,7 @@ mod tests {
         assert_eq!(loads("middle", "=,2.5,0.4"), (2.0, Verdict::Fail, said("2.0")));
         assert_eq!(loads("least", ",,"), (1.0, Verdict::Finding, said("1.0")));
         assert_eq!(loads("change", ",,"), (3.0, Verdict::Finding, said("4.0")));
-        // At 5 deg, there is no solution.
+        // At a lead angle of 5 deg, there is no solution.
         let rooted = |missing: &str| {
             let cells = "\"lead_angle_deg=5,10 | lead_angle_deg=20\",rigid.efficiency,least";
             let check = check(&format!("{cells},{missing},,>=,,0.5,why,")).expect("a row");

@@ -118,7 +118,7 @@ impl Trend {
     /// Describes the behavior of the curve as text.
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
-        let holds = if self.holds { "holds" } else { "does not" };
+        let holds = if self.holds { "holds" } else { "does not hold" };
         let (from, to) = (short(first.0), short(last.0));
         let does = match self.shape {
             Shape::Rises => format!("rises from {from} to {to}"),

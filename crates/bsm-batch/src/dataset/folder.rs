@@ -124,7 +124,7 @@ impl Folder {
             };
             if !own {
                 let path = self.path.display();
-                let what = format!("{path} is a folder with other content");
+                let what = format!("{path} is a folder that contains other files");
                 return Err(DatasetError::Refused(what));
             }
         }

@@ -698,7 +698,7 @@ fn plans_accept_random_points_and_tables() {
 
     for (args, words) in [
         (&["--plan", "-o", "x.csv"][..], "--plan applies only to folders"),
-        (&["-o", "x.csv", "-o", "x.svg"], "pictures and lookup tables need all points of a grid"),
+        (&["-o", "x.csv", "-o", "x.svg"], "plots and lookup tables need all points of a grid"),
         (&["--vary=lead_mm=5,10", "-o", "x/"], "cannot be used with"),
         (&["--draw=lead_mm=uniform:2:1", "-o", "x/"], "--draw: "),
     ] {

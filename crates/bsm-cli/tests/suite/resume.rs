@@ -389,7 +389,7 @@ fn resume_verifies_finished_parts() {
         (
             "no plan",
             Box::new(|| fs::remove_file(&plan).expect("removable")),
-            Refused(2, "map/ is a folder with other content"),
+            Refused(2, "map/ is a folder that contains other files"),
         ),
         (
             "a damaged list",

@@ -690,7 +690,7 @@ fn rounding_errors_are_not_printed_as_results() {
         let tiny: Vec<_> = tiny.filter(|word| !by_nature.contains(word)).collect();
         assert!(tiny.is_empty(), "{show}: {tiny:?} in\n{text}");
     }
-    // Files must contain all digits.
+    // Numbers in files must have all digits.
     let json = stdout(&run(&["solve", &example("feed_drive.json"), "--json"], dir.path()));
     let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\":")).expect("there");
     assert!(spin.contains("e-"), "{spin}");

@@ -79,12 +79,12 @@ fn a_user_table_is_read() {
         (
             "axial_load_N;lead_mm\n1;2\n",
             &[],
-            "separated by `;`, but cells are expected to be separated by `,`; add --delimiter semicolon",
+            "separated by `;`, but the expected separator is `,`; add --delimiter semicolon",
         ),
         (
             "axial_load_N,lead_mm\n1,2\n",
             &["--delimiter", "tab"],
-            "separated by `,`, but cells are expected to be separated by `\\t`",
+            "separated by `,`, but the expected separator is `\\t`",
         ),
     ] {
         fs::write(at("bad.csv"), table).expect("table");

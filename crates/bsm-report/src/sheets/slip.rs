@@ -268,7 +268,7 @@ impl Study {
         self.figures.push(Figure::new(
             [
                 &format!("slip-{prefix}{sweep}-{place}"),
-                &format!("Slips at the {place} against {against}"),
+                &format!("Slip at the {place} against {against}"),
                 &format!(
                     "Xu and Tang (2015), Figs 7 to 9: as printed (solid), with the angles of the contact itself \
                      (dotted), and exact (dashed) for {basis}. Slips that are zero have no line."

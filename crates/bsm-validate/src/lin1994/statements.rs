@@ -171,7 +171,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         )
         .measured(least, "deg")
         .note(format!(
-            "the least efficiency is {:.5}, at 90 deg it is {:.5}",
+            "the lowest efficiency is {:.5}; at 90 deg, it is {:.5}",
             at(least),
             at(90.0)
         )),

@@ -12,7 +12,7 @@ pub struct Setting {
     pub model: &'static str,
     /// Options of `bsm solve` that differ from the defaults; empty for the default settings.
     pub options: String,
-    /// The corresponding settings.
+    /// Solver settings that correspond to `options`.
     #[serde(skip)]
     pub settings: Settings,
 }

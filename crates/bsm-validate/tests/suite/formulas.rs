@@ -12,7 +12,7 @@ use self::sources::files;
 /// Returns the formulas in a Markdown text: `math` blocks, and text between `open` and `close`.
 fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     let (mut found, mut prose) = (Vec::new(), String::new());
-    // Every other piece is a code block.
+    // Every second piece of the text is a code block.
     for (i, piece) in text.split("```").enumerate() {
         match piece.strip_prefix("math") {
             Some(formula) if i % 2 == 1 => found.push(formula.to_owned()),
