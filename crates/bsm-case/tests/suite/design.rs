@@ -310,7 +310,8 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
 }
 
 /// Lin's step 1 requires a lead. If no lead is given, the program chooses a standard lead, and the
-/// selected screw has the same mass as if this lead were given. Screws with other leads are at most 1 % lighter.
+/// selected screw has the same mass as if this lead were given. Screws with other leads are at most
+/// 1 % lighter.
 #[test]
 fn missing_lead_is_chosen_from_standard_leads() {
     let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
