@@ -1,4 +1,5 @@
-//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and source.
+//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and
+//! source.
 
 mod contacts;
 mod drive;

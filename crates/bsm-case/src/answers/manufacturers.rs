@@ -207,7 +207,8 @@ pub struct ManufacturerRow {
     pub passes: Option<bool>,
     /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
-    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the groove is given.
+    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
+    /// groove is given.
     pub groove: Option<String>,
     /// Contradiction between ratings and geometry, with the numbers that contradict each other.
     pub contradiction: Option<String>,

@@ -36,7 +36,8 @@ mod train;
 pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
-/// Ratio of the catalog stiffness to the calculated stiffness, which allows for manufacturing errors (HIWIN BS-08-2).
+/// Ratio of the catalog stiffness to the calculated stiffness, which allows for manufacturing
+/// errors (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
 /// Smallest and largest measured drag coefficient `$K_p$` in catalogs (HIWIN BS-08-2, eq. 3.2).

@@ -279,8 +279,8 @@ impl Machine {
         })
     }
 
-    /// Returns the sum of the stroke and the length of the nut set \[m\], or `None` if the stroke is
-    /// unknown.
+    /// Returns the sum of the stroke and the length of the nut set \[m\], or `None` if the stroke
+    /// is unknown.
     ///
     /// # Errors
     ///

@@ -102,7 +102,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns the kinetic energy at the largest feed rate, including the energy of the motor \[J\].
+    /// Returns the kinetic energy at the largest feed rate, including the energy of the motor
+    /// \[J\].
     pub(super) fn stop_energy(&self) -> Option<f64> {
         self.machine.screw?;
         let speed = self.axis().fastest() * self.machine.drive.gear_ratio;
@@ -153,7 +154,8 @@ impl AxisState<'_> {
         Some(self.motor_torque(torques)? * speed)
     }
 
-    /// Returns the ratio of the motor torque to the peak torque of the motor curve at the same speed.
+    /// Returns the ratio of the motor torque to the peak torque of the motor curve at the same
+    /// speed.
     pub(super) fn torque_utilization(&self, torques: &Torques) -> Option<f64> {
         let speed = (torques.point.speed * self.machine.drive.gear_ratio).abs();
         let at = self.machine.motor_curve.as_ref()?.at(speed)?;
