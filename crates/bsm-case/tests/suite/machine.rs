@@ -344,7 +344,8 @@ fn film_conductance_of_a_screw_at_rest_is_for_still_air() {
 }
 
 /// The static safety factor of a nut pair includes its preload, even if only ratings are given. The
-/// expected value is 100 kN divided by the load from (D14), with 4270 and 3791 N.
+/// hand calculation divides the rating of 100 kN by the load of the more heavily loaded nut (D14),
+/// 4270 N or 3791 N.
 #[test]
 fn static_safety_of_a_pair_includes_its_preload() {
     for (preload, load, expected) in [(4000.0, 500.0, 23.4), (2000.0, 3000.0, 26.4)] {

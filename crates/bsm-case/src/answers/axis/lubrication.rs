@@ -5,7 +5,7 @@ use crate::vocabulary::entries::Named;
 use crate::{Case, CaseError};
 use bsm_design::{Contamination, usual_fatigue_limit};
 
-/// Lubricant and cleanliness of a nut, as the modified life needs them.
+/// Lubricant and cleanliness data for the modified life.
 pub(super) struct Lubrication {
     /// Kinematic viscosity of the warm lubricant \[m²/s\].
     pub(super) viscosity: f64,
