@@ -14,7 +14,7 @@ quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
     }
 }
 
-/// Returns the number of warnings about a solution. The reason of the number contains their texts.
+/// Returns the number of warnings about a solution. [`Numbers::why`] contains their texts.
 pub(crate) fn numbers(case: &Case, solution: &Solution) -> Numbers {
     let texts = Record::new(solution.clone()).all_warnings(case);
     read(&texts.len(), |_| true).because((!texts.is_empty()).then(|| texts.join("; ")))
