@@ -1,4 +1,4 @@
-//! The columns of a table.
+//! Columns of input tables and of results tables.
 
 use std::collections::HashMap;
 use std::iter::repeat;
@@ -36,7 +36,7 @@ pub struct Columns {
     /// Names of the columns that are copied to the results.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
-    /// Types of the copied columns.
+    /// Arrow types of the copied columns.
     pub(crate) kept_types: Vec<DataType>,
     /// Names of the ignored columns.
     pub(crate) unread: Vec<String>,

@@ -196,7 +196,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder contains files or cannot be created.
+    /// [`DatasetError`] if the folder contains other files or cannot be created.
     pub fn create(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
         this.begin()?;
@@ -207,7 +207,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder has another plan or cannot be created.
+    /// [`DatasetError`] if the folder contains another plan or cannot be created.
     pub fn resume(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
         // Another process may be creating the folder at the same time.
@@ -225,7 +225,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder has no valid plan.
+    /// [`DatasetError`] if the folder contains no valid plan.
     pub fn open(folder: &Path, make: MakeTemporary) -> Result<Self, DatasetError> {
         let folder = Folder::new(folder, make);
         let plan = Plan::from_text(&folder.read_plan()?)
@@ -560,7 +560,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the list cannot be written.
+    /// [`DatasetError`] if the list of parts cannot be written.
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         self.write_list(parts)?;
         self.folder.tidy(self.plan.id())

@@ -16,16 +16,16 @@ use crate::source::{PointSet, PointSource};
 pub enum Distribution {
     /// Uniform distribution between two bounds.
     Uniform {
-        /// Lower bound.
+        /// Lower bound of the distribution.
         low: f64,
-        /// Upper bound.
+        /// Upper bound of the distribution.
         high: f64,
     },
     /// Normal distribution.
     Normal {
-        /// Mean.
+        /// Mean of the distribution.
         mean: f64,
-        /// Standard deviation.
+        /// Standard deviation of the distribution.
         deviation: f64,
     },
 }
@@ -150,7 +150,7 @@ impl Draws {
         Ok(this)
     }
 
-    /// Returns the seed.
+    /// Returns the seed of the random number generator.
     pub fn seed(&self) -> u64 {
         self.seed
     }

@@ -60,7 +60,7 @@ pub enum TableError {
 pub struct UnknownName {
     /// The unknown name.
     pub name: String,
-    /// The most similar known name.
+    /// The known name that is most similar to the unknown name.
     pub nearest: Option<&'static str>,
 }
 

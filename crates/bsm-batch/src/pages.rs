@@ -12,7 +12,7 @@ use parquet::file::reader::{ChunkReader, Length};
 /// most six bytes each, and the beginning of a structure.
 const MAX_HEADER_BYTES: u64 = 40;
 
-/// Code of a dictionary page in a page header.
+/// Page type of a dictionary page in a page header.
 const DICTIONARY: i32 = 2;
 
 /// Tag of a field in the Thrift compact protocol that directly follows the previous field and

@@ -84,7 +84,7 @@ fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
 /// Reads the rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
-    /// Opens a reader that starts at the given row.
+    /// Function that opens a reader at the given row.
     from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,
@@ -151,7 +151,7 @@ impl ParquetSource {
         let options = ArrowReaderOptions::new().with_schema(schema);
         let metadata = ArrowReaderMetadata::try_new(found.metadata().clone(), options)?;
         let len = u64::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(0);
-        // Ignored columns are not read.
+        // Columns that are ignored are not read from the file.
         let mut read = [&columns.input_places[..], &columns.kept_places].concat();
         read.sort_unstable();
         let mask = ProjectionMask::roots(metadata.parquet_schema(), read.iter().copied());
@@ -174,7 +174,7 @@ impl ParquetSource {
         }
         let file = Pages::new(file, read.len());
         let from_row = Box::new(move |row: u64| {
-            // Row groups before the first row are not read.
+            // Row groups that end before the first row are not read.
             let (mut group, mut skipped) = (0, 0);
             let groups = metadata.metadata().row_groups();
             while let Some(rows) = groups.get(group).and_then(|g| u64::try_from(g.num_rows()).ok())
@@ -324,7 +324,7 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(Self { file, schema, writers, group: Vec::new(), rows: 0 })
     }
 
-    /// Writes rows. The columns are encoded in parallel.
+    /// Writes rows, encoding the columns in parallel.
     pub(crate) fn write(&mut self, table: &RecordBatch) -> Result<(), TableError> {
         if self.group.is_empty() {
             let index = self.file.flushed_row_groups().len();

@@ -119,7 +119,7 @@ impl<'a> Workers<'a> {
 /// The reason why a run ended before all rows of the table were solved.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The remaining rows cannot be read.
+    /// The remaining rows of the source cannot be read.
     #[error(transparent)]
     Read(TableError),
     /// The results cannot be written.

@@ -21,12 +21,12 @@ use crate::columns::{ANSWERS, Columns};
 use crate::error::UnknownName;
 use crate::{TableError, arrow_column};
 
-/// A cell of a table.
+/// The value of a table cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
     /// An empty cell. For an input, the value of the base case is used instead.
     Missing,
-    /// A number.
+    /// A floating-point number.
     Number(f64),
     /// An integer or another number whose digits must be preserved.
     Digits(Number),
@@ -66,7 +66,7 @@ pub(crate) const MAX_TEXT_BYTES: usize = 32 << 20;
 pub struct Chunk {
     /// Number of the first row; rows are counted from 1.
     pub first: u64,
-    /// Number of rows.
+    /// Number of rows of the chunk.
     pub len: usize,
     /// Values of each input; missing values are null.
     pub inputs: Vec<Float64Array>,
@@ -216,12 +216,12 @@ impl<'a> ChunkBuilder<'a> {
     }
 }
 
-/// Status of a row.
+/// Outcome of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
     /// Model that solved the row, or that was requested for a row without a result.
     pub model: ModelChoice,
-    /// Status of the solve.
+    /// Status of the solution.
     pub status: Status,
     /// True if the point is known to have other solutions.
     pub has_others: bool,
@@ -230,7 +230,7 @@ pub struct Verdict {
 /// Results of a chunk: a status for each row, messages for some rows, and a column for each output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
-    /// Status of each row.
+    /// Outcome of each row.
     pub verdicts: Vec<Verdict>,
     /// Row indices in ascending order, each with the reason why the row has no result or why `auto`
     /// chose its model.

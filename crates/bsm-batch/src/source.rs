@@ -1,4 +1,4 @@
-//! Sources of rows.
+//! Sources that provide the rows to solve.
 
 use std::ops::Range;
 

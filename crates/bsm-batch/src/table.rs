@@ -18,7 +18,7 @@ use crate::{AnswerSink, CsvSource, JsonSource, ParquetSource, Source, TableError
 /// Key in the metadata of a Parquet table. Its value describes the origin of the table as JSON.
 pub const ABOUT: &str = "bsm";
 
-/// Format of a table.
+/// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// CSV: text with separated cells.
@@ -73,9 +73,9 @@ impl Format {
 pub struct TableHead<'a> {
     /// Column name.
     pub name: &'a str,
-    /// Unit as text.
+    /// Unit of the column as text.
     pub unit: &'a str,
-    /// True for a column of texts.
+    /// True for a text column.
     pub is_text: bool,
 }
 

@@ -11,7 +11,7 @@ pub struct Task {
     pub base: Case,
     /// Model and model settings.
     pub settings: Settings,
-    /// Outputs to write.
+    /// Outputs that are written for each row.
     pub outputs: Vec<&'static Output>,
     /// An output that is displayed but not written. In the results, its column is the last one.
     pub watched: Option<&'static Output>,

@@ -43,7 +43,7 @@ pub(crate) struct Destination<'a> {
 #[derive(Debug, Default)]
 pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
-    /// HTML page that contains the pictures.
+    /// HTML page that contains the figures.
     pub(crate) page: Option<String>,
     /// Drawing in DXF format.
     pub(crate) drawing: Option<String>,

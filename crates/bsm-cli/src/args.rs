@@ -98,14 +98,14 @@ pub(crate) enum Command {
     /// (--points). Example: bsm sweep examples/feed_drive.json --vary axial_load_kN=1:20:5
     /// --columns efficiency -o -
     Sweep(SweepArgs),
-    /// Solve or check the parts of a folder that `bsm sweep -o DIR/ --plan` has planned.
+    /// Solve or check the parts of a folder whose plan was written by `bsm sweep -o DIR/ --plan`.
     #[command(subcommand)]
     Parts(PartsCommand),
     /// Find the friction coefficient or another input from a measured torque or another output.
     /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26
     Fit(FitArgs),
-    /// Show one screw in the browser, with pictures and numbers that follow every change. Example:
-    /// bsm view examples/feed_drive.json --open
+    /// Show a screw in the browser, with graphics and results that are updated after every change.
+    /// Example: bsm view examples/feed_drive.json --open
     View(ViewArgs),
     /// Check the program against published results.
     Validate(ValidateArgs),
@@ -132,7 +132,7 @@ pub(crate) enum PartsCommand {
     Check(CheckArgs),
 }
 
-/// A case with changes.
+/// Arguments for a case file and for changes of its inputs.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArgs {
     /// Case file in JSON; `-` reads standard input.
@@ -141,7 +141,7 @@ pub(crate) struct CaseArgs {
     /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
-    /// Units of screen, sheet, figures and columns. JSON always has metric units.
+    /// Units for screen, sheet, figures and columns. JSON always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     units: Option<String>,
 }
@@ -168,7 +168,7 @@ impl CaseArgs {
         files::read_case(self.case.as_deref(), &with_units(&self.settings, self.units.as_ref()))
     }
 
-    /// Reads another case and applies the same settings.
+    /// Reads another case file and applies the same settings.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
         files::read_case(Some(path), &with_units(&self.settings, self.units.as_ref()))
     }
@@ -191,7 +191,7 @@ impl CaseArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub(crate) struct ModelArgs {
-    /// Model; auto chooses the fastest model within the tolerance.
+    /// Model to use; auto chooses the fastest model within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
@@ -203,7 +203,8 @@ pub(crate) struct ModelArgs {
     /// Ratio of creep speed to rolling speed in model traction; defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway in model raceway-control: nut or screw. Determined by the model by default.
+    /// Controlling raceway in model raceway-control: nut or screw. By default, the model determines
+    /// it.
     #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
     /// Friction of a lubricant film in model raceway-control: local (at each point, the default) or
@@ -216,7 +217,7 @@ pub(crate) struct ModelArgs {
 pub(crate) const ALL: &str = "all";
 
 impl ModelArgs {
-    /// Returns the model and its settings.
+    /// Returns the model settings that the options specify.
     pub(crate) fn settings(&self) -> Result<Settings, Failure> {
         let named = Settings::named(&self.model, self.control.as_deref(), self.friction.as_deref());
         let with_numbers = |named: Settings| Settings {
@@ -283,7 +284,7 @@ enum Delimiter {
     Bar,
 }
 
-/// Decimal sign.
+/// Decimal sign of numbers.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Decimal {
     Point,
@@ -321,7 +322,7 @@ impl DialectArgs {
 }
 
 impl NamedTableArgs {
-    /// Returns the format of the table.
+    /// Returns the table format, with the column names from the file of `--names`.
     pub(crate) fn format(&self) -> Result<TableFormat, Failure> {
         let mut format = self.dialect.format();
         if let Some(map) = &self.names {
@@ -330,7 +331,7 @@ impl NamedTableArgs {
         Ok(format)
     }
 
-    /// Fails if an option is given although no table is read.
+    /// Returns an error if one of the options is given although no table is read.
     ///
     /// * `table`: name of the option for the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
@@ -369,7 +370,7 @@ pub(crate) struct OutArgs {
     pub(crate) json: bool,
 }
 
-/// Parts of the answer for an operating point.
+/// Values of `bsm solve --show`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Show {
     Motion,

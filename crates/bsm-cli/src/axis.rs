@@ -1,4 +1,4 @@
-//! `bsm axis`: the axis around a screw.
+//! `bsm axis`: calculates the axis around a screw.
 
 use std::path::Path;
 

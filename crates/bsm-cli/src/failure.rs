@@ -37,7 +37,7 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// Reports an error in a case, preceded by the name of its file.
+    /// Reports an error in a case. The message begins with the name of the case file.
     pub(crate) fn case(path: &Path, error: &CaseError) -> Self {
         if error.is_io() {
             return Self::Files(error.to_string());

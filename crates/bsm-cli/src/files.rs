@@ -128,14 +128,14 @@ pub(crate) enum Output {
     File {
         /// The temporary file with the contents written so far.
         file: BufWriter<NamedTempFile>,
-        /// Final path.
+        /// Path of the finished file.
         path: PathBuf,
     },
 }
 
 impl Output {
-    /// Opens standard output for the path `-`, an existing pipe or device for writing, and a temporary
-    /// file otherwise.
+    /// Opens standard output for the path `-`, an existing pipe or device for writing, and a
+    /// temporary file otherwise.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         if path.as_os_str() == "-" {
             return Ok(Self::Stream { stream: Box::new(io::stdout()), path: path.to_owned() });
@@ -187,7 +187,7 @@ impl Output {
         Ok(Self::File { file: BufWriter::new(file), path })
     }
 
-    /// Reports a failed write.
+    /// Returns the failure for an output that cannot be written.
     pub(crate) fn failure(path: &Path, error: &io::Error) -> Failure {
         if path.as_os_str() != "-" {
             Failure::files("write", path, error)

@@ -1,4 +1,4 @@
-//! `bsm nut`: all balls of a nut.
+//! `bsm nut`: solves all balls of a nut.
 
 use std::path::Path;
 

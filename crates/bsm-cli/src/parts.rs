@@ -26,7 +26,7 @@ pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
     Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
 }
 
-/// Solves the requested parts.
+/// Solves the parts that the command line requests.
 pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
     let parts = open(folder)?;

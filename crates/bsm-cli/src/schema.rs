@@ -143,7 +143,7 @@ fn units() -> Value {
     units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }
 
-/// Returns the schema of an answer.
+/// Returns the JSON Schema for the answer of a command.
 fn answer(name: &str) -> Value {
     let (_, command, shapes) =
         ANSWERS.into_iter().find(|(own, ..)| *own == name).unwrap_or(ANSWERS[0]);

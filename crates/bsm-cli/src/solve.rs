@@ -1,4 +1,4 @@
-//! `bsm solve`: one operating point and its analyses.
+//! `bsm solve`: solves one operating point and performs its analyses.
 
 use std::path::Path;
 

@@ -44,7 +44,7 @@ pub(crate) fn count_or_number(value: f64) -> String {
     if is_count { format!("{value:.0}") } else { number(value) }
 }
 
-/// Formats an answer: rules, sections and notes.
+/// Formats an answer as text: rules, sections and notes.
 pub(crate) fn answer(answer: &Answer) -> String {
     let mut blocks: Vec<String> = Vec::new();
     if !answer.rules.is_empty() {

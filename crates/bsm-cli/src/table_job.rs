@@ -42,7 +42,7 @@ pub(crate) struct Job<'a> {
     pub(crate) table: Option<&'a Path>,
     /// JSON file that describes the origin of the table.
     pub(crate) about: Option<&'a Path>,
-    /// Format of CSV output.
+    /// Format of CSV output: separators and decimal sign.
     pub(crate) table_format: TableFormat,
 }
 
@@ -60,7 +60,7 @@ impl Job<'_> {
     /// without a result. `each` is called for every solved chunk, with the values of the watched
     /// output.
     ///
-    /// * `source`: rows to solve.
+    /// * `source`: source of the rows to solve.
     /// * `points`: description of the points, which is stored in the plan of a dataset.
     pub(crate) fn run(
         &self,
@@ -485,7 +485,7 @@ fn write_book<'a>(
 pub(crate) enum Form {
     /// A CSV, JSON Lines or Parquet file.
     Table(Format),
-    /// A workbook.
+    /// An Excel workbook.
     #[cfg(feature = "xlsx")]
     Workbook,
 }

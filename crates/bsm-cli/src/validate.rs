@@ -1,4 +1,4 @@
-//! `bsm validate`: comparison with published results.
+//! `bsm validate`: compares the program with published results.
 
 use bsm_case::Content;
 use bsm_report::number;

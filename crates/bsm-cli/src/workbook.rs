@@ -60,7 +60,7 @@ impl Workbook {
         Ok(Self { columns: columns.clone(), outputs: outputs.to_vec(), ..this })
     }
 
-    /// Writes one row.
+    /// Writes one row of cells.
     pub(crate) fn row<'a>(
         &mut self,
         entries: impl Iterator<Item = Cell<'a>>,
@@ -77,7 +77,7 @@ impl Workbook {
         Ok(())
     }
 
-    /// Completes the workbook and returns the bytes of the file.
+    /// Completes the workbook and returns the bytes of its file.
     ///
     /// * `about`: description of the table's origin, which is written to a separate sheet.
     pub(crate) fn finish(mut self, about: &Value) -> Result<Vec<u8>, TableError> {

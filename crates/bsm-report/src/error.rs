@@ -16,7 +16,7 @@ pub enum ReportError {
     /// A point of a figure is not a valid operating point.
     #[error("point of a figure: {0}")]
     Case(#[from] bsm_case::CaseError),
-    /// A one-dimensional search failed.
+    /// A search for the minimum or root of a function failed.
     #[error("search: {0}")]
     Search(#[from] bsm_design::search::SearchError),
 }

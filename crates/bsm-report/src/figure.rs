@@ -17,7 +17,7 @@ use crate::{ReportError, number};
 /// blindness can distinguish these colors.
 pub const MAX_CURVES: usize = 7;
 
-/// Style of a curve.
+/// Line or mark style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stroke {
@@ -42,11 +42,11 @@ impl Stroke {
 /// One curve of a figure. Points whose y value is NaN or infinite leave a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Label in the legend.
+    /// Label of the curve in the legend.
     pub label: Option<String>,
     /// Index of the color in the palette.
     pub color: usize,
-    /// Style of the curve.
+    /// Line or mark style.
     pub stroke: Stroke,
     /// Points (x, y) in the units of the axes.
     pub points: Vec<(f64, f64)>,
@@ -100,9 +100,9 @@ impl Axis {
 pub struct Figure {
     /// Name of the files of this figure, without extension.
     pub key: String,
-    /// Title.
+    /// Title of the figure.
     pub title: String,
-    /// Caption.
+    /// Caption of the figure.
     pub caption: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -210,7 +210,7 @@ impl Figure {
     fn plot_of(&self, curve: &Curve) -> Plot {
         let real: Vec<_> =
             curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
-        // The last point is always included.
+        // The last point of the curve is always included.
         let every = real.len().saturating_sub(1) / MAX_POINT_LABELS + 1;
         let picked = || real.iter().rev().step_by(every);
         let text = |(i, (x, y)): &(usize, &(f64, f64))| {

@@ -36,7 +36,7 @@ const PNG_SCALE: f32 = 2.0;
 /// A map of a quantity as a function of two other quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Title.
+    /// Title of the map.
     pub title: String,
     /// Horizontal axis and its values.
     pub x: (Axis, Vec<f64>),

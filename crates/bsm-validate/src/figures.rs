@@ -9,7 +9,7 @@ use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 
-/// Returns all figures.
+/// Returns all figures of the validation report.
 ///
 /// # Errors
 ///

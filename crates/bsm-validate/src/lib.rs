@@ -53,13 +53,13 @@ pub enum ValidateError {
     /// A table of points cannot be read.
     #[error(transparent)]
     Table(#[from] bsm_batch::TableError),
-    /// No point has a reference solution.
+    /// None of the points has a reference solution.
     #[error("model traction has no solution at any of the points, so there is no reference")]
     NoReference,
     /// Threads cannot be started.
     #[error("threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A one-dimensional search failed.
+    /// A search for the minimum or root of a function failed.
     #[error("search: {0}")]
     Search(#[from] bsm_design::search::SearchError),
 }

@@ -292,7 +292,7 @@ struct Outer {
     across: f64,
     /// Ratio of the long to the short semi-axis of the contact ellipse.
     flatness: f64,
-    /// Dimensionless load.
+    /// Dimensionless load of the contact.
     weight: f64,
     /// Dimensionless speed, based on the sum of both surface speeds.
     rate: f64,

@@ -1,4 +1,4 @@
-//! Checks and their results.
+//! Results of checks against published data.
 
 use bsm_case::{Answer, Content};
 use bsm_report::PROGRAM;
@@ -6,13 +6,13 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Result of a check.
+/// Verdict of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The claim holds.
+    /// The published claim holds.
     Pass,
-    /// The claim does not hold.
+    /// The published claim does not hold.
     Fail,
     /// There is no reference value, or a published trend does not hold.
     Finding,
@@ -23,7 +23,7 @@ pub enum Verdict {
 pub struct Check {
     /// Permanent key in the form `<source>/<what>`.
     pub key: String,
-    /// Paper and equation.
+    /// Paper and equation that make the claim.
     pub source: String,
     /// The published claim as text.
     pub claim: String,

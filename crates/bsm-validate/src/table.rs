@@ -27,7 +27,7 @@ enum Fold {
     Largest,
     Least,
     Middle,
-    /// Difference between the largest and the smallest value.
+    /// The difference between the largest and the smallest value.
     Change,
 }
 
@@ -73,7 +73,7 @@ struct Row {
 /// Values of the names in an expression. The outputs of a model are in a nested map.
 type Known = BTreeMap<String, Value>;
 
-/// Returns one check for each row.
+/// Evaluates each row of the table and returns one check per row.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let environment = environment();
     let rows = published.checks.rows::<Row>()?;

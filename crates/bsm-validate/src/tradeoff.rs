@@ -51,7 +51,7 @@ impl Points {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
 
-    /// Reads all rows of a table.
+    /// Reads all points from a table.
     ///
     /// # Errors
     ///
@@ -103,7 +103,7 @@ pub fn reference() -> String {
 /// Errors and times of a setting.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SettingResult {
-    /// The setting.
+    /// The setting that was measured.
     #[serde(flatten)]
     pub setting: Setting,
     /// Errors for each group of points that is not empty. The group of all points comes first.
@@ -124,7 +124,7 @@ impl SettingResult {
 pub struct Count {
     /// Group of points.
     pub group: Group,
-    /// Number of points.
+    /// Number of points in the group.
     pub points: usize,
 }
 

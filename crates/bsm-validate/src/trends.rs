@@ -9,7 +9,7 @@ use serde::Deserialize;
 use crate::published::File;
 use crate::{Check, ValidateError};
 
-/// A row of a table of trends.
+/// A row of a table of published trends.
 #[derive(Deserialize)]
 struct Row {
     /// Label of the sweeps and name of the quantity to which the trend applies.

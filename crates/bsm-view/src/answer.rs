@@ -26,7 +26,7 @@ pub enum Refusal {
     /// The request contains invalid input. The message is the same as on the command line.
     #[error("{0}")]
     Input(String),
-    /// The route does not exist.
+    /// The server has no such route.
     #[error("unknown route `{0}`")]
     Route(String),
     /// The calculation was stopped because it took too long.

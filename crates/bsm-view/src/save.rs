@@ -21,7 +21,7 @@ const CELLS: u32 = 60;
 /// itself.
 const COARSE: u32 = 6;
 
-/// Outputs that the map can show.
+/// Outputs that the map of the page can show.
 const COLUMNS: [&str; 8] = [
     "efficiency",
     "ball_torque_Nm",

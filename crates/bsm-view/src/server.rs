@@ -150,7 +150,7 @@ impl Server {
         }
     }
 
-    /// Ends [`serve`](Self::serve).
+    /// Ends the loop in [`serve`](Self::serve).
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
         // This connection wakes the loop, which is waiting for connections.

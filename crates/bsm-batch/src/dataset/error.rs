@@ -14,7 +14,7 @@ pub enum DatasetError {
     Io {
         /// The operation that failed.
         doing: &'static str,
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
         /// Error of the operating system.
         error: io::Error,
@@ -27,7 +27,7 @@ pub enum DatasetError {
     Write {
         /// The part file.
         path: PathBuf,
-        /// The reason.
+        /// The reason why the part cannot be written.
         error: TableError,
     },
     /// A thread cannot be started.
@@ -49,7 +49,7 @@ pub enum DatasetError {
     NotAPlan {
         /// The plan file.
         path: PathBuf,
-        /// The reason.
+        /// The reason why the plan is invalid.
         why: String,
     },
     /// Some part files are damaged or do not belong to this plan.
@@ -70,10 +70,10 @@ pub enum PartDefect {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The entry is not a file.
+    /// The entry is a folder or another entry that is not a file.
     #[error("is {0}, not a file")]
     NotAFile(&'static str),
-    /// The plan contains no part with this number.
+    /// The plan contains no part with this file name.
     #[error("the plan has no part with this name")]
     NotInThePlan,
     /// The file is empty.
@@ -102,7 +102,7 @@ impl DatasetError {
     }
 }
 
-/// Lists the first few defects.
+/// Lists the first few damaged files.
 fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));

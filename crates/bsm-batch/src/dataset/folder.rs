@@ -131,7 +131,7 @@ impl Folder {
         self.make_folders()
     }
 
-    /// Creates the subfolders.
+    /// Creates the subfolders for parts and temporary files.
     pub(super) fn make_folders(&self) -> Result<(), DatasetError> {
         for name in [UNFINISHED, DATA] {
             let path = self.path.join(name);

@@ -72,7 +72,7 @@ pub struct Part {
     pub number: u64,
     /// Index of the first row of the part, counted from 0.
     pub first_row: u64,
-    /// Number of rows.
+    /// Number of rows of the part.
     pub rows: u64,
     /// Number of rows without a result.
     pub failed: u64,
@@ -117,7 +117,7 @@ impl<W: Write> Write for HashingWriter<W> {
     }
 }
 
-/// Writes the end of a part and returns the writer.
+/// Writes the footer of a part with its hashes, and returns the underlying writer.
 pub(super) fn write_footer<W: Write + Send>(
     table: TableSink<HashingWriter<W>>,
     range: PartRange<'_>,
@@ -279,7 +279,7 @@ pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableEr
     Ok(writer.into_inner()?)
 }
 
-/// Describes an entry that is not a file.
+/// Returns a description of an entry that is not a file, such as "a folder".
 pub(super) fn kind(found: &fs::Metadata) -> &'static str {
     if found.is_dir() {
         "a folder"

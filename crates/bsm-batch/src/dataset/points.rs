@@ -19,17 +19,17 @@ use crate::{
 /// Points that can be generated or read repeatedly.
 #[derive(Debug, Clone)]
 pub enum Points {
-    /// A grid.
+    /// The points of a grid.
     Grid(Grid),
     /// Random points.
     Draws(Draws),
-    /// A table.
+    /// The rows of a table.
     Table {
         /// Path of the file.
         path: PathBuf,
         /// Names of the columns to copy.
         keep: Vec<String>,
-        /// Format of the table.
+        /// Separators, decimal sign and column names of the table.
         table_format: TableFormat,
     },
 }
@@ -167,7 +167,7 @@ pub(super) struct DrawsEntry {
 impl PointsEntry {
     /// Returns the estimated size of each input in a row of a part \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// Size of a number \[B\].
+        /// Uncompressed size of a number \[B\].
         const NUMBER: f64 = 8.0;
         /// Assumed number of input columns of a table.
         const COLUMNS: usize = 4;

@@ -22,7 +22,7 @@ fn column_values_match_the_values_in_a_text_file() {
     let decimals = Decimal128Array::from(vec![Some(-12_345), None]).with_precision_and_scale(9, 3);
     let decimals = decimals.expect("digits");
     let days: DictionaryArray<Int8Type> = [Some("Mon"), None, Some("Mon")].into_iter().collect();
-    // 2026-11-24, 18:30:00.5
+    // The timestamp is 2026-11-24, 18:30:00.5.
     let time = TimestampMillisecondArray::from(vec![1_795_545_000_500]);
     for (found, expected) in [
         (texts(Int32Array::from(vec![Some(-7), None])), json!([-7, null])),

@@ -1,4 +1,4 @@
-//! Tests datasets that are split into part files. Their bytes must not depend on the number of
+//! Tests of datasets that are split into part files. Their bytes must not depend on the number of
 //! processes or interruptions, and only verified parts may count as complete.
 
 use std::collections::BTreeMap;

@@ -195,7 +195,7 @@ fn elastic_kernel_matches_its_model() {
     compare_kernel_with_model(&Model::Elastic.into(), 4000);
 }
 
-/// The points of `validation/hard` include points with several roots.
+/// The points in `validation/hard` include points with several solutions.
 #[test]
 fn hard_points_have_the_same_root_in_tables_and_single_solves() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard/solved");

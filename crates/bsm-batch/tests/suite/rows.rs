@@ -141,7 +141,8 @@ fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
         }
     }
     let answers = table.solve(&drive(), &Model::RacewayControl.into());
-    // `bsm solve --set lead_angle_deg=6 --model raceway-control` prints these digits.
+    // The expected digits are those that `bsm solve --set lead_angle_deg=6 --model raceway-control`
+    // prints.
     assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
 }
 

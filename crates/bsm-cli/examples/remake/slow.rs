@@ -14,7 +14,7 @@ use crate::fast::table;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// New text for a block.
+/// New text for a generated block.
 pub(crate) enum Text {
     Whole(String),
     /// A table row, which replaces the row that has the same first cell.

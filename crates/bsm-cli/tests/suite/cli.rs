@@ -660,7 +660,7 @@ fn optimum_matches_the_closed_form() {
     let output = bsm(dir.path(), &["solve", "--show", "optimum", "--set", "lead_angle_deg=10"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("friction_coefficient"), "{}", stderr(&output));
-    // Lead angles beyond the optimum are reported.
+    // A lead angle beyond the optimum must be reported.
     let args = [
         "solve",
         "--show",
@@ -682,7 +682,7 @@ fn load_ratings_match_sobolewski() {
     let output = bsm(dir.path(), &["solve", &nut, "--show", "ratings"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    // Sobolewski (2002) prints 103546 N.
+    // The value 103546 N is printed in Sobolewski (2002).
     assert!(text.contains("dynamic axial load rating") && text.contains("103546"), "{text}");
     let args = ["solve", &nut, "--show", "ratings", "--set", "axial_load_N=30000", "--json"];
     let json: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
@@ -716,7 +716,7 @@ fn help_and_completions_work() {
         assert_eq!(output.status.code(), Some(0));
         let text = stdout(&output);
         assert!(text.contains("bsm") && text.contains("Exit codes"), "{args:?}");
-        // The help text fits on one tall screen.
+        // The help text of a command must fit on a tall screen.
         assert!(text.lines().count() <= 60, "{args:?}: {} lines", text.lines().count());
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{args:?}");
     }
@@ -727,7 +727,8 @@ fn help_and_completions_work() {
         .envs([("COMPLETE", "bash"), ("_CLAP_COMPLETE_INDEX", "1")])
         .output();
     assert_eq!(stdout(&candidates.expect("the program runs")).trim(), "select");
-    // Without arguments the program prints help. A misspelled command gives a usage error.
+    // Without arguments, the program prints its help text. A misspelled command causes a usage
+    // error.
     for args in [&[][..], &["sovle"]] {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(2));

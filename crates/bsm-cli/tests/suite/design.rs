@@ -203,7 +203,7 @@ fn figures_are_drawn_for_the_listed_sizes() {
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("two nuts that differ"), "{}", stderr(&output));
-    // Only the requested figures are drawn.
+    // Only the requested figures must be drawn.
     let args = [
         "select",
         "--from",

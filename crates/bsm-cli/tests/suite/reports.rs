@@ -1,4 +1,4 @@
-//! Tests of the reports of `validate` and `tradeoff`.
+//! Tests of the reports that `validate` and `tradeoff` write.
 
 use crate::data;
 use std::fs;

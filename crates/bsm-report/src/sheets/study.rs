@@ -23,7 +23,7 @@ pub struct Course {
 /// Figures of an analysis, and its named curves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Study {
-    /// The figures.
+    /// The figures of the analysis.
     pub figures: Vec<Figure>,
     /// The named curves.
     pub courses: Vec<Course>,

@@ -50,7 +50,7 @@ pub(crate) struct Answer {
     pub(crate) order: Order,
     /// Status followed by the slip regime or by the reason.
     pub(crate) kind: String,
-    /// Message of the program.
+    /// Message that the program gives for the point.
     pub(crate) words: String,
     pub(crate) residual: f64,
     /// Number of other solutions; `None` if none were searched for.

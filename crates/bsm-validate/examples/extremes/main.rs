@@ -48,7 +48,7 @@ const STRIDE: usize = 256;
 /// Every `SENSITIVE`th point is also solved for its sensitivities, which requires several solves.
 const SENSITIVE: usize = 8;
 
-/// Command-line arguments.
+/// Parsed command-line arguments.
 struct Arguments {
     points: usize,
     seed: u64,

@@ -109,7 +109,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
         .at_most(1e-4, "a hundredth of a percentage point, the effect of inertia at 2000 rpm"))
 }
 
-/// Checks Eq 11 and Fig 5.
+/// Checks Eq 11 and the statements about Fig 5.
 fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let slender = slender(lin);
     let lin_angles = angles(10.0, 45.0);
