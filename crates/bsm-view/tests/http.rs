@@ -211,7 +211,7 @@ fn server_answers_match_the_commands() {
 /// For a lubricated contact, the friction that the page draws must be that of the model: the
 /// integral of friction times sliding speed must equal the sliding power.
 #[test]
-fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
+fn drawn_friction_matches_the_power_loss_of_the_model() {
     let served = TestServer::start(None);
     let oil = json!({ "case": example_case("feed_drive_oil.json").to_json() });
     let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));

@@ -72,7 +72,7 @@ fn has_same_bits(a: f64, b: Option<f64>) -> bool {
 /// analysis command, even if a kernel solves the other columns. If slip or jamming columns are
 /// requested, `auto` must choose one model for all columns.
 #[test]
-fn columns_match_the_numbers_of_the_analyses() {
+fn table_columns_match_the_results_of_the_analyses() {
     let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
     let mut base = dong_case("");
     base.ball_gap_mm = Some(0.5);
@@ -143,7 +143,7 @@ fn motion_columns_use_one_model_for_all_rows() {
 /// Regression test: rows of a vertical axis had no results for a falling axis, because only the
 /// axis sheet included the effect of the weight.
 #[test]
-fn rows_of_a_vertical_axis_have_the_fall_speed_of_the_axis_sheet() {
+fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
     let mut base = Case::from_json(AXIS).expect("a case");
     base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
     let grid = grid(&["axial_load_N=100,5000"]);
@@ -199,7 +199,7 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
 /// Regression test: for a nut without balls, a nut column used to be solved and rejected separately
 /// in each row.
 #[test]
-fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
+fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);
     let wanted = outputs(&["friction_torque_Nm"]);
     let base = dong_case("loaded_turns");
@@ -240,7 +240,7 @@ fn columns_of_analyses_do_not_change_other_columns() {
 /// A column that cannot be calculated in any row must be rejected before any row is solved. The
 /// error lists the missing inputs.
 #[test]
-fn columns_that_no_row_can_fill_are_rejected() {
+fn columns_that_cannot_be_calculated_in_any_row_are_rejected() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
     for (without, model, column, words) in [
         ("return_angle_deg", "auto", "step_thrust_N", "because return_angle_deg is missing"),

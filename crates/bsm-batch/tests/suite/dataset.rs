@@ -403,7 +403,7 @@ fn parts_of_another_plan_are_not_overwritten() {
 
 /// Regression test: a part file that is not in the plan used to be ignored.
 #[test]
-fn a_part_outside_the_plan_is_reported() {
+fn part_file_that_is_not_in_the_plan_is_reported() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);

@@ -100,12 +100,12 @@ fn all_outputs() -> Vec<&'static Output> {
 /// Compares every output at every point. Outputs must agree to within 1e-10 of their value plus an
 /// absolute tolerance.
 fn compare_kernel_with_model(settings: &Settings, count: usize) {
-    compare_kernel_with_model_on(settings, &Case::default(), &INPUTS, &points(count));
+    compare_kernel_with_model_at(settings, &Case::default(), &INPUTS, &points(count));
 }
 
 /// Same as [`compare_kernel_with_model`], but for the given points. The kernel must solve some rows
 /// itself; otherwise the model would be compared with itself.
-fn compare_kernel_with_model_on(
+fn compare_kernel_with_model_at(
     settings: &Settings,
     base: &Case,
     names: &[&str],
@@ -186,7 +186,7 @@ fn lubricated_raceway_control_kernel_matches_its_model() {
     let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
     for friction in [RacewayFriction::Local, RacewayFriction::PerContact] {
         let settings = Settings { friction, ..Model::RacewayControl.into() };
-        compare_kernel_with_model_on(&settings, &base, &names, &(chunk.clone(), columns.clone()));
+        compare_kernel_with_model_at(&settings, &base, &names, &(chunk.clone(), columns.clone()));
     }
 }
 

@@ -91,7 +91,7 @@ fn column(numbers: Vec<f64>) -> ArrayRef {
 /// Regression test: tables that pandas and Polars had compressed with Zstandard, gzip or LZ4 were
 /// reported as "not a Parquet table".
 #[test]
-fn every_usual_codec_is_read() {
+fn all_common_codecs_are_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
     for codec in codecs() {
         let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));

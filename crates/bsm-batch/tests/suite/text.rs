@@ -300,7 +300,7 @@ fn rows_with_a_wrong_number_of_cells_are_rejected() {
 }
 
 #[test]
-fn ambiguous_json_is_rejected_with_its_line() {
+fn ambiguous_json_is_rejected_with_its_line_number() {
     let first = "{\"lead_mm\": 5}\n";
     for (line, part) in [
         ("{\"lead_mm\": 1e400}", "number out of range"),

@@ -80,7 +80,7 @@ fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
 /// Runs each example file with the command for which it was written. `@` stands for the path of the
 /// file. The scheduler scripts in `scale-out` are tested in `parts.rs`.
 #[test]
-fn every_example_runs_in_its_command() {
+fn every_example_runs_with_its_command() {
     const USES: [(&str, &str); 26] = [
         ("angles_only.json", "solve @"),
         ("axis.json", "axis @"),

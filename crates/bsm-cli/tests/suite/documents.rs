@@ -425,7 +425,7 @@ fn bare_and_printed_numbers_are_detected() {
 /// Regression test: ten rows contained numbers that their commands did not print, because only
 /// numbers in backquotes were compared.
 #[test]
-fn commands_of_the_papers_run_and_print_our_numbers() {
+fn commands_in_the_papers_table_print_the_stated_numbers() {
     let rows = rows(&papers());
     for row in &rows {
         assert!(VERDICTS.iter().any(|verdict| row.verdict.starts_with(verdict)), "{}", row.text);

@@ -93,7 +93,7 @@ fn list_options_apply_to_a_table_of_nuts() {
 /// Rows that contradict their own geometry must be named: here a ball that is too large for the
 /// lead, and a row whose ratio of calculated to stated rating is far from the median of the table.
 #[test]
-fn rows_that_contradict_their_geometry_are_named() {
+fn rows_that_contradict_their_geometry_are_reported() {
     let dir = folder();
     let path = dir.path();
     let table = fs::read_to_string(example("manufacturer_table.csv")).expect("a table");

@@ -704,7 +704,7 @@ fn nut_without_axial_load_carries_weight_and_guide_friction() {
 /// approached 2.1e-4 N m. This torque was caused by the spin of balls that are pressed against the
 /// nut only by inertia.
 #[test]
-fn friction_of_a_nut_vanishes_with_its_load() {
+fn nut_friction_vanishes_at_zero_load() {
     let nut = fs::read_to_string(example("feed_drive_oil.json")).expect("an example");
     for load in [1e-9, 1e-6, 1e-3] {
         let set = format!("axial_load_N={load}");
@@ -722,7 +722,7 @@ fn friction_of_a_nut_vanishes_with_its_load() {
 /// Regression test: `nut` ignored the weight of the moved mass, whereas `axis` added it to the
 /// axial load.
 #[test]
-fn nut_adds_weight_to_the_axial_load_as_axis_does() {
+fn nut_and_axis_add_the_weight_to_the_axial_load() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
     let words = [
         "axial_load_N=3000",
@@ -831,7 +831,7 @@ fn solve_oversize_nut(sets: &[String]) -> Value {
 /// balance of each ball. Regression test: with loads calculated without friction, the torque
 /// dropped to 0.225 N m below the limit load and jumped to 0.312 N m above it.
 #[test]
-fn oversize_balls_have_the_reference_friction_torque_across_the_limit_load() {
+fn friction_torque_of_oversize_balls_matches_the_reference() {
     let at = |load: f64| solve_oversize_nut(&[format!("axial_load_N={load}")]);
     let limit = number(&at(3000.0), "limit_load_N");
     for (part, torque) in [(0.0, 0.557), (0.9, 0.747), (0.995, 0.805), (1.2, 0.917)] {

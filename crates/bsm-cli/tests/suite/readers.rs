@@ -200,7 +200,7 @@ fn a_case_rejects_a_member_that_is_given_twice() {
 }
 
 #[test]
-fn an_option_is_given_at_most_once() {
+fn an_option_that_is_given_twice_is_rejected() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--model=traction", "--accuracy", "1e-6", "--accuracy", "1e-10"];

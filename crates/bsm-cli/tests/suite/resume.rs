@@ -512,7 +512,7 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
 
 /// Regression test: `--resume` deleted the user's own `.bsm-*` files.
 #[test]
-fn foreign_files_are_kept() {
+fn files_of_the_user_are_kept() {
     let dir = folder();
     let args = Points::new(20).args("grid", "map/");
     assert_eq!(run(&args, dir.path()).status.code(), Some(3));

@@ -278,7 +278,7 @@ fn signal(child: &Child, name: &str) {
 }
 
 #[test]
-fn an_interrupt_leaves_the_former_file_and_nothing_else() {
+fn an_interrupt_keeps_the_existing_file_and_leaves_nothing_else() {
     for (name, code) in [
         ("-HUP", Some(129)),
         ("-INT", Some(130)),
@@ -460,7 +460,7 @@ fn a_limit_of_open_files_is_reported() {
 
 /// Regression test: a private output file became readable by all users, and its owner could change.
 #[test]
-fn an_output_keeps_its_mode_and_owner() {
+fn a_replaced_output_keeps_its_permissions_and_owner() {
     let dir = folder();
     let (table, drive) = (dir.path().join("out.csv"), example("feed_drive.json"));
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "out.csv"];
@@ -495,7 +495,7 @@ fn an_output_keeps_its_mode_and_owner() {
 
 /// Regression test: `--resume` removed every file whose name began with `.bsm-`.
 #[test]
-fn resume_keeps_foreign_files() {
+fn resume_keeps_files_of_the_user() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep = |more: &[&str]| {

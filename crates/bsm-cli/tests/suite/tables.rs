@@ -22,7 +22,7 @@ fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
 /// Regression test: there were no options for semicolons, decimal commas and other column names,
 /// and `1.500` was silently read as 1.5.
 #[test]
-fn a_user_table_is_read() {
+fn a_user_table_with_its_own_format_is_read() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     fs::write(at("own.csv"), "Kraft;Hub;note;Drehzahl\n2,5;20;\"a;b\";1500\n8,0;10;c;3000\n")
