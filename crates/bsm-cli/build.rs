@@ -1,10 +1,11 @@
-//! Passes the commit of the source tree to the program, for `bsm --version`.
+//! Makes the git commit of the source tree available to the program, for `bsm --version`.
 
 use std::process::Command;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    // This file changes with every commit and checkout. A source tree without git has no such file.
+    // Git changes this file with every commit and checkout. A source tree without git has no such
+    // file.
     if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
         println!("cargo:rerun-if-changed={log}");
     }

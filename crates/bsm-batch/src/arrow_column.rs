@@ -1,7 +1,7 @@
-//! Numbers and texts in Arrow columns.
+//! Converts Arrow columns to numbers and text.
 //!
-//! The crate arrow-cast converts any type into any other type, but takes longer to compile than all
-//! models together. Tables contain only the few types of this module.
+//! The crate arrow-cast can convert any type into any other type, but it takes longer to compile
+//! than all ball models together. Tables contain only the few types that this module supports.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -16,7 +16,7 @@ use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
-/// Describes the type of cells that are not numbers, for a message.
+/// Describes a non-numeric column type for an error message.
 pub fn kind(cells: &DataType) -> String {
     match cells {
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".to_owned(),
@@ -24,7 +24,7 @@ pub fn kind(cells: &DataType) -> String {
     }
 }
 
-/// Returns the numbers of a column; `None` for null.
+/// Returns the numbers of a column, with `None` for null cells.
 ///
 /// # Errors
 ///
@@ -35,8 +35,7 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ) -> Vec<Option<f64>> {
         values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
     }
-    /// Returns the nearest double of each decimal number. A quotient of two doubles would be
-    /// rounded twice.
+    /// Returns the double nearest to each decimal number. Dividing two doubles would round twice.
     fn decimal<T: DecimalType + ArrowPrimitiveType>(
         column: &ArrayRef,
     ) -> Result<Vec<Option<f64>>, ArrowError> {
@@ -63,17 +62,18 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ))
 }
 
-/// Returns the values of a column as a text file contains them: numbers, booleans and null
-/// unchanged, everything else as text.
+/// Returns the values of a column in the form in which a text file contains them: numbers, booleans
+/// and nulls are unchanged, and all other values become text.
 ///
 /// # Errors
 ///
-/// [`ArrowError::CastError`] if the type has no text form.
+/// [`ArrowError::CastError`] if the type has no text representation.
 pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
     fn texts<T: ToString>(texts: impl Iterator<Item = Option<T>>) -> Vec<Value> {
         texts.map(|text| text.map_or(Value::Null, |text| Value::String(text.to_string()))).collect()
     }
-    /// Returns the shortest text that reads back as the same number, also for 32 bits.
+    /// Returns each number as the double with the same shortest decimal representation, so that
+    /// 32-bit numbers get no extra digits.
     fn short<T: ArrowPrimitiveType<Native: ToString>>(column: &ArrayRef) -> Vec<Value> {
         let number = |x: T::Native| x.to_string().parse::<f64>().map_or(Value::Null, Value::from);
         column.as_primitive::<T>().iter().map(|x| x.map_or(Value::Null, number)).collect()
@@ -87,7 +87,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         let text = |i| if column.is_null(i) { None } else { column.value_as_duration(i) };
         texts((0..column.len()).map(text))
     }
-    /// Returns bytes as text. The bytes must be UTF-8.
+    /// Returns byte strings as text. The bytes must be valid UTF-8.
     fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Result<Vec<Value>, ArrowError> {
         let text = |bytes: Option<&'a [u8]>| bytes.map(std::str::from_utf8).transpose();
         let found: Vec<_> = bytes.map(text).collect::<Result<_, _>>().map_err(|_| {

@@ -1,4 +1,5 @@
-//! The kernel that solves many rows of a table at a time, and the origins of its inputs.
+//! The choice of a kernel that solves many rows of a table at once, and the source of each kernel
+//! input.
 
 use std::borrow::Cow;
 
@@ -11,15 +12,16 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Origin of an input of a kernel. The first matching row of the table applies.
+/// Source of the values of a kernel input. The first line of this table whose condition is true
+/// applies.
 ///
-/// | the input | origin | value of a row |
+/// | the input | source | value in a row |
 /// |---|---|---|
-/// | is a column | `Column`: its place, and what an empty cell means | cell; else base case or default, if other cells allow |
-/// | follows from others, by [`following`] | `OtherInputs` | calculated from its cells and the base case |
+/// | is a column | `Column`: index of the column, and value of an empty cell | cell; if it is empty, base case or default, unless other cells prevent this |
+/// | is calculated from other inputs by [`following`] | `OtherInputs` | calculated from the cells and the base case |
 /// | is in the base case | `Constant` | the same in every row |
 /// | has a default | `Constant` | the default |
-/// | else | `Absent` | none |
+/// | otherwise | `Absent` | none |
 #[derive(Debug, Clone, Copy)]
 enum Origin {
     Column(usize, Option<f64>),
@@ -28,21 +30,21 @@ enum Origin {
     Absent,
 }
 
-/// Describes how a kernel solves the rows that have a value in every column. It is created once for
-/// all rows.
+/// Describes how a kernel solves rows that have a value in every column. The plan is created once
+/// per table.
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
     pub(crate) model: ModelChoice,
     base: &'a Case,
     columns: &'a Columns,
-    /// Inputs that are known for such a row.
+    /// Inputs that have a value in a row without empty cells.
     given: InputSet,
     lubricant: Option<(Lubricant, RacewayFriction)>,
     origins: [Origin; INPUTS.len()],
 }
 
 impl<'a> ColumnPlan<'a> {
-    /// Returns the plan, or `None` if the model depends on the row or if all rows have an error
+    /// Returns the plan, or `None` if the model depends on the row or if every row has an error
     /// that must be reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
@@ -53,8 +55,8 @@ impl<'a> ColumnPlan<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);
         given.check_forms().ok()?;
-        // The range of the model is not checked here. Rows outside the range are also passed to the
-        // model.
+        // The validity range of the model is not checked here. Rows outside the range are also
+        // passed to the model.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
         if is_third_contact || given.contains(InputKey::radial_gap_um) {
@@ -104,9 +106,9 @@ impl<'a> ColumnPlan<'a> {
         self.columns.inputs.iter().position(|column| *column == key)
     }
 
-    /// Returns the value of an input that follows from other inputs.
+    /// Returns the value of an input that is calculated from other inputs.
     ///
-    /// * `cell`: returns the value of a column, given by its index.
+    /// * `cell`: returns the value of the column with the given index.
     fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
         following(key, |from| match self.column(from) {
             Some(index) => Some(cell(index)),
@@ -114,7 +116,7 @@ impl<'a> ColumnPlan<'a> {
         })
     }
 
-    /// Returns the inputs of a chunk.
+    /// Returns the kernel inputs for a chunk.
     pub(crate) fn inputs<'c>(&self, chunk: &'c Chunk) -> InputColumns<'c> {
         let mut inputs = [const { InputColumn::Absent }; INPUTS.len()];
         for ((key, operand), origin) in
@@ -140,7 +142,8 @@ impl<'a> ColumnPlan<'a> {
     }
 }
 
-/// Returns the values of a column. Missing values are replaced by `or`, or by NaN.
+/// Returns the values of a column, with missing values replaced by `or`, or by NaN if `or` is
+/// `None`.
 fn numbers(chunk: &Chunk, index: usize, or: Option<f64>) -> Cow<'_, [f64]> {
     let input = &chunk.inputs[index];
     if input.null_count() == 0 {

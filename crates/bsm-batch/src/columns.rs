@@ -1,4 +1,4 @@
-//! The columns of a table.
+//! Columns of input tables and of results tables.
 
 use std::collections::HashMap;
 use std::iter::repeat;
@@ -12,60 +12,61 @@ use bsm_case::{InputKey, InputSet, Output, brief, nearest_input};
 use crate::error::UnknownName;
 use crate::{TableError, TableFormat};
 
-/// Columns of the results that precede the outputs.
+/// Columns of status information that precede the outputs in a results table.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 
-/// Key for the unit in the metadata of a column.
+/// Key of the unit in the column metadata.
 pub(crate) const UNIT: &str = "unit";
 
-/// Returns true for a column of results.
+/// Returns true for the name of a results column.
 pub(crate) fn is_answer(name: &str) -> bool {
     ANSWERS.contains(&name) || Output::named(name).is_some()
 }
 
-/// Columns of a table of points.
+/// Columns of a table of operating points.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
-    /// Inputs, in the order of the table.
+    /// Inputs, in the order of the table columns.
     pub inputs: Vec<InputKey>,
     /// Indices of the input columns in the table.
     pub(crate) input_places: Vec<usize>,
-    /// Names of the inputs in the table, and factors that convert their values to the unit of the
-    /// input.
+    /// For each input, the column name in the table and the conversion from the unit of the table
+    /// to the unit of the input.
     pub(crate) units: Vec<(String, UnitChange)>,
-    /// Columns that are copied.
+    /// Names of the columns that are copied to the results.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
-    /// Types of the copied columns.
+    /// Arrow types of the copied columns.
     pub(crate) kept_types: Vec<DataType>,
-    /// Names of columns that are ignored.
+    /// Names of the ignored columns.
     pub(crate) unread: Vec<String>,
 }
 
-/// The head of a column in a table of results.
+/// Header of a column in a results table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heading<'a> {
-    /// Name.
+    /// Column name.
     pub name: &'a str,
-    /// JSON type.
+    /// JSON type of the values.
     pub json_type: &'static str,
-    /// Unit as text; empty if the column has none.
+    /// Unit as text; empty for a column without a unit.
     pub unit: &'static str,
-    /// Meaning.
+    /// Description of the column.
     pub about: &'static str,
 }
 
 impl Columns {
-    /// Divides the names of a table into inputs and columns to keep. Columns of earlier results are
-    /// ignored.
+    /// Divides the column names of a table into inputs and columns to copy. Columns with results of
+    /// an earlier run are ignored.
     ///
-    /// * `keep`: names in the table.
-    /// * `table_format`: meaning of the names, if the table uses other names.
+    /// * `keep`: names of the columns to copy.
+    /// * `table_format`: assignment of column names to inputs, if the table uses other names.
     ///
     /// # Errors
     ///
-    /// [`TableError`] for a name that is neither an input nor in `keep`, for a name that appears
-    /// twice or is a column of results, and for a name to keep that is missing.
+    /// [`TableError`] if a name is neither an input nor in `keep`, if a name appears twice, if a
+    /// copied column has the name of a results column, or if a name in `keep` is missing from the
+    /// table.
     pub fn sort<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
@@ -101,11 +102,11 @@ impl Columns {
                 columns.kept_places.push(index);
                 columns.kept_types.push(DataType::Utf8);
             } else if ANSWERS.contains(&name) || answers.is_empty() && is_answer(name) {
-                // Some results have the name of an input. The inputs of an earlier table precede
-                // them.
+                // Some outputs have the same name as an input. In a table with earlier results, the
+                // input columns come first.
                 columns.unread.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
-                // The name has already been reported.
+                // This unknown name has already been reported.
             } else if let Ok((key, change)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);
@@ -131,18 +132,18 @@ impl Columns {
         }
     }
 
-    /// Returns a table of inputs only, in their own units.
+    /// Returns the columns of a table that contains only inputs, in their own units.
     pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
         Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
     }
 
-    /// Returns the columns with the given types of the copied columns, which are texts otherwise.
+    /// Sets the types of the copied columns. The default type is text.
     #[must_use]
     pub fn with_kept_types(self, types: Vec<DataType>) -> Self {
         Self { kept_types: types, ..self }
     }
 
-    /// Returns the columns of a table of results, in order.
+    /// Returns the column headers of a results table, in order.
     pub fn headings<'a>(
         &'a self,
         outputs: &'a [&'static Output],
@@ -157,10 +158,7 @@ impl Columns {
         let answers = [
             text(model, "model that was solved"),
             text(status, "result of the solve"),
-            text(
-                message,
-                "reason why the result is missing, or reason for the choice of model auto",
-            ),
+            text(message, "reason why the row has no result, or why model auto chose its model"),
         ];
         let outputs = outputs.iter().map(|output| {
             let Output { name, json_type, unit, about, .. } = **output;
@@ -169,8 +167,8 @@ impl Columns {
         kept.chain(inputs).chain(answers).chain(outputs)
     }
 
-    /// Returns the values of an input, given by its index, in its own unit. The values are copied
-    /// only if the table uses another unit.
+    /// Returns the values of an input in its own unit. The values are copied only if the table uses
+    /// another unit.
     pub fn in_unit(&self, index: usize, values: Float64Array) -> Float64Array {
         match self.change(index) {
             UnitChange::NONE => values,
@@ -178,13 +176,13 @@ impl Columns {
         }
     }
 
-    /// Returns the change from the unit of the table to the unit of the input, which is none for a
-    /// grid.
+    /// Returns the conversion from the unit of the table to the unit of the input. The conversion
+    /// is the identity for a grid.
     pub(crate) fn change(&self, index: usize) -> UnitChange {
         self.units.get(index).map_or(UnitChange::NONE, |(_, change)| *change)
     }
 
-    /// Returns the columns of a table of results, with units in their metadata.
+    /// Returns the Arrow schema of a results table. The column metadata contain the units.
     pub fn schema(&self, outputs: &[&'static Output]) -> SchemaRef {
         let kept = self.kept_types.iter().map(Some).chain(repeat(None));
         let fields = self.headings(outputs).zip(kept).map(|(heading, kept)| match kept {
@@ -207,13 +205,13 @@ impl Columns {
         &self.input_places
     }
 
-    /// Returns the inputs as a set.
+    /// Returns the input columns as a set.
     pub fn set(&self) -> InputSet {
         self.inputs.iter().copied().collect()
     }
 }
 
-/// Returns a column of numbers with its unit.
+/// Returns the schema field of a numeric column with its unit.
 pub(crate) fn field(name: &str, unit: &str) -> Field {
     let unit = HashMap::from([(UNIT.to_owned(), unit.to_owned())]);
     Field::new(name, DataType::Float64, true).with_metadata(unit)

@@ -1,16 +1,16 @@
-//! Folders of parts. A folder has one plan. Its parts verify themselves, and any process may solve
-//! them in any order, also repeatedly.
+//! Datasets: folders that contain a plan and the part files into which the results are divided.
+//! Part files verify themselves. Any process may solve any part, in any order and more than once.
 //!
 //! ```text
 //! map/
 //!   plan.json                  written first, never changed
 //!   data/part-000000.parquet   finished parts and nothing else
 //!   tmp/                       unfinished files
-//!   parts.parquet             written last: what the footers of the parts say
+//!   parts.parquet             written last; lists the contents of all part footers
 //! ```
 //!
-//! The bytes of a part depend on the plan only. A part counts as finished if its footer, its length
-//! and its hash prove it. Any other file with the name of a part is reported and kept.
+//! The bytes of a part depend only on the plan. A part counts as finished only if its footer,
+//! length and hash are correct. Any other file with the name of a part is reported and kept.
 
 mod digest;
 mod error;
@@ -47,36 +47,36 @@ use crate::{
     Workers,
 };
 
-/// A complete part without its final name.
+/// A complete part file that does not have its final name yet.
 type TempFile = BufWriter<NamedTempFile>;
 
-/// Events of a run.
+/// Progress events of a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
-    /// Files among the parts that are not parts and that Parquet readers ignore. They are left
-    /// alone.
+    /// Files in the data folder that are not parts and that Parquet readers ignore. These files are
+    /// left alone.
     UnknownFiles(&'a [PathBuf]),
-    /// Number of rows of the folder. This event precedes the events of found parts and solved rows.
+    /// Number of rows in the dataset. This event precedes the `Found` and `Solved` events.
     Planned(u64),
-    /// A part that was already finished.
+    /// A part that had already been finished by an earlier run.
     Found(&'a Part),
-    /// Solved rows.
+    /// Newly solved rows.
     Solved(&'a Chunk, &'a Answers),
 }
 
-/// Content of a folder.
+/// Contents of a dataset folder.
 #[derive(Debug, Default)]
 pub struct FolderScan {
-    /// Finished parts, by their number.
+    /// Finished parts, indexed by part number.
     pub parts: BTreeMap<u64, Part>,
-    /// Damaged files in place of parts.
+    /// Files that have the name of a part but are damaged.
     pub damaged: Vec<(PathBuf, PartDefect)>,
-    /// Other files among the parts.
+    /// Other files in the data folder.
     pub unknown_files: Vec<PathBuf>,
 }
 
 impl FolderScan {
-    /// Returns the parts of a plan that are missing in the folder, as ranges of their numbers.
+    /// Returns the ranges of part numbers that are in the plan but missing from the folder.
     pub fn missing(&self, plan: &Plan) -> Vec<Range<u64>> {
         let mut missing = Vec::new();
         let mut next = 0;
@@ -89,12 +89,12 @@ impl FolderScan {
         missing
     }
 
-    /// Returns true if every part of a plan is finished and no file is damaged.
+    /// Returns true if every part of the plan is finished and no file is damaged.
     pub fn is_complete(&self, plan: &Plan) -> bool {
         self.missing(plan).is_empty() && self.damaged.is_empty()
     }
 
-    /// Returns the id of another plan if more parts belong to this other plan than to the plan of
+    /// Returns the id of another plan if more part files belong to that plan than to the plan of
     /// the folder.
     pub fn other_plan(&self) -> Option<&str> {
         let mut others = self.damaged.iter().filter_map(|(_, damage)| match damage {
@@ -105,7 +105,7 @@ impl FolderScan {
         (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
     }
 
-    /// Counts the rows, including rows without a result and rows with several results.
+    /// Counts all rows, the rows without a result and the rows with several solutions.
     pub fn count(&self) -> Count {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,
@@ -115,23 +115,23 @@ impl FolderScan {
     }
 }
 
-/// Options for filling a folder.
+/// Options for [`fill`].
 #[derive(Debug, Clone, Copy)]
 pub struct RunOptions {
-    /// True to continue a folder of the same plan. A part is trusted if its footer is intact. If
-    /// false, the folder must be new or empty.
+    /// True to continue a dataset that has the same plan; existing parts are accepted if their
+    /// footers are intact. If false, the folder must be new or empty.
     pub resume: bool,
-    /// Number of rows of a part. Defaults to a number that follows from the task.
+    /// Number of rows per part. The default depends on the task.
     pub rows_per_part: Option<NonZeroU64>,
-    /// Creates temporary files.
+    /// Function that creates temporary files.
     pub make: MakeTemporary,
 }
 
-/// Solves all points into a folder.
+/// Solves all points and writes the results to a dataset folder.
 ///
 /// # Errors
 ///
-/// [`DatasetError`]. Finished parts are kept.
+/// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
 pub fn fill(
     folder: &Path,
     task: &Task,
@@ -152,7 +152,7 @@ pub fn fill(
     parts.run(task, points, found, workers, notify)
 }
 
-/// Solves a part of a plan in memory.
+/// Solves one part of a plan in memory.
 ///
 /// # Errors
 ///
@@ -174,7 +174,7 @@ pub fn solve_part(
     Ok((sink.schema, sink.tables))
 }
 
-/// Converts the error that ended the solve of a part.
+/// Converts the error that stopped a part from being solved.
 fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),
@@ -184,7 +184,7 @@ fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) 
     }
 }
 
-/// A folder and its plan.
+/// A dataset folder together with its plan.
 #[derive(Debug)]
 pub struct Dataset {
     folder: Folder,
@@ -192,25 +192,25 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Creates a folder, which must be new or empty.
+    /// Creates a dataset. The folder must be new or empty.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder contains files or cannot be created.
+    /// [`DatasetError`] if the folder contains other files or cannot be created.
     pub fn create(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
         this.begin()?;
         Ok(this)
     }
 
-    /// Continues a folder of the same plan, or creates it.
+    /// Continues a dataset that has the same plan, or creates a new dataset.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder has another plan or cannot be created.
+    /// [`DatasetError`] if the folder contains another plan or cannot be created.
     pub fn resume(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
-        // Another process may create the folder at the same moment.
+        // Another process may be creating the folder at the same time.
         if let Err(error) = this.begin()
             && !this.is_begun()
         {
@@ -221,11 +221,11 @@ impl Dataset {
         Ok(this)
     }
 
-    /// Opens a folder with the plan that it contains.
+    /// Opens an existing dataset and reads its plan.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder has no valid plan.
+    /// [`DatasetError`] if the folder contains no valid plan.
     pub fn open(folder: &Path, make: MakeTemporary) -> Result<Self, DatasetError> {
         let folder = Folder::new(folder, make);
         let plan = Plan::from_text(&folder.read_plan()?)
@@ -233,22 +233,22 @@ impl Dataset {
         Ok(Self { folder, plan })
     }
 
-    /// Returns the plan.
+    /// Returns the plan of the dataset.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Returns the path of a finished part.
+    /// Returns the path of a part file.
     pub fn part_file(&self, number: u64) -> PathBuf {
         self.folder.part(number)
     }
 
-    /// Returns true if the folder contains an entry with the name of the plan.
+    /// Returns true if the folder contains an entry with the name of the plan file.
     fn is_begun(&self) -> bool {
         fs::symlink_metadata(self.folder.plan()).is_ok()
     }
 
-    /// Compares the plan with the plan in the folder.
+    /// Checks that the folder contains the same plan.
     fn compare(&self) -> Result<(), DatasetError> {
         let text = self.folder.read_plan()?;
         if text == self.plan.text() {
@@ -265,7 +265,7 @@ impl Dataset {
         )))
     }
 
-    /// Creates the folder and writes the plan.
+    /// Creates the folder and writes the plan file.
     fn begin(&self) -> Result<(), DatasetError> {
         let begun = || {
             let same = self.compare().is_ok();
@@ -285,14 +285,14 @@ impl Dataset {
             })
     }
 
-    /// Examines all entries among the parts.
+    /// Examines all entries of the data folder.
     ///
     /// * `deep`: true to verify the hash of all bytes, false to verify only the footers.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder cannot be read, or if the workers are stopped. Defects of
-    /// parts are part of the result.
+    /// [`DatasetError`] if the folder cannot be read or if the run is stopped. Defects of parts are
+    /// not errors, but are included in the result.
     pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<FolderScan, DatasetError> {
         let (numbers, mut survey) = self.listed()?;
         let verified: Vec<_> = workers.pool.install(|| {
@@ -317,7 +317,8 @@ impl Dataset {
         Ok(survey)
     }
 
-    /// Returns the numbers of the parts whose names are in the folder, and the other entries.
+    /// Lists the data folder: returns the numbers of the parts that are present, and the other
+    /// entries.
     fn listed(&self) -> Result<(Vec<u64>, FolderScan), DatasetError> {
         let (mut numbers, mut survey) = (Vec::new(), FolderScan::default());
         for entry in self.folder.data()? {
@@ -339,12 +340,12 @@ impl Dataset {
         Ok((numbers, survey))
     }
 
-    /// Rejects parts that are not in the plan, because programs that read the folder would read
-    /// them, too.
+    /// Rejects part files that are not in the plan, because programs that read the folder would
+    /// read these files, too.
     ///
     /// # Errors
     ///
-    /// [`DatasetError::Damaged`] with these parts, or [`DatasetError::Io`].
+    /// [`DatasetError::Damaged`] with the rejected files, or [`DatasetError::Io`].
     pub fn check_names(&self) -> Result<(), DatasetError> {
         match self.listed()?.1.damaged {
             none if none.is_empty() => Ok(()),
@@ -352,10 +353,11 @@ impl Dataset {
         }
     }
 
-    /// Returns the points of the plan. For a table, checks that it is the table for which the plan
-    /// was made.
+    /// Returns the points of the plan. If the points come from a table, checks that the table has
+    /// not changed since the plan was made.
     ///
-    /// * `table`: path of the table. Defaults to its name in the parent folder.
+    /// * `table`: path of the table. By default, the table is searched by name in the parent folder
+    ///   of the dataset.
     ///
     /// # Errors
     ///
@@ -370,13 +372,14 @@ impl Dataset {
         self.plan.points(found, workers)
     }
 
-    /// Returns the part with a number if it is finished and intact, or `None` if it does not exist.
+    /// Returns the part with the given number if it is finished and intact, or `None` if its file
+    /// does not exist.
     ///
     /// * `deep`: true to verify all bytes, false to verify only the footer.
     ///
     /// # Errors
     ///
-    /// [`PartDefect`] of a file that is not the part, or [`DatasetError::Stopped`].
+    /// [`PartDefect`] if the file is not this part, or [`DatasetError::Stopped`].
     fn find(
         &self,
         number: u64,
@@ -391,7 +394,7 @@ impl Dataset {
         }
     }
 
-    /// Solves one part into a file without its final name.
+    /// Solves one part and writes it to a temporary file.
     fn write_part(
         &self,
         number: u64,
@@ -414,7 +417,7 @@ impl Dataset {
         write_footer(sink, range, count).map_err(unwritable)
     }
 
-    /// Gives a solved part its final name.
+    /// Renames the temporary file of a solved part to its final name.
     fn keep(
         &self,
         file: TempFile,
@@ -426,7 +429,8 @@ impl Dataset {
         let file = file.into_inner().map_err(io::IntoInnerError::into_error);
         match file.and_then(|file| complete(file, &path, replace)) {
             Ok(()) => Ok(part),
-            // Another process may have finished the part and cleaned up in the meantime.
+            // In the meantime, another process may have finished the same part and removed the
+            // temporary file.
             Err(error) => match self.find(part.number, false, workers)? {
                 Ok(Some(there)) if there == part => Ok(there),
                 _ => Err(DatasetError::io("write", &path, error)),
@@ -434,17 +438,16 @@ impl Dataset {
         }
     }
 
-    /// Solves the missing parts of a list in order. Damaged parts do not stop the run and are
-    /// reported at the end.
+    /// Solves those parts of a list that are missing, in order. Damaged parts do not stop the run;
+    /// they are reported at the end.
     ///
-    /// * `numbers`: numbers of the parts in ascending order.
-    /// * `repair`: true to verify all bytes of existing parts, to replace damaged files, and to
-    ///   renew the list of the parts. Nothing is replaced if most files belong to the same other
-    ///   plan.
+    /// * `numbers`: part numbers in ascending order.
+    /// * `repair`: true to verify all bytes of existing parts, to replace damaged files and to
+    ///   rewrite the list of parts. Nothing is replaced if most files belong to one other plan.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`]. Finished parts are kept.
+    /// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
     pub fn run_parts(
         &self,
         task: &Task,
@@ -492,7 +495,7 @@ impl Dataset {
                 let (file, part) =
                     self.write_part(number, task, source.as_mut(), workers, notify)?;
                 at = first + part.rows;
-                // While the disk finishes the part, the next part is solved.
+                // The next part is solved while this part is written to disk.
                 let keep = move || self.keep(file, part, replace, workers);
                 let keep = thread::Builder::new().spawn_scoped(scope, keep);
                 let before = behind.replace(keep.map_err(DatasetError::Thread)?);
@@ -507,7 +510,7 @@ impl Dataset {
         if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
     }
 
-    /// Renews the list of the parts if it exists, or removes it if a part is missing or damaged.
+    /// Rewrites an existing list of parts, or removes it if a part is missing or damaged.
     fn repair_list(&self, workers: &Workers<'_>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         if fs::symlink_metadata(&path).is_err() {
@@ -526,11 +529,11 @@ impl Dataset {
         }
     }
 
-    /// Solves all missing parts in order, and finishes the folder.
+    /// Solves all missing parts in order and completes the dataset.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`]. Finished parts are kept.
+    /// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
     pub fn run(
         &self,
         task: &Task,
@@ -551,19 +554,19 @@ impl Dataset {
         Ok(found.count())
     }
 
-    /// Writes the list of the parts, and removes temporary files of this plan.
+    /// Writes the list of parts and removes the temporary files of this plan.
     ///
     /// * `parts`: all parts of the plan.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the list cannot be written.
+    /// [`DatasetError`] if the list of parts cannot be written.
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         self.write_list(parts)?;
         self.folder.tidy(self.plan.id())
     }
 
-    /// Writes the list of the parts, unless it is already written.
+    /// Writes the list of parts, unless the file already has the correct contents.
     fn write_list(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         let list =
@@ -579,7 +582,8 @@ impl Dataset {
             let mut file = self.folder.unfinished(&path, self.plan.id())?;
             file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(unwritable)
         };
-        // Another process may finish the folder and clean up at the same moment.
+        // Another process may be finishing the dataset and removing temporary files at the same
+        // time.
         if !is_written()
             && let Err(error) = write()
             && !is_written()
@@ -590,8 +594,8 @@ impl Dataset {
     }
 }
 
-/// Returns true if programs that read the folder take an entry for a part, which is the case for
-/// Parquet files and folders. These programs ignore names that begin with a dot.
+/// Returns true if other programs would read an entry of the data folder as a part: a Parquet file
+/// or a folder whose name does not begin with a dot.
 fn is_read_as_part(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name().to_string_lossy().to_ascii_lowercase();
     !name.starts_with('.') && (name.ends_with(".parquet") || entry.path().is_dir())

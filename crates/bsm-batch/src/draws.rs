@@ -1,5 +1,5 @@
-//! Random points. Each number depends only on the seed, the input and the row, so that any machine
-//! can draw any row by itself.
+//! Random operating points. Each number depends only on the seed, the input and the row, so that
+//! any machine can generate any row independently.
 
 use std::f64::consts::TAU;
 use std::fmt::{self, Display, Formatter};
@@ -11,26 +11,26 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::source::{PointSet, PointSource};
 
-/// Distribution of an input.
+/// Probability distribution of an input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
     /// Uniform distribution between two bounds.
     Uniform {
-        /// Lower bound.
+        /// Lower bound of the distribution.
         low: f64,
-        /// Upper bound.
+        /// Upper bound of the distribution.
         high: f64,
     },
     /// Normal distribution.
     Normal {
-        /// Mean.
+        /// Mean of the distribution.
         mean: f64,
-        /// Standard deviation.
+        /// Standard deviation of the distribution.
         deviation: f64,
     },
 }
 
-/// An input that is drawn.
+/// An input with its probability distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
     key: InputKey,
@@ -38,11 +38,12 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// Parses `name=uniform:low:high` or `name=normal:mean:deviation`, in any unit of the name.
+    /// Parses `name=uniform:low:high` or `name=normal:mean:deviation`. The name may state any
+    /// supported unit.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, and the errors of [`new`](Self::new).
+    /// [`CaseError`] if the text has another form, and the errors of [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
                     all finite";
@@ -61,16 +62,16 @@ impl Draw {
         Self::new(name.trim(), distribution)
     }
 
-    /// Draws an input from a distribution.
+    /// Assigns a probability distribution to an input.
     ///
-    /// * `name`: name of the input, with any unit.
-    /// * `distribution`: distribution in this unit.
+    /// * `name`: name of the input, with any supported unit.
+    /// * `distribution`: distribution of the value in this unit.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for an unknown input, for numbers that are not finite, bounds that are not in
-    /// ascending order or a deviation that is not positive, and for bounds or a mean that violate
-    /// the rule of the input.
+    /// [`CaseError`] if the input is unknown, a number is not finite, the bounds are not in
+    /// ascending order, the standard deviation is not positive, or a bound or the mean is not a
+    /// permitted value of the input.
     pub fn new(name: &str, distribution: Distribution) -> Result<Self, CaseError> {
         let (key, change) = InputKey::in_unit(name)?;
         let wrong = |what: String| {
@@ -106,7 +107,8 @@ impl Draw {
     }
 }
 
-/// Writes the form that [`Draw::parse`] reads, with the shortest digits that give the same numbers.
+/// Writes the text form that [`Draw::parse`] reads, with the fewest digits that preserve the
+/// numbers.
 impl Display for Draw {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: f64| format!("{value:?}").trim_end_matches(".0").to_owned();
@@ -118,7 +120,7 @@ impl Display for Draw {
     }
 }
 
-/// A number of random points.
+/// A set of random points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
     seed: u64,
@@ -127,7 +129,7 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// Does the same as [`new`](Self::new), but with inputs in the form of [`Draw::parse`].
+    /// Creates random points from distributions in the text form of [`Draw::parse`].
     ///
     /// # Errors
     ///
@@ -137,7 +139,7 @@ impl Draws {
         Self::new(seed, count, of.collect::<Result<_, _>>()?)
     }
 
-    /// Creates points whose inputs are drawn independently of each other.
+    /// Creates random points whose inputs are statistically independent.
     ///
     /// # Errors
     ///
@@ -148,18 +150,18 @@ impl Draws {
         Ok(this)
     }
 
-    /// Returns the seed.
+    /// Returns the seed of the random number generator.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// Returns the drawn inputs.
+    /// Returns the random inputs with their distributions.
     pub fn of(&self) -> &[Draw] {
         &self.of
     }
 
-    /// Returns the grid of bounds and means. A task for this grid is also a task for the random
-    /// points.
+    /// Returns a grid of the bounds of uniform distributions and the means of normal distributions.
+    /// A task that is valid for this grid is also valid for the random points.
     ///
     /// # Errors
     ///
@@ -175,7 +177,7 @@ impl Draws {
         Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
     }
 
-    /// Returns each drawn input with its values at all points.
+    /// Returns each random input with its values at all points.
     pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
         self.of.iter().enumerate().map(|(index, draw)| {
             let mut values = Vec::new();
@@ -195,7 +197,7 @@ impl PointSet for Draws {
     }
 
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
-        /// Number of 32-bit words of a random number between 0 and 1.
+        /// Number of 32-bit words that the generator uses for one random number between 0 and 1.
         const WORDS: u128 = 2;
         let distribution = self.of[index].distribution;
         let numbers = if matches!(distribution, Distribution::Uniform { .. }) { 1 } else { 2 };
@@ -205,8 +207,8 @@ impl PointSet for Draws {
         to.extend(rows.map(|_| match distribution {
             Distribution::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
             Distribution::Normal { mean, deviation } => {
-                // The Box-Muller transform; the first uniform number is never 0. The logarithm and
-                // cosine come from a crate, because the math libraries of operating systems give
+                // Box-Muller transform; the first uniform number is never 0. The logarithm and
+                // cosine come from a crate because the math libraries of operating systems give
                 // different results.
                 let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
                 mean + deviation * (-2.0 * libm::log(size)).sqrt() * libm::cos(TAU * turn)
@@ -215,5 +217,5 @@ impl PointSet for Draws {
     }
 }
 
-/// The rows of random points.
+/// A source of rows for random points.
 pub type DrawSource = PointSource<Draws>;

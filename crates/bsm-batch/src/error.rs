@@ -1,27 +1,27 @@
-//! Errors of tables.
+//! Errors that affect a whole table.
 
 use std::io;
 
 use bsm_case::{TextError, brief};
 
-/// The reason why a whole table cannot be read or written. An invalid row is not an error, but a
-/// row with a status.
+/// The reason why a table cannot be read or written. An invalid row does not cause this error; it
+/// gets a status instead.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// Error of the file or the disk.
+    /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The cells are separated by an unexpected character.
-    #[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
+    /// The first line of a CSV table uses another separator than expected.
+    #[error("the column names are separated by `{}`, but the expected separator is `{}`",
         found.escape_debug(), expected.escape_debug())]
     Separator {
-        /// The character found.
+        /// Separator in the file.
         found: char,
-        /// The expected character.
+        /// Expected separator.
         expected: char,
     },
-    /// The file is not a Parquet file, or it is incomplete.
+    /// The file is not a Parquet file or is incomplete.
     #[error("not a Parquet table: {0}")]
     Parquet(String),
     /// Some columns are not inputs.
@@ -30,46 +30,46 @@ pub enum TableError {
         several => format!("columns {} are not inputs", all_of(several)),
     })]
     UnknownColumns {
-        /// The names, at least one and at most [`NAMED`](UnknownName::NAMED).
+        /// The unknown names, at least one and at most [`NAMED`](UnknownName::NAMED).
         names: Vec<UnknownName>,
     },
-    /// Some outputs do not exist.
+    /// Some requested outputs do not exist.
     #[error("{}", match &names[..] {
         [one] => format!("no output is named `{}`{}", brief(&one.name), meant(one.nearest)),
         several => format!("no outputs are named {}", all_of(several)),
     })]
     UnknownOutputs {
-        /// The names, at least one.
+        /// The unknown names, at least one.
         names: Vec<UnknownName>,
     },
-    /// Another column cannot be used.
+    /// A column cannot be used for another reason.
     #[error("{message}")]
     Column {
         /// Name of the column.
         name: String,
-        /// The reason, including the name.
+        /// The reason, which includes the column name.
         message: String,
     },
-    /// The lines or rows are not a table.
+    /// The lines or rows do not form a table.
     #[error("{0}")]
     Malformed(String),
 }
 
-/// An unknown name with a suggestion.
+/// An unknown name with a suggestion for the intended name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownName {
-    /// The name.
+    /// The unknown name.
     pub name: String,
-    /// The most similar known name.
+    /// The known name that is most similar to the unknown name.
     pub nearest: Option<&'static str>,
 }
 
 impl UnknownName {
-    /// Maximum number of names in a message.
+    /// Maximum number of unknown names in a message.
     pub const NAMED: usize = 8;
 }
 
-/// Formats names as a list, each with the most similar known name.
+/// Formats unknown names as a list, each with the most similar known name.
 fn all_of(names: &[UnknownName]) -> String {
     let one = |unknown: &UnknownName| {
         let near = unknown.nearest.map(|near| format!(" (did you mean `{near}`?)"));
@@ -79,7 +79,7 @@ fn all_of(names: &[UnknownName]) -> String {
 }
 
 impl TableError {
-    /// Reports that the table has no row with column names.
+    /// Reports that the table has no header row.
     pub(crate) fn no_header() -> Self {
         Self::Malformed(
             "the table is empty; the first row must contain the names of the columns".to_owned(),
@@ -89,22 +89,22 @@ impl TableError {
     /// Reports that a copied column contains lists, maps or structures.
     pub fn not_text(name: &str) -> Self {
         let message = format!(
-            "the cells of column `{}` are lists, maps or structures, which cannot be copied; leave it out, or take it \
-             apart",
+            "the cells of column `{}` are lists, maps or structures, which cannot be copied; omit the column, or split \
+             it",
             brief(name)
         );
         Self::Column { name: name.to_owned(), message }
     }
 
-    /// Reports that the kind of Parquet file is not supported.
+    /// Reports that the table uses an unsupported Parquet feature.
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
-            "the Parquet table is written with {kind}, which is not read here; write it without encryption, and with \
+            "the Parquet table uses {kind}, which is not supported; write it without encryption, and with \
              Snappy, Zstandard, gzip, LZ4 or no compression"
         ))
     }
 
-    /// Reports that a column appears twice, or an input in two units.
+    /// Reports that a column name appears twice or that two columns contain the same input.
     pub(crate) fn repeated(one: &str, other: &str) -> Self {
         let [first, second] = [one, other].map(brief);
         let message = if one == other {
@@ -150,7 +150,7 @@ impl From<parquet::errors::ParquetError> for TableError {
 impl From<arrow_schema::ArrowError> for TableError {
     fn from(error: arrow_schema::ArrowError) -> Self {
         match error {
-            // The parquet crate states its errors as text.
+            // The parquet crate provides its errors only as text.
             arrow_schema::ArrowError::ParquetError(text) => {
                 let text = ["Parquet error: ", "External: "]
                     .iter()

@@ -1,9 +1,9 @@
-//! Solves many operating points on all cores. The results are in the same order as the points.
+//! Solves many operating points on all cores and returns the results in the order of the points.
 //!
-//! A [`Source`] provides rows in chunks, a [`Task`] solves a chunk, and an [`AnswerSink`] writes
-//! the results. [`Task::run`] performs all of these steps with [`Workers`]. A [`dataset`] is solved
-//! in parts and can be interrupted and continued. Memory does not grow with the number of rows, and
-//! results do not depend on the number of threads.
+//! A [`Source`] provides rows in chunks, a [`Task`] solves each chunk, and an [`AnswerSink`] writes
+//! the results. [`Task::run`] performs all of these steps on the threads of [`Workers`]. A
+//! [`dataset`] is divided into part files, so that an interrupted run can be continued. Memory use
+//! does not grow with the number of rows, and results do not depend on the number of threads.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -67,7 +67,7 @@ pub use table::{ABOUT, Format, TableHead, TableSink};
 pub use task::Task;
 pub use text::{CsvSource, JsonSource};
 
-/// A destination of solved rows.
+/// A destination for solved rows.
 pub trait AnswerSink {
     /// Writes the rows of a chunk with their results.
     ///

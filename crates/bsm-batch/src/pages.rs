@@ -1,4 +1,5 @@
-//! Pages of Parquet files. The sizes that a page declares are checked before they are used.
+//! Pages of Parquet files. The sizes declared in a page header are checked before memory is
+//! allocated.
 
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
@@ -8,21 +9,21 @@ use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
 /// Maximum number of bytes of a page header up to the last number that is needed: six fields of at
-/// most six bytes, and the beginning of a structure.
+/// most six bytes each, and the beginning of a structure.
 const MAX_HEADER_BYTES: u64 = 40;
 
-/// Code of a dictionary page in a page header.
+/// Page type of a dictionary page in a page header.
 const DICTIONARY: i32 = 2;
 
-/// Tag of a Thrift compact field that directly follows the previous field and contains a 32-bit
-/// integer.
+/// Tag of a field in the Thrift compact protocol that directly follows the previous field and
+/// contains a 32-bit integer.
 const INTEGER: u8 = 0x15;
 
-/// A Parquet file that several readers read one after the other.
+/// A Parquet file that several readers share.
 ///
-/// The library allocates and fills the memory that a page header declares before it unpacks the
-/// page, up to 2 GB. A file of 2 kB with a damaged header took 291 MB. Therefore no page may declare
-/// more than its file could reasonably contain.
+/// Before the parquet crate unpacks a page, it allocates and fills as much memory as the page
+/// header declares, up to 2 GB. A damaged header in a file of 2 kB caused an allocation of 291 MB.
+/// Pages that declare more bytes than the file could reasonably contain are therefore rejected.
 pub(crate) struct Pages<R> {
     file: Arc<R>,
     /// Maximum number of bytes that a page may declare.
@@ -30,10 +31,11 @@ pub(crate) struct Pages<R> {
 }
 
 impl<R: ChunkReader> Pages<R> {
-    /// Returns the pages of a file, of which a given number of columns are read at the same time.
+    /// Returns the pages of a file from which the given number of columns are read at the same
+    /// time.
     pub(crate) fn new(file: R, columns: usize) -> Self {
-        // One page and one dictionary per column may together declare 64 MiB plus 256 times the
-        // size of the file.
+        // One page and one dictionary of every column may together declare 64 MiB plus 256 times
+        // the file size.
         let max_bytes = (32 << 20) + file.len().saturating_mul(128);
         Self { file: Arc::new(file), max_page_bytes: max_bytes / (columns as u64).max(1) }
     }
@@ -69,10 +71,10 @@ impl<R: ChunkReader> ChunkReader for Pages<R> {
     }
 }
 
-/// A page, beginning with its header. The header is checked when the page is read, because not
-/// every requested page is read.
+/// A page with its header. The header is checked when the first bytes are read, because some
+/// requested pages are never read.
 pub(crate) struct PageReader<R> {
-    /// The beginning of the page.
+    /// The first bytes of the page.
     header: Cursor<Vec<u8>>,
     rest: R,
     is_checked: bool,
@@ -85,11 +87,11 @@ impl<R: Read> Read for PageReader<R> {
         if !self.is_checked {
             self.rest.by_ref().take(MAX_HEADER_BYTES).read_to_end(self.header.get_mut())?;
             let declared = declared_bytes(self.header.get_ref())
-                .ok_or_else(|| io::Error::other("it is damaged at the header of a page"))?;
+                .ok_or_else(|| io::Error::other("a page header is damaged"))?;
             if declared > self.max_page_bytes {
                 return Err(io::Error::other(format!(
-                    "a page announces {} kB, but a file of {} kB is read with at most {} kB a page; it \
-                     is damaged, or write it with smaller pages",
+                    "a page declares {} kB, but in a file of {} kB, at most {} kB per page are accepted; the \
+                     file is damaged, or must be written with smaller pages",
                     declared.div_ceil(1000),
                     self.file_bytes.div_ceil(1000),
                     self.max_page_bytes / 1000
@@ -104,12 +106,12 @@ impl<R: Read> Read for PageReader<R> {
     }
 }
 
-/// Returns the number of bytes that the header of a page declares, or `None` if the bytes are not a
-/// header.
+/// Returns the number of bytes that a page header declares, or `None` if the header is invalid.
 fn declared_bytes(header: &[u8]) -> Option<u64> {
     let mut header = header.iter().copied().peekable();
-    // The fields are the kind, the length and the length in the file. A dictionary also has a
-    // number of values, with about eight bytes each, after an optional checksum.
+    // The fields are the page type, the unpacked length and the length in the file. A dictionary
+    // page also declares the number of its values, each about eight bytes long, after an optional
+    // checksum.
     let kind = integer(&mut header)?;
     let length = integer(&mut header)?.max(integer(&mut header)?);
     let length = u64::try_from(length).ok()?;
@@ -125,7 +127,7 @@ fn declared_bytes(header: &[u8]) -> Option<u64> {
     Some(length.max(8 * u64::try_from(integer(&mut header)?).ok()?))
 }
 
-/// Returns the next field, if it is a 32-bit integer.
+/// Returns the value of the next field if it is a 32-bit integer.
 fn integer(header: &mut impl Iterator<Item = u8>) -> Option<i32> {
     if header.next()? != INTEGER {
         return None;

@@ -1,4 +1,4 @@
-//! Parquet tables, with units in the metadata of the columns.
+//! Parquet tables. The column metadata contain the units.
 
 use std::cell;
 use std::io::Write;
@@ -30,12 +30,13 @@ use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
 
 thread_local! {
-    /// True while this thread is within [`catch_panic`].
+    /// True while this thread is inside [`catch_panic`].
     static CATCHES: cell::Cell<bool> = const { cell::Cell::new(false) };
 }
 
-/// Hides panics within [`catch_panic`] from the panic hook, because they become errors. A program
-/// calls this function at its start. Other panics still reach the previous hook.
+/// Installs a panic hook that prints nothing for panics inside [`catch_panic`], because these
+/// panics become errors. Other panics still reach the previous hook. Programs should call this
+/// function once at startup.
 pub fn silence_caught_panics() {
     let print = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
@@ -45,8 +46,8 @@ pub fn silence_caught_panics() {
     }));
 }
 
-/// Returns the result of `work`, or `None` if it panics. This is for libraries that panic instead
-/// of returning an error.
+/// Returns the result of `work`, or `None` if it panics. Use this function to call libraries that
+/// panic instead of returning an error.
 pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CATCHES.replace(true);
     let result = catch_unwind(AssertUnwindSafe(work));
@@ -54,18 +55,18 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     result.ok()
 }
 
-/// Returns the result of `decode`, with panics as errors. Version 59.3 of the parquet crate panics at
-/// seven places, for example at a page that refers to a missing dictionary, or at a negative offset
-/// of a column. These panics occurred in 0.4 % of 100 000 small tables with one to three damaged
-/// bytes.
+/// Returns the result of `decode` and converts panics to errors. Version 59.3 of the parquet crate
+/// panics at seven locations, for example if a page refers to a missing dictionary or if a column
+/// has a negative offset. Of 100 000 small tables with one to three damaged bytes, 0.4 % caused
+/// such a panic.
 pub(crate) fn catch_decoder_panic<T>(
     decode: impl FnOnce() -> Result<T, TableError>,
 ) -> Result<T, TableError> {
     catch_panic(decode).unwrap_or_else(|| Err(TableError::Parquet("it is damaged".to_owned())))
 }
 
-/// Returns the fields of a table. Parquet stores durations as integers, and only the schema that
-/// Arrow stores in addition identifies these integers as times.
+/// Returns the fields of a table with their Arrow types. Parquet stores durations as plain
+/// integers; only the additional Arrow schema in the file identifies them as durations.
 fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
     let plain = found.schema().fields();
     let stored = || {
@@ -80,29 +81,29 @@ fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
     plain.iter().zip(stored.schema().fields()).map(field).collect()
 }
 
-/// Reader of the rows of a Parquet table.
+/// Reads the rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
-    /// Opens a reader that starts at the given row.
+    /// Function that opens a reader at the given row.
     from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,
     row: u64,
-    /// Number of rows in the batches read so far.
+    /// Number of rows in all batches that have been read.
     read: u64,
-    /// Rest of the last batch read.
+    /// Unused rows of the batch that was read last.
     rest: Option<RecordBatch>,
 }
 
 impl ParquetSource {
     /// Opens a Parquet table.
     ///
-    /// * `table_format`: names of the columns.
+    /// * `table_format`: assignment of column names to inputs.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the file is not Parquet, or if its columns are neither numeric inputs nor
-    /// in `keep`.
+    /// [`TableError`] if the file is not a Parquet file, or if a column is neither a numeric input
+    /// nor in `keep`.
     pub fn new(
         file: impl ChunkReader + 'static,
         keep: &[String],
@@ -116,7 +117,7 @@ impl ParquetSource {
         keep: &[String],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        // The types that Arrow adds to the types of Parquet cause a panic if they are damaged. Only
+        // The parquet crate panics if the stored Arrow types are damaged. Only
         // `with_temporal_types` needs them.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
@@ -139,7 +140,7 @@ impl ParquetSource {
                 found => found.clone(),
             };
         }
-        // A text that occurs in many rows is stored once.
+        // View arrays store a text only once, even if it occurs in many rows.
         let views = fields.iter().map(|field| match field.data_type() {
             DataType::Utf8 | DataType::LargeUtf8 => {
                 Arc::new(field.as_ref().clone().with_data_type(DataType::Utf8View))
@@ -150,7 +151,7 @@ impl ParquetSource {
         let options = ArrowReaderOptions::new().with_schema(schema);
         let metadata = ArrowReaderMetadata::try_new(found.metadata().clone(), options)?;
         let len = u64::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(0);
-        // Ignored columns are not read.
+        // Columns that are ignored are not read from the file.
         let mut read = [&columns.input_places[..], &columns.kept_places].concat();
         read.sort_unstable();
         let mask = ProjectionMask::roots(metadata.parquet_schema(), read.iter().copied());
@@ -160,7 +161,8 @@ impl ParquetSource {
         for group in metadata.metadata().row_groups() {
             for (leaf, chunk) in group.columns().iter().enumerate() {
                 let unread = match chunk.compression() {
-                    // Brotli pages can unpack to unlimited size, which page headers do not limit.
+                    // Brotli pages can unpack to any size, regardless of the size in the page
+                    // header.
                     Compression::BROTLI(_) => "Brotli",
                     Compression::LZO => "LZO",
                     _ => continue,
@@ -172,7 +174,7 @@ impl ParquetSource {
         }
         let file = Pages::new(file, read.len());
         let from_row = Box::new(move |row: u64| {
-            // Row groups before the first row are not read.
+            // Row groups that end before the first row are not read.
             let (mut group, mut skipped) = (0, 0);
             let groups = metadata.metadata().row_groups();
             while let Some(rows) = groups.get(group).and_then(|g| u64::try_from(g.num_rows()).ok())
@@ -192,7 +194,7 @@ impl ParquetSource {
         Ok(Self { reader, from_row, columns, len, row: 0, read: 0, rest: None })
     }
 
-    /// Returns the rest of the last batch or, if there is none, the next batch.
+    /// Returns the unused rows of the last batch or, if there are none, the next batch.
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
         if let Some(batch) = self.rest.take() {
             return Ok(Some(batch));
@@ -201,7 +203,7 @@ impl ParquetSource {
         self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         if batch.is_none() && self.read != self.len {
             return Err(TableError::Malformed(format!(
-                "the metadata of the table state {} rows, but the table contains {}; it is damaged",
+                "according to its metadata, the table has {} rows, but it contains {}; the file is damaged",
                 self.len, self.read
             )));
         }
@@ -266,21 +268,23 @@ impl Source for ParquetSource {
     }
 }
 
-/// Number of rows of a row group, which ends with a chunk. It balances the memory for one group
-/// against the work of readers.
+/// Number of rows per row group (a multiple of the chunk size). The value balances the memory per
+/// group against the overhead for readers.
 const ROW_GROUP: usize = 1 << 18;
 
-/// Returns how the columns of a table are stored.
+/// Returns the storage settings for the columns of a table.
 ///
-/// With `BYTE_STREAM_SPLIT`, the bytes at the same position of all numbers are stored together, so
-/// that Snappy finds what the numbers have in common. Dictionaries of numbers would take twice the
-/// time and twice the space, both for a rigid grid with one output and for one with all outputs.
+/// The encoding `BYTE_STREAM_SPLIT` stores the bytes at the same position of all numbers together,
+/// so that Snappy can compress similar numbers. Dictionaries of numbers would take twice the time
+/// and twice the space; this was measured with model `rigid` on a grid, with one output and with
+/// all outputs.
 fn properties(schema: &Schema) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
-        // Each chunk has one page.
+        // Each page contains one chunk.
         .set_data_page_row_count_limit(ROWS)
-        // The footer follows the rows directly, so that one hash covers everything before it.
+        // Without an offset index, the footer directly follows the rows, so that one hash covers
+        // all bytes before the footer.
         .set_offset_index_disabled(true)
         .set_statistics_enabled(EnabledStatistics::Chunk);
     for field in schema.fields() {
@@ -289,8 +293,9 @@ fn properties(schema: &Schema) -> WriterProperties {
             DataType::Float64 => properties
                 .set_column_dictionary_enabled(column.clone(), false)
                 .set_column_encoding(column, Encoding::BYTE_STREAM_SPLIT),
-            // The statistics of a text column take nearly as long as its encoding (12 and 16 ns for
-            // a row). Readers find the few texts in the dictionary.
+            // Calculating the statistics of a text column takes nearly as long as encoding the
+            // column (12 and 16 ns per row). Readers can find the few distinct texts in the
+            // dictionary.
             DataType::Utf8 => {
                 properties.set_column_statistics_enabled(column, EnabledStatistics::None)
             }
@@ -300,18 +305,18 @@ fn properties(schema: &Schema) -> WriterProperties {
     properties.build()
 }
 
-/// A Parquet table that is being written, with units in the metadata of the columns.
+/// A Parquet table that is being written. The column metadata contain the units.
 pub(crate) struct ParquetSink<W: Write + Send> {
     file: SerializedFileWriter<W>,
     schema: SchemaRef,
     writers: ArrowRowGroupWriterFactory,
-    /// Writers of the columns of the current row group; empty if none has begun.
+    /// Column writers of the current row group; empty if no row group has been started.
     group: Vec<ArrowColumnWriter>,
     rows: usize,
 }
 
 impl<W: Write + Send> ParquetSink<W> {
-    /// Starts the table and writes the schema.
+    /// Starts a table and writes its schema.
     pub(crate) fn new(writer: W, schema: SchemaRef) -> Result<Self, TableError> {
         let properties = properties(&schema);
         let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties))?;
@@ -319,7 +324,7 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(Self { file, schema, writers, group: Vec::new(), rows: 0 })
     }
 
-    /// Writes rows. The columns are encoded in parallel.
+    /// Writes rows, encoding the columns in parallel.
     pub(crate) fn write(&mut self, table: &RecordBatch) -> Result<(), TableError> {
         if self.group.is_empty() {
             let index = self.file.flushed_row_groups().len();
@@ -348,8 +353,8 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(())
     }
 
-    /// Writes the remaining rows and the footer, and returns the writer. The keys of the footer are
-    /// requested when everything before the footer is written.
+    /// Writes the remaining rows and the footer, and returns the writer. `keys` is called after
+    /// everything before the footer has been written.
     pub(crate) fn finish(
         mut self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,

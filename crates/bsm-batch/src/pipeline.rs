@@ -1,5 +1,5 @@
-//! The pipeline from a source of rows to a sink. Chunks are read ahead, then solved and written on
-//! all cores.
+//! The pipeline from a source of rows to a sink. One thread reads chunks ahead while all cores
+//! solve and write other chunks.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -15,50 +15,50 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::solve::Solver;
 use crate::{AnswerSink, Answers, Chunk, Format, Source, TableError, TableFormat, TableSink, Task};
 
-/// Stack size of a thread \[B\]. If the code is not optimized, the kernels keep every intermediate
-/// result, about 4 MB.
+/// Stack size of a thread \[B\]. In unoptimized builds, the kernels keep every intermediate result
+/// on the stack, about 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 
-/// Number of rows that are in memory at a time. The pages of a Parquet table end where chunks end,
-/// so that its bytes depend on this number.
+/// Number of rows per chunk. Each page of a Parquet table contains one chunk, so the bytes of the
+/// file depend on this number.
 pub const ROWS: usize = 1 << 16;
 
-/// Number of all rows, of rows without a result, and of rows with several results.
+/// Row counts of a run: all rows, rows without a result, and rows with several solutions.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
-    /// All rows.
+    /// Number of all rows.
     pub rows: u64,
-    /// Rows that did not converge.
+    /// Number of rows without a result.
     pub failed: u64,
-    /// Rows that are known to have other solutions.
+    /// Number of rows that are known to have other solutions.
     pub several: u64,
 }
 
-/// Threads that solve points, with their interrupt flag.
+/// A thread pool that solves points, with its stop flag.
 #[derive(Debug)]
 pub struct Workers<'a> {
     pub(crate) pool: ThreadPool,
     pub(crate) stop: &'a AtomicBool,
 }
 
-/// Free memory that is required before another thread is started. A thread that cannot allocate
-/// memory would end the program.
+/// Free memory \[B\] that must be available before another thread is started. A thread that cannot
+/// allocate memory would abort the program.
 const MEMORY_RESERVE: usize = 16 << 20;
 
 impl<'a> Workers<'a> {
-    /// Starts threads. Their number defaults to one per core and is smaller if the system refuses
-    /// more.
+    /// Starts threads. By default, one thread per core is started. If the operating system refuses
+    /// to start as many threads, fewer are used.
     ///
-    /// * `stop`: when it becomes true, the work of the threads ends with [`RunError::Stopped`], at
-    ///   the latest after the points that are being solved, one on each thread.
+    /// * `stop`: stop flag. After it becomes true, each thread finishes at most the point that it
+    ///   is solving, and the work ends with [`RunError::Stopped`].
     ///
     /// # Errors
     ///
     /// [`io::Error`] if no thread can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        // The threads are started before the pool is created, because the pool would lose its
-        // threads if one more thread could not be started.
+        // The threads are started before the pool is created, because the creation of a pool fails
+        // completely if one of its threads cannot be started.
         let mut idle = Vec::new();
         while idle.len() < wanted {
             let (give, work) = sync_channel(1);
@@ -77,13 +77,15 @@ impl<'a> Workers<'a> {
             };
             match started {
                 Ok(thread) => {
-                    // A thread must have allocated its memory before the next thread may do so.
+                    // Wait until this thread has allocated its memory before the next thread is
+                    // started.
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }
                 Err(error) if idle.is_empty() => return Err(error),
                 Err(_) => {
-                    // Half of the threads end, so that resources remain for reading and for memory.
+                    // Half of the started threads are ended, so that memory and other resources
+                    // remain for reading.
                     for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
                         drop(give);
                         thread.join().unwrap_or_else(|panic| resume_unwind(panic));
@@ -99,12 +101,12 @@ impl<'a> Workers<'a> {
         Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop })
     }
 
-    /// Returns the number of threads that were started.
+    /// Returns the number of threads in the pool.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
 
-    /// Runs `work` on these threads.
+    /// Runs `work` on the threads of the pool.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
     }
@@ -114,10 +116,10 @@ impl<'a> Workers<'a> {
     }
 }
 
-/// The reason why a table was not solved to its end.
+/// The reason why a run ended before all rows of the table were solved.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The remaining rows cannot be read.
+    /// The remaining rows of the source cannot be read.
     #[error(transparent)]
     Read(TableError),
     /// The results cannot be written.
@@ -134,11 +136,11 @@ pub enum RunError {
 impl Task {
     /// Solves all rows of `source`, writes them as a table, and returns the writer.
     ///
-    /// * `seen`: is called with every solved chunk.
+    /// * `seen`: called for every solved chunk.
     ///
     /// # Errors
     ///
-    /// [`RunError`].
+    /// [`RunError`] if reading or writing fails, a thread cannot be started, or the run is stopped.
     pub fn write<W: Write + Send>(
         &self,
         source: &mut dyn Source,
@@ -154,16 +156,15 @@ impl Task {
         Ok((sink.finish(None).map_err(RunError::Write)?, count))
     }
 
-    /// Solves the next rows of `source`, at most `max_rows`, writes them to `sink`, and returns
-    /// the sink.
+    /// Solves up to `max_rows` rows of `source`, writes them to `sink`, and returns the sink.
     ///
-    /// One thread reads ahead. The workers write each chunk while they solve the next chunk.
+    /// One thread reads ahead. The worker threads write each chunk while they solve the next chunk.
     ///
-    /// * `seen`: is called with every solved chunk.
+    /// * `seen`: called for every solved chunk.
     ///
     /// # Errors
     ///
-    /// [`RunError`]. The sink is lost in this case.
+    /// [`RunError`]. The sink is dropped in this case.
     pub fn run<S: AnswerSink + Send>(
         &self,
         source: &mut dyn Source,
@@ -207,7 +208,7 @@ impl Task {
     }
 }
 
-/// Sends the rows of a source, at most `max_rows`, until the source ends or fails, or until the
+/// Sends up to `max_rows` rows of a source to a channel, until the source ends or fails or the
 /// receiver is closed.
 fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chunk, TableError>>) {
     let mut left = max_rows;

@@ -1,4 +1,5 @@
-//! Rows in memory: a chunk of rows in Arrow columns, their results, and the table of both.
+//! Rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and the table that
+//! combines both.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,18 +21,18 @@ use crate::columns::{ANSWERS, Columns};
 use crate::error::UnknownName;
 use crate::{TableError, arrow_column};
 
-/// A cell of a table.
+/// The value of a table cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
-    /// An empty cell. If it belongs to an input, the value of the base case is used.
+    /// An empty cell. For an input, the value of the base case is used instead.
     Missing,
-    /// A number.
+    /// A floating-point number.
     Number(f64),
-    /// An integer or another number whose digits are preserved.
+    /// An integer or another number whose digits must be preserved.
     Digits(Number),
     /// A boolean.
     Flag(bool),
-    /// A text. A text instead of a number of an input makes the row invalid.
+    /// A text. A row with text in place of a numeric input is invalid.
     Text(&'a str),
 }
 
@@ -52,33 +53,33 @@ impl From<Option<f64>> for Cell<'_> {
     }
 }
 
-/// Number of entries by which a column is longer than its rows. Columns at distances of a power of
-/// two would otherwise compete for the same few cache lines.
+/// Number of unused entries that are allocated at the end of each column. If the distance between
+/// columns were a power of two, their entries would compete for the same few cache lines.
 pub(crate) const COLUMN_PADDING: usize = 40;
 
-/// Maximum size of the text in a chunk, except for its last row \[B\]. A few rows with long texts
-/// are as much work as many rows of numbers.
+/// Maximum size of the text in a chunk, not counting the last row \[B\]. A few rows with long text
+/// take as much work as many rows of numbers.
 pub(crate) const MAX_TEXT_BYTES: usize = 32 << 20;
 
-/// Some rows of a table.
+/// A chunk: consecutive rows of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Chunk {
-    /// Number of the first row, counted from 1.
+    /// Number of the first row; rows are counted from 1.
     pub first: u64,
-    /// Number of rows.
+    /// Number of rows of the chunk.
     pub len: usize,
-    /// Values of each input, null if missing.
+    /// Values of each input; missing values are null.
     pub inputs: Vec<Float64Array>,
-    /// Cells that are not numbers, by row and index of the input.
+    /// Input cells that are not numbers, indexed by row and input.
     pub texts: BTreeMap<(usize, usize), String>,
-    /// Each copied column.
+    /// Values of each copied column.
     pub kept: Vec<ArrayRef>,
 }
 
 impl Chunk {
-    /// Returns a chunk of numbers, unless it has no rows.
+    /// Returns a chunk of numbers, or `None` if `len` is 0.
     ///
-    /// * `fill`: appends the values of the input with a given index.
+    /// * `fill`: appends the values of the input with the given index.
     pub(crate) fn of_numbers(
         first: u64,
         len: usize,
@@ -94,7 +95,7 @@ impl Chunk {
         (len > 0).then(|| Self { first, len, inputs, ..Self::default() })
     }
 
-    /// Returns a chunk with the inputs of a table.
+    /// Returns a chunk with the given input cells.
     pub fn of_rows<'a, C: Into<Cell<'a>>, R: IntoIterator<Item = C>>(
         columns: &Columns,
         rows: impl IntoIterator<Item = R>,
@@ -109,7 +110,7 @@ impl Chunk {
         chunk.finish().unwrap_or_default()
     }
 
-    /// Returns the numbers of given rows, in this order.
+    /// Returns a chunk with the numbers of the given rows, in the given order.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let of = |input: &Float64Array| {
@@ -119,7 +120,7 @@ impl Chunk {
         Self { first: 1, len: rows.len(), inputs, ..Self::default() }
     }
 
-    /// Returns the value of an input, given by its index.
+    /// Returns the cell of an input in a row.
     pub fn cell(&self, row: usize, index: usize) -> Cell<'_> {
         match self.texts.get(&(row, index)) {
             Some(text) => Cell::Text(text),
@@ -127,11 +128,12 @@ impl Chunk {
         }
     }
 
-    /// Returns the case of a row: `base`, with the non-empty cells of the row as settings.
+    /// Returns the case of a row: `base` with its values replaced by the non-empty cells of the
+    /// row.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for a text instead of a number.
+    /// [`CaseError`] if a cell contains text instead of a number.
     pub fn case(&self, columns: &Columns, base: &Case, row: usize) -> Result<Case, CaseError> {
         let mut numbers = Vec::with_capacity(columns.inputs.len());
         for (index, key) in columns.inputs.iter().enumerate() {
@@ -146,7 +148,7 @@ impl Chunk {
         Ok(case)
     }
 
-    /// Fills in the values of an input for the rows that do not have one. NaN is not filled in.
+    /// Fills in the missing values of an input. A NaN in `values` leaves the value missing.
     pub(crate) fn complete(&mut self, index: usize, values: &[f64]) {
         let both = self.inputs[index].iter().zip(values);
         let both = both.map(|(x, other)| x.or_else(|| Some(*other).filter(|x| !x.is_nan())));
@@ -158,7 +160,7 @@ fn number(column: &Float64Array, row: usize) -> Cell<'static> {
     column.is_valid(row).then(|| column.value(row)).into()
 }
 
-/// A chunk of a text table, which is read row by row.
+/// Builds a chunk from a text table that is read row by row.
 pub(crate) struct ChunkBuilder<'a> {
     columns: &'a Columns,
     chunk: Chunk,
@@ -182,7 +184,7 @@ impl<'a> ChunkBuilder<'a> {
         self.chunk.len
     }
 
-    /// Appends a value of an input, in the unit of the table.
+    /// Appends a value of an input, given in the unit of the table.
     pub(crate) fn input(&mut self, index: usize, cell: &Cell<'_>) {
         match cell {
             Cell::Number(value) => {
@@ -205,7 +207,7 @@ impl<'a> ChunkBuilder<'a> {
         self.chunk.len += 1;
     }
 
-    /// Returns the chunk, unless it has no rows.
+    /// Returns the chunk, or `None` if it has no rows.
     pub(crate) fn finish(self) -> Option<Chunk> {
         let inputs = self.inputs.into_iter().map(|mut column| column.finish());
         let kept = self.kept.into_iter().map(|mut texts| Arc::new(texts.finish()) as ArrayRef);
@@ -214,35 +216,37 @@ impl<'a> ChunkBuilder<'a> {
     }
 }
 
-/// Status of a row.
+/// Outcome of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
-    /// The model that solved the row, or that should have solved it.
+    /// Model that solved the row, or that was requested for a row without a result.
     pub model: ModelChoice,
-    /// Status of the solve.
+    /// Status of the solution.
     pub status: Status,
     /// True if the point is known to have other solutions.
     pub has_others: bool,
 }
 
-/// Results of a chunk: a status for each row, messages for some rows, and columns of outputs.
+/// Results of a chunk: a status for each row, messages for some rows, and a column for each output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
-    /// Status of each row.
+    /// Outcome of each row.
     pub verdicts: Vec<Verdict>,
-    /// The reason why there is no result, or why `auto` chose its model, for rows in their order.
+    /// Row indices in ascending order, each with the reason why the row has no result or why `auto`
+    /// chose its model.
     pub messages: Vec<(usize, String)>,
-    /// The requested outputs in their order, as [`Output::read`] returns them; NaN for a missing
-    /// value.
+    /// Values of the requested outputs, in the order of the request and in the form that
+    /// [`Output::read`] returns; missing values are NaN.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Answers {
-    /// Allocates memory for the results of a number of rows.
+    /// Allocates memory for the results of the given number of rows.
     pub fn room(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
-        // The system provides zeroed memory, which occupies nothing before it is written.
+        // The operating system provides zeroed memory, which takes up no physical memory until it
+        // is written.
         let column = || {
             let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);
@@ -261,17 +265,17 @@ impl Answers {
         Some(&self.messages[index].1)
     }
 
-    /// Returns all outputs of a solution, or the outputs of a selection in its order, which may
-    /// include results of analyses.
+    /// Returns all outputs of a solution or, if `names` is given, these outputs in the given order.
+    /// The names may include results of analyses.
     ///
     /// # Errors
     ///
-    /// [`TableError`] for a name that is not an output or appears twice.
+    /// [`TableError`] if a name is not an output or appears twice.
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
         let mut unknown = Vec::new();
-        // These columns are part of every table.
+        // The status columns are part of every table and are skipped here.
         for name in names.iter().filter(|name| !ANSWERS.contains(&name.as_str())) {
             let Some(output) = Output::named(name) else {
                 unknown.push(UnknownName { name: name.clone(), nearest: Output::nearest(name) });
@@ -288,7 +292,7 @@ impl Answers {
         Ok(selected)
     }
 
-    /// Returns the table of a chunk and its results.
+    /// Returns a table with the rows of a chunk and their results.
     ///
     /// # Errors
     ///
@@ -318,7 +322,7 @@ impl Answers {
     }
 }
 
-/// Creates a column of texts that occur in runs of rows.
+/// Creates a column of texts. Consecutive rows with the same text are appended together.
 fn text_column<T>(
     rows: &[T],
     same: impl Fn(&T, &T) -> bool,
@@ -327,7 +331,7 @@ fn text_column<T>(
     let mut words = StringBuilder::new();
     for run in rows.chunk_by(same) {
         match word(&run[0]) {
-            // Most columns contain a single text.
+            // Most text columns contain the same text in all rows.
             Some(word) if run.len() == rows.len() => {
                 return Arc::new(StringArray::new_repeated(word, rows.len()));
             }
@@ -338,7 +342,7 @@ fn text_column<T>(
     Arc::new(words.finish())
 }
 
-/// Returns the values of an output in its type.
+/// Converts the values of an output to an Arrow column of the output's type.
 fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
     let count = |x: &f64| (!x.is_nan()).then_some(*x as u64);
@@ -351,22 +355,22 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     }
 }
 
-/// Converts numbers to an Arrow column, in which NaN becomes a missing value.
+/// Converts numbers to an Arrow column. NaN becomes null.
 pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
-    // The loop examines all numbers, so that the compiler can examine several at once.
+    // The loop has no early exit, so that the compiler can vectorize it.
     let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
     let given = gaps.then(|| values.iter().map(|x| !x.is_nan()).collect::<NullBuffer>());
     Float64Array::new(values.into(), given)
 }
 
-/// A table that is read by rows.
+/// A table whose cells are read row by row.
 pub struct Cells<'a> {
     columns: Vec<ArrowColumn<'a>>,
     texts: &'a BTreeMap<(usize, usize), String>,
     kept: usize,
 }
 
-/// A column of the table.
+/// A typed column of the table.
 enum ArrowColumn<'a> {
     Numbers(&'a Float64Array),
     Counts(&'a UInt64Array),
@@ -376,11 +380,11 @@ enum ArrowColumn<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// Returns the cells of the table of a chunk.
+    /// Provides access to the cells of the table of a chunk.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a copied column cannot be written as text.
+    /// [`TableError`] if the values of a copied column have no text representation.
     pub fn of(table: &'a RecordBatch, chunk: &'a Chunk) -> Result<Self, TableError> {
         let kept = chunk.kept.len();
         let column = |(index, column): (usize, &'a ArrayRef)| {

@@ -1,4 +1,4 @@
-//! Results of a task for a chunk of rows.
+//! Solves the rows of a chunk for a task.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -16,47 +16,49 @@ use rayon::prelude::*;
 use crate::column_plan::ColumnPlan;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
-/// Number of rows of a kernel that one thread takes at a time. Distributing rows takes as long as
-/// solving many of them.
+/// Number of rows that a thread solves at a time if a kernel solves them. Handing rows to a thread
+/// takes as long as solving many rows with a kernel.
 const KERNEL_STRIDE: usize = 2048;
 
-/// Number of rows of `auto` that one thread takes at a time.
+/// Number of rows that a thread solves at a time with `auto`.
 const AUTO_STRIDE: usize = 256;
 
-/// Number of rows of a model that one thread takes at a time.
+/// Number of rows that a thread solves at a time if each row is solved individually.
 const MODEL_STRIDE: usize = 16;
 
-/// Maximum number of rows that the calling thread solves itself, because waking other threads would
-/// take as long.
+/// Maximum number of rows that are solved on the calling thread, because waking other threads would
+/// take as long as solving these rows.
 const MAX_SERIAL_ROWS: usize = 256;
 
 thread_local! {
-    /// Memory of the models, which each thread reuses for all its chunks.
+    /// Work memory of the models, which each thread reuses for all its rows.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
-/// Memory for the results of a chunk.
+/// Memory provided by the caller for the results of a chunk.
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    /// An entry for each row.
+    /// Status entries, one for each row.
     pub verdicts: &'a mut [Verdict],
-    /// The outputs of the task, with an entry for each row. For an output without memory, only
-    /// existing values are returned, because most outputs belong to other models.
+    /// Output columns of the task, with one entry for each row, or `None` to return only existing
+    /// values in [`RowReport::values`]. Most outputs have no value, because they belong to other
+    /// models.
     pub columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// Messages of a chunk.
+/// Messages of a chunk, and values of outputs for which the caller provided no memory.
 #[derive(Debug, Default)]
 pub struct RowReport {
-    /// The reason why there is no result, or why `auto` chose its model, for rows in their order.
+    /// Row indices in ascending order, each with the reason why the row has no result or why `auto`
+    /// chose its model.
     pub messages: Vec<(usize, String)>,
-    /// Values of outputs without memory: the output, the first row, and the values of some rows.
-    /// Other rows have no value.
+    /// Values of outputs without a column in [`Buffers::columns`]: index of the output, index of
+    /// the first row, and values of consecutive rows. All other rows have no value.
     pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
 impl<'a> Buffers<'a> {
-    /// Divides the memory into strides of rows.
+    /// Divides the memory into parts with `stride` rows each.
     fn parts(self, stride: usize) -> Vec<ChunkPart<'a>> {
         let columns = self.columns.into_iter();
         let mut columns: Vec<_> = columns.map(|c| Some(c?.chunks_mut(stride))).collect();
@@ -77,7 +79,7 @@ impl RowReport {
     }
 }
 
-/// Some rows of a chunk.
+/// Consecutive rows of a chunk, with memory for their results.
 struct ChunkPart<'a> {
     /// Index of the first row in the chunk.
     first: usize,
@@ -86,24 +88,25 @@ struct ChunkPart<'a> {
 }
 
 impl Task {
-    /// Returns the result of each row of a chunk, in order, for `base` with the values of the row.
+    /// Solves each row of a chunk and returns the results in the order of the rows. The case of a
+    /// row is the base case with the values of the row.
     ///
-    /// A row that is not a valid point has the status `invalid_input`, and its message gives the
-    /// reason. Results do not depend on chunk, thread or instruction set, which is the widest of
-    /// the machine.
+    /// A row that is not a valid point has the status `invalid_input`, and its message states the
+    /// reason. Results do not depend on how rows are divided into chunks, on the number of threads
+    /// or on the instruction set. The widest instruction set of the machine is used.
     pub fn solve(&self, chunk: &Chunk, columns: &Columns) -> Answers {
         self.solve_on(Arch::new(), chunk, columns)
     }
 
-    /// Does the same as [`solve`](Self::solve), but on a given instruction set.
+    /// Same as [`solve`](Self::solve), but with the given instruction set.
     pub fn solve_on(&self, arch: Arch, chunk: &Chunk, columns: &Columns) -> Answers {
         Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
-    /// Does the same as [`solve`](Self::solve), but writes into memory of the caller.
+    /// Same as [`solve`](Self::solve), but writes the results into memory of the caller.
     ///
-    /// * `stop`: once it is true, the results have no meaning.
-    /// * `done`: counts the solved rows while other rows are being solved.
+    /// * `stop`: stops the work when it becomes true; the results are then meaningless.
+    /// * `done`: counter of solved rows, which is updated while the chunk is being solved.
     pub fn solve_into(
         &self,
         (chunk, columns): (&Chunk, &Columns),
@@ -114,24 +117,23 @@ impl Task {
         Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, room)
     }
 
-    /// Returns true if the calling thread solves this number of rows itself: for few rows without
-    /// an analysis, which may take long.
+    /// Returns true if the given number of rows is solved on the calling thread. This is the case
+    /// for a small number of rows and a task without analyses, which may take long.
     pub fn is_quick(&self, rows: usize) -> bool {
         rows <= MAX_SERIAL_ROWS
             && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }
 
-/// A task for the rows of one table: the settings for every row, and the way in which rows are
-/// solved.
+/// Solves the rows of one table: the task together with the settings that apply to every row.
 pub(crate) struct Solver<'a> {
     task: &'a Task,
     columns: &'a Columns,
-    /// Plan of a kernel; `None` if every row is solved by itself.
+    /// Kernel that solves the rows; `None` if each row is solved individually.
     plan: Option<ColumnPlan<'a>>,
-    /// Outputs to write, outputs that fill in missing inputs, and the output that is watched.
+    /// Outputs to write, then outputs that fill in missing inputs, then the watched output.
     outputs: Vec<&'static Output>,
-    /// The analyses to which these outputs belong.
+    /// Analyses that calculate these outputs.
     analyses: Vec<AnalysisKind>,
 }
 
@@ -142,8 +144,9 @@ impl<'a> Solver<'a> {
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
-            // The warm analysis also gives the results of the warm nut, so that one search for the
-            // state is sufficient.
+            // The warm analysis also returns the results of the warm nut. If it covers all
+            // requested nut results, the nut analysis is omitted so that the warm state is
+            // calculated only once.
             let has = |o: &Output| AnalysisKind::Warm.columns().any(|column| column.name == o.name);
             let of_nut = |o: &&&Output| o.analysis() == Some(AnalysisKind::Nut);
             if outputs.iter().filter(of_nut).all(|o| has(o)) {
@@ -151,7 +154,7 @@ impl<'a> Solver<'a> {
             }
         }
         let plan = || ColumnPlan::new(&task.base, &task.settings, columns);
-        // A kernel neither estimates grooves nor solves a point for several of them.
+        // Kernels cannot estimate grooves and cannot solve a point for several possible grooves.
         let by_kernel = task.solves()
             && !task.estimates_rows
             && outputs.iter().all(|output| output.interval().is_none());
@@ -159,8 +162,9 @@ impl<'a> Solver<'a> {
         Self { task, columns, plan, outputs, analyses }
     }
 
-    /// Returns the results, which are complete unless `stop` has become true. `stop` is checked
-    /// before every row of a model and before every stride of a kernel.
+    /// Returns the results, which are incomplete if `stop` has become true. `stop` is checked
+    /// before every row that is solved individually and before every group of rows that a kernel
+    /// solves.
     pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
         let mut answers = Answers::room(chunk.len, self.outputs.len());
         let room = Buffers {
@@ -179,7 +183,7 @@ impl<'a> Solver<'a> {
         chunk: &Chunk,
         room: Buffers<'_>,
     ) -> RowReport {
-        // A caller without memory for filled-in inputs does not request these inputs.
+        // A caller that provides no memory for filled-in inputs does not need them.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
             Some(ModelChoice::Auto) => AUTO_STRIDE,
@@ -212,7 +216,7 @@ impl<'a> Solver<'a> {
 struct ChunkSolve<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,
-    /// The inputs of a kernel, and its model.
+    /// Kernel inputs and model; `None` if each row is solved individually.
     kernel: Option<(InputColumns<'a>, ModelChoice)>,
     outputs: &'a [&'static Output],
     wanted: Selection,
@@ -221,7 +225,7 @@ struct ChunkSolve<'a> {
 }
 
 impl ChunkSolve<'_> {
-    /// Solves a part of the chunk.
+    /// Solves some rows of the chunk.
     fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
         let column = |column: Option<_>| match column {
             Some(values) => {
@@ -235,7 +239,8 @@ impl ChunkSolve<'_> {
         let messages = self.rows(first, verdicts, &mut outputs);
         let mut values = Vec::new();
         for (index, column) in outputs.into_iter().enumerate() {
-            // The kernel may have stored values only for rows that it left unsolved.
+            // Columns without any value are left out: a kernel may have stored values only for rows
+            // that it did not solve completely.
             if let OutputColumn::OnDemand { values: column, .. } = column
                 && column.iter().any(|value| !value.is_nan())
             {
@@ -245,10 +250,10 @@ impl ChunkSolve<'_> {
         RowReport { messages, values }
     }
 
-    /// Solves rows: first all rows that a kernel can solve, then the remaining rows one by one.
-    /// Returns their messages.
+    /// Solves rows, first with a kernel if possible, then the remaining rows individually. Returns
+    /// the messages of the rows.
     ///
-    /// * `outputs`: the columns, filled with NaN.
+    /// * `outputs`: output columns, filled with NaN.
     fn rows(
         &self,
         first: usize,
@@ -274,7 +279,7 @@ impl ChunkSolve<'_> {
                 break;
             }
             if !done {
-                // A kernel may have written some outputs of the row.
+                // The kernel may have written some outputs of this row before it gave up.
                 for column in outputs.iter_mut() {
                     column.set(i, f64::NAN);
                 }
@@ -288,11 +293,11 @@ impl ChunkSolve<'_> {
         messages.into_iter().map(|(row, message)| (first + row, message)).collect()
     }
 
-    /// Solves a row. Returns its status, unless a kernel has solved everything except its analyses,
-    /// and its message.
+    /// Solves a single row. Returns its message and its status. The status is `None` if a kernel
+    /// has already solved the row and only its analyses were calculated here.
     ///
-    /// * `words`: message of the kernel.
-    /// * `put`: receives the value of an output, given by its index.
+    /// * `words`: message from the kernel.
+    /// * `put`: stores the value of the output with the given index.
     fn row(
         &self,
         row: usize,
@@ -302,7 +307,7 @@ impl ChunkSolve<'_> {
     ) -> (Option<Verdict>, Option<String>) {
         let task = self.solver.task;
         let given = self.chunk.case(self.solver.columns, &task.base, row);
-        // A case has several kilobytes, so it is not moved.
+        // A case takes several kilobytes, so references are used instead of moving it.
         let estimated = match &given {
             Ok(case) if task.estimates_rows => Some(task.groove_of(case)),
             _ => None,
@@ -316,7 +321,7 @@ impl ChunkSolve<'_> {
         }
     }
 
-    /// Returns the status and the message of a case that cannot be solved.
+    /// Returns the status and message for a case that cannot be solved.
     fn invalid(&self, error: &CaseError) -> (Option<Verdict>, Option<String>) {
         let status = match error {
             CaseError::NoWarmState(_) => Status::NoSolution,
@@ -327,8 +332,8 @@ impl ChunkSolve<'_> {
         (Some(verdict), Some(error.to_string()))
     }
 
-    /// Calculates the ends of intervals over the possible grooves of a case. A case without an
-    /// estimated groove has no intervals.
+    /// Calculates the bounds of the intervals over all possible grooves of a case. A case without
+    /// an estimated groove has no intervals.
     fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) {
         let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
         let ends = ends().filter_map(|(index, end)| Some((index, end?)));
@@ -350,7 +355,8 @@ impl ChunkSolve<'_> {
         }
     }
 
-    /// Calculates outputs of a case and returns the same as [`row`](Self::row).
+    /// Calculates the given outputs of a case. Returns status and message as [`row`](Self::row)
+    /// does.
     fn results(
         &self,
         case: &Case,
@@ -376,7 +382,7 @@ impl ChunkSolve<'_> {
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
                 for (index, output) in outputs.iter().enumerate() {
-                    // The ends of intervals have already been stored.
+                    // The bounds of intervals have already been stored.
                     if output.interval().is_none() {
                         put(index, record.value(output).unwrap_or(f64::NAN));
                     }

@@ -1,4 +1,4 @@
-//! Sources of rows.
+//! Sources that provide the rows to solve.
 
 use std::ops::Range;
 
@@ -6,24 +6,24 @@ use bsm_case::{Grid, InputKey};
 
 use crate::{Chunk, Columns, TableError};
 
-/// A source of rows, which provides chunks in order.
+/// A source of rows, which provides chunks in the order of the rows.
 pub trait Source: Send {
-    /// Returns the columns.
+    /// Returns the columns of the table.
     fn columns(&self) -> &Columns;
 
-    /// Returns the number of rows, if it is known in advance.
+    /// Returns the number of rows if it is known in advance.
     fn len_hint(&self) -> Option<u64> {
         None
     }
 
-    /// Returns the next rows, at most `rows`, or `None` at the end.
+    /// Returns the next rows (at most `rows`), or `None` at the end.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the table cannot be read further.
+    /// [`TableError`] if the next rows cannot be read.
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError>;
 
-    /// Skips rows. If the table ends earlier, fewer rows are skipped.
+    /// Skips the given number of rows, or all remaining rows if there are fewer.
     ///
     /// # Errors
     ///
@@ -42,7 +42,7 @@ pub trait Source: Send {
     }
 }
 
-/// Points that are generated on demand, from a grid or at random.
+/// Points that are generated on demand: a grid or random points.
 pub trait PointSet: Send {
     /// Returns the inputs of the points.
     fn inputs(&self) -> Vec<InputKey>;
@@ -50,7 +50,7 @@ pub trait PointSet: Send {
     /// Returns the number of points.
     fn count(&self) -> u64;
 
-    /// Appends the values of the input with a given index for some rows.
+    /// Appends the values of an input for the given rows.
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>);
 }
 
@@ -70,7 +70,7 @@ impl PointSet for Grid {
     }
 }
 
-/// The rows of generated points.
+/// A source of rows for generated points.
 #[derive(Debug, Clone)]
 pub struct PointSource<P> {
     points: P,
@@ -78,11 +78,11 @@ pub struct PointSource<P> {
     at: u64,
 }
 
-/// All points of a grid. The last axis varies fastest.
+/// A source of rows for a grid. The last axis of the grid varies fastest.
 pub type GridSource = PointSource<Grid>;
 
 impl<P: PointSet> PointSource<P> {
-    /// Returns the source of all points.
+    /// Returns a source that starts at the first point.
     pub fn new(points: P) -> Self {
         let columns = Columns::of_inputs(points.inputs());
         Self { points, columns, at: 0 }

@@ -1,4 +1,4 @@
-//! Tables whose format follows from the ending of the file name.
+//! Tables. The file format is determined by the file extension.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
@@ -15,10 +15,10 @@ use crate::rows::{Answers, Chunk, numbers};
 use crate::text::TextSink;
 use crate::{AnswerSink, CsvSource, JsonSource, ParquetSource, Source, TableError, TableFormat};
 
-/// Key in the metadata of a Parquet table for the origin of the table, in JSON.
+/// Key in the metadata of a Parquet table. Its value describes the origin of the table as JSON.
 pub const ABOUT: &str = "bsm";
 
-/// Format of a table.
+/// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// CSV: text with separated cells.
@@ -30,7 +30,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format for the ending of a file name.
+    /// Returns the format for the file extension, or `None` if the extension is unknown.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -41,13 +41,14 @@ impl Format {
         }
     }
 
-    /// Returns the rows of a file of this format.
+    /// Opens a table of this format and returns its rows.
     ///
-    /// * `table_format`: names of the columns, and the separators and signs of a text file.
+    /// * `table_format`: assignment of column names to inputs, and the separators and decimal sign
+    ///   of a text file.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the file cannot be opened, or if its columns are neither inputs nor in
+    /// [`TableError`] if the file cannot be opened, or if a column is neither an input nor in
     /// `keep`.
     pub fn open(
         self,
@@ -67,14 +68,14 @@ impl Format {
     }
 }
 
-/// Head of a column that is not a result of points.
+/// Header of a column in a table that does not contain solved points.
 #[derive(Debug, Clone, Copy)]
 pub struct TableHead<'a> {
-    /// Name.
+    /// Column name.
     pub name: &'a str,
-    /// Unit as text.
+    /// Unit of the column as text.
     pub unit: &'a str,
-    /// True for a column of texts.
+    /// True for a text column.
     pub is_text: bool,
 }
 
@@ -91,14 +92,14 @@ enum Form<W: Write + Send> {
 }
 
 impl<W: Write + Send> TableSink<W> {
-    /// Starts a table and writes the names of the columns of the source, then model, status,
-    /// message and outputs.
+    /// Starts a table and writes its column names: first the columns of the source, then model,
+    /// status, message and outputs.
     ///
-    /// * `table_format`: separators and signs of CSV.
+    /// * `table_format`: separators and decimal sign of a CSV file.
     ///
     /// # Errors
     ///
-    /// [`TableError`].
+    /// [`TableError`] if the table cannot be written.
     pub fn new(
         format: Format,
         out: W,
@@ -110,11 +111,11 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 
-    /// Starts a table of columns that are not results of points.
+    /// Starts a table that does not contain solved points.
     ///
     /// # Errors
     ///
-    /// [`TableError`].
+    /// [`TableError`] if the table cannot be written.
     pub fn of_columns<'a>(
         format: Format,
         out: W,
@@ -141,11 +142,11 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { schema, outputs: Vec::new(), file })
     }
 
-    /// Writes rows, given as columns of equal length.
+    /// Writes rows that are given as columns of equal length.
     ///
     /// # Errors
     ///
-    /// [`TableError`].
+    /// [`TableError`] if the rows cannot be written.
     pub fn write_columns(&mut self, columns: Vec<ColumnValues>) -> Result<(), TableError> {
         let arrays = columns.into_iter().map(|values| match values {
             ColumnValues::Numbers(values) => Arc::new(numbers(values)) as ArrayRef,
@@ -164,18 +165,18 @@ impl<W: Write + Send> TableSink<W> {
 
     /// Writes the end of the table and returns the writer.
     ///
-    /// * `about`: origin of the table, which is stored in the metadata of a Parquet file with the
-    ///   key [`ABOUT`].
+    /// * `about`: description of the table's origin, which is stored in the metadata of a Parquet
+    ///   file with the key [`ABOUT`].
     ///
     /// # Errors
     ///
-    /// [`TableError`].
+    /// [`TableError`] if the end of the table cannot be written.
     pub fn finish(self, about: Option<&str>) -> Result<W, TableError> {
         self.finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect())
     }
 
-    /// Does the same as [`finish`](Self::finish), but with several keys for the metadata of a
-    /// Parquet file. Their values are requested when everything before the footer is written.
+    /// Same as [`finish`](Self::finish), but writes several metadata keys to a Parquet file. `keys`
+    /// is called after everything before the footer has been written.
     pub(crate) fn finish_with(
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
@@ -194,7 +195,7 @@ impl<W: Write + Send> AnswerSink for TableSink<W> {
     }
 }
 
-/// Results in memory, with one table for each chunk.
+/// A sink that keeps results in memory, with one table for each chunk.
 pub(crate) struct MemorySink {
     pub(crate) schema: SchemaRef,
     pub(crate) tables: Vec<RecordBatch>,

@@ -1,30 +1,30 @@
-//! The task that is performed for every row of a table.
+//! The task that is performed for each row of a table.
 
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Output, Settings};
 
 use crate::Columns;
 
-/// Settings that all rows of a table share.
+/// Settings that apply to all rows of a table.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// The inputs that are not columns.
+    /// Base case: values of the inputs that are not table columns.
     pub base: Case,
-    /// The model and its settings.
+    /// Model and model settings.
     pub settings: Settings,
-    /// Outputs to write.
+    /// Outputs that are written for each row.
     pub outputs: Vec<&'static Output>,
-    /// An output that is shown, but not written. It is the last column of the results that are
-    /// shown.
+    /// An output that is displayed but not written. In the results, its column is the last one.
     pub watched: Option<&'static Output>,
-    /// Outputs that are also inputs of the table, such as a temperature. They are filled in for
-    /// rows that do not contain them.
+    /// Requested outputs that are also input columns of the table, such as a temperature. In rows
+    /// where the input is missing, the calculated value is filled in.
     pub filled: Vec<&'static Output>,
-    /// True if the groove is estimated in each row, because a column changes the estimate.
+    /// True if the groove is estimated separately for each row, because the estimate depends on a
+    /// column.
     pub estimates_rows: bool,
 }
 
-/// Divides outputs into outputs that are not inputs of the table and outputs that are also inputs
-/// of the table, such as a given temperature.
+/// Divides outputs into outputs that are not input columns of the table and outputs that are also
+/// input columns, such as a temperature.
 fn besides(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
@@ -33,19 +33,20 @@ fn besides(
 }
 
 impl Task {
-    /// Returns a task that writes the given outputs and shows no output.
+    /// Returns a task that writes the given outputs and displays no other output.
     pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None, filled: Vec::new(), estimates_rows: false }
     }
 
-    /// Returns true if the points must be solved. Otherwise it is sufficient to read their inputs.
+    /// Returns true if the points must be solved. Otherwise all outputs can be read from the
+    /// inputs.
     pub(crate) fn solves(&self) -> bool {
         let mut outputs = self.outputs.iter().copied().chain(self.watched);
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
     }
 
-    /// Returns the task with an estimated groove if the groove is not given in full. The groove is
-    /// estimated once for the base case, or in each row if a column changes the estimate.
+    /// Prepares the estimation of the groove if it is not fully specified. The groove is estimated
+    /// once for the base case, or separately for each row if a column changes the estimate.
     fn with_groove(mut self, columns: InputSet) -> Result<Self, CaseError> {
         if columns.changes_groove() {
             self.base = self.base.without_estimates();
@@ -57,7 +58,7 @@ impl Task {
         Ok(self)
     }
 
-    /// Returns a note on an estimated groove; `None` if the groove is given.
+    /// Returns a note about the estimated groove, or `None` if the groove is given.
     pub fn groove_note(&self) -> Option<String> {
         if self.estimates_rows {
             let note = "The groove of each row that does not give it in full is estimated from the load ratings. Columns with `low` or \
@@ -67,8 +68,9 @@ impl Task {
         self.base.groove_note()
     }
 
-    /// Returns a case with a groove. A case whose groove cannot be estimated is returned without a
-    /// groove if only results of the axis are requested, which need no groove.
+    /// Returns the case with a given or estimated groove. If the groove cannot be estimated, the
+    /// case is returned without a groove, provided that the requested results concern only the axis
+    /// and need no groove.
     pub(crate) fn groove_of(&self, case: &Case) -> Result<Case, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         match case.with_groove() {
@@ -82,8 +84,8 @@ impl Task {
         }
     }
 
-    /// Returns the task with one model for all points and columns, if a column depends on the
-    /// motion of the ball.
+    /// If an output depends on the motion of the ball, selects one model for all points and
+    /// outputs.
     fn of_motion(mut self, given: InputSet) -> Self {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
@@ -92,17 +94,18 @@ impl Task {
         self
     }
 
-    /// Returns the task if points with the inputs `given`, solved by `model`, can fill its columns.
+    /// Checks that all outputs can be calculated for points with the inputs `given` and the model
+    /// `model`, and returns the task.
     fn checked(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         outputs.try_for_each(|output| output.check(&self.base, given, model))?;
         Ok(self)
     }
 
-    /// Returns a task for all points of a grid, with one model for all points. Inputs that are
-    /// missing for every point are an error.
+    /// Returns a task that solves all points of a grid with one model. Required inputs must be
+    /// given by the base case or the grid.
     ///
-    /// * `watched`: an output that is shown, but not written.
+    /// * `watched`: an output that is displayed but not written.
     ///
     /// # Errors
     ///
@@ -128,12 +131,13 @@ impl Task {
         task.checked(given, model)
     }
 
-    /// Returns a task for the rows of a table. Inputs that are missing for every row are an error.
+    /// Returns a task for the rows of a table. Required inputs must be given by the base case or by
+    /// a column.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if base and columns together lack an input of the model, and the errors
-    /// of [`Output::check`].
+    /// [`CaseError::Entry`] if an input of the model is neither in the base case nor a column, and
+    /// the errors of [`Output::check`].
     pub fn over_table(
         base: Case,
         settings: Settings,

@@ -1,4 +1,4 @@
-//! Tables as text: CSV and JSON Lines.
+//! Text tables: CSV and JSON Lines.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -14,7 +14,7 @@ use crate::columns::{Columns, is_answer};
 use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat};
 
-/// Returns a value as the text of a cell.
+/// Parses the text of a cell.
 fn parse(text: &str, decimal: char) -> Cell<'_> {
     let text = text.trim();
     if text.is_empty() {
@@ -24,18 +24,19 @@ fn parse(text: &str, decimal: char) -> Cell<'_> {
     number.map_or(Cell::Text(text), Cell::Number)
 }
 
-/// Rows of a CSV table. The first line names the columns, and every other line is a row.
+/// Reads the rows of a CSV table. The first line contains the column names, and every other line is
+/// a row.
 pub struct CsvSource<R> {
     lines: Lines<R>,
     columns: Columns,
-    /// Use of each cell of a line.
+    /// Destination of each cell of a line.
     targets: Vec<CellTarget>,
     delimiter: char,
     decimal: char,
     row: u64,
 }
 
-/// Destination of a cell, unless it is ignored.
+/// Destination of a cell.
 #[derive(Debug, Clone, Copy)]
 enum CellTarget {
     Nothing,
@@ -44,13 +45,13 @@ enum CellTarget {
 }
 
 impl<R: Read> CsvSource<R> {
-    /// Reads the names of the columns.
+    /// Reads the column names.
     ///
-    /// * `table_format`: separators, signs and names.
+    /// * `table_format`: separators, decimal sign and column names.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the names are neither inputs nor in `keep`.
+    /// [`TableError`] if a column is neither an input nor in `keep`.
     pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let TableFormat { delimiter, decimal, .. } = *table_format;
         let mut lines = Lines::new(reader);
@@ -88,7 +89,8 @@ impl<R: Read + Send> Source for CsvSource<R> {
         let Self { lines, columns, targets, delimiter, decimal, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
-        // A cell may be a space, and a row may consist of delimiters only.
+        // In a table with a single text column, a cell may be a space; in other tables, a row may
+        // consist of delimiters only.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
         while chunk.len() < rows && text < MAX_TEXT_BYTES {
             let line = lines.number() + 1;
@@ -111,11 +113,11 @@ impl<R: Read + Send> Source for CsvSource<R> {
     }
 }
 
-/// A JSON object that keeps its order.
+/// A JSON object whose keys keep their order.
 type Object = Vec<(String, Value)>;
 
-/// Rows of JSON Lines, with one object per line. The first object names the columns; later objects
-/// may omit some.
+/// Reads the rows of a JSON Lines table, with one object per line. The first object defines the
+/// columns; later objects may omit some of them.
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,
@@ -124,13 +126,13 @@ pub struct JsonSource<R> {
 }
 
 impl<R: Read> JsonSource<R> {
-    /// Reads the first line.
+    /// Reads the first line of the table.
     ///
-    /// * `table_format`: names of the table.
+    /// * `table_format`: assignment of column names to inputs.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the line is not an object, or has keys that are neither inputs nor in
+    /// [`TableError`] if the first line is not an object, or if a key is neither an input nor in
     /// `keep`.
     pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
@@ -140,7 +142,7 @@ impl<R: Read> JsonSource<R> {
     }
 }
 
-/// Returns the object of the next line, and the length of the line.
+/// Returns the object in the next line and the length of the line.
 fn object<R: Read>(lines: &mut Lines<R>) -> Result<Option<(Object, usize)>, TableError> {
     let Some(text) = lines.next_line()? else { return Ok(None) };
     let (read, length) = (entries(text.as_bytes()), text.len());
@@ -182,8 +184,8 @@ impl<R: Read + Send> Source for JsonSource<R> {
                     Some(other) => chunk.keep(index, Some(&other.to_string())),
                 }
             }
-            // A result of an earlier table may have the name of an input. It counts as an input
-            // only if the first line contains it.
+            // An output of an earlier run may have the same name as an input. Such a column is read
+            // as an input only if it appears in the first line.
             let passed_over = |name: &String| {
                 columns.unread.contains(name) || is_answer(name) && InputKey::in_unit(name).is_err()
             };
@@ -200,22 +202,22 @@ impl<R: Read + Send> Source for JsonSource<R> {
     }
 }
 
-/// Number of rows that one thread converts to text at a time.
+/// Number of rows that a thread converts to text at a time (one slice).
 const SLICE_ROWS: usize = 512;
 
-/// Number of slices of rows that are in memory as text at a time.
+/// Maximum number of slices whose text is in memory at the same time.
 const SLICES: usize = 32;
 
-/// Text format of rows.
+/// Text format of the rows.
 enum RowForm {
     Csv {
-        /// Settings of the writer, which are boxed because of their size.
+        /// Writer settings, boxed because of their size.
         writer: Box<WriterBuilder>,
-        /// Decimal sign of numbers.
+        /// Decimal sign.
         decimal: u8,
     },
     JsonLines {
-        /// Brace or comma, and the name of the column, which precede each cell.
+        /// Text before each cell: a brace or comma, and the column name.
         before: Vec<Vec<u8>>,
     },
 }
@@ -229,7 +231,7 @@ impl RowForm {
     }
 }
 
-/// Returns rows as CSV.
+/// Returns rows as CSV text.
 fn csv_rows(
     writer: &WriterBuilder,
     decimal: u8,
@@ -263,7 +265,7 @@ fn csv_rows(
     Ok(to)
 }
 
-/// Returns rows as JSON objects, one per line.
+/// Returns rows as JSON objects, with one object per line.
 fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
     let mut to = Vec::new();
     for row in rows {
@@ -289,7 +291,7 @@ pub(crate) struct TextSink<W> {
 }
 
 impl<W: Write> TextSink<W> {
-    /// Starts a CSV table and writes the names of the columns.
+    /// Starts a CSV table and writes the column names.
     pub(crate) fn csv(
         mut writer: W,
         schema: &SchemaRef,
@@ -307,7 +309,7 @@ impl<W: Write> TextSink<W> {
         Ok(Self { writer, form: RowForm::Csv { writer: Box::new(rows), decimal } })
     }
 
-    /// Starts a table with one JSON object per line.
+    /// Starts a JSON Lines table, with one object per line.
     pub(crate) fn json_lines(writer: W, schema: &SchemaRef) -> Self {
         let name = |(index, field): (usize, &FieldRef)| {
             let sign = if index == 0 { '{' } else { ',' };
@@ -317,8 +319,7 @@ impl<W: Write> TextSink<W> {
         Self { writer, form: RowForm::JsonLines { before } }
     }
 
-    /// Writes the table of a chunk. The texts of its rows are generated in parallel and written in
-    /// order.
+    /// Writes the rows of a chunk. Rows are converted to text in parallel and written in order.
     pub(crate) fn write(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
         let (cells, rows, form) = (Cells::of(table, chunk)?, table.num_rows(), &self.form);
         for first in (0..rows).step_by(SLICE_ROWS * SLICES) {
@@ -332,7 +333,7 @@ impl<W: Write> TextSink<W> {
         Ok(())
     }
 
-    /// Returns the writer after all rows are written.
+    /// Flushes and returns the writer.
     pub(crate) fn finish(mut self) -> Result<W, TableError> {
         self.writer.flush()?;
         Ok(self.writer)

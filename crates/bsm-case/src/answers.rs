@@ -27,7 +27,7 @@ pub(crate) mod slip;
 pub(crate) mod warm;
 pub(crate) mod warnings;
 
-/// Columns of the tables of answers, by the schema names of their rows.
+/// Names of the schema rows of all result tables, each with the definition of its columns.
 pub const TABLES: [(&str, &str); 14] = [
     ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),

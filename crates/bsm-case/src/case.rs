@@ -1,4 +1,4 @@
-//! Conversion from the files that a user writes to the problem in SI units.
+//! Conversion of the files that users write to problems in SI units.
 
 pub(crate) mod axis;
 pub(crate) mod catalog;

@@ -1,10 +1,10 @@
 //! Vocabulary, units and case files: everything that a user reads and writes.
 //!
-//! This is the only crate that uses millimeters, degrees and rpm. A [`Case`] is one operating point
-//! in the vocabulary. [`Case::problem`] turns it into the SI problem of a model, and [`Record`]
-//! turns the solution back into the vocabulary. Ratings, designs, fits and analyses use the same
-//! vocabulary. The crate does not solve anything itself: it contains no iteration, no search and no
-//! tolerance of an iteration or search.
+//! This is the only crate that uses millimeters, degrees and rpm. A [`Case`] contains one operating
+//! point with the names and units of the vocabulary. [`Case::problem`] converts it to the problem
+//! of a model in SI units, and [`Record`] converts the solution back. Ratings, designs, fits and
+//! analyses use the same vocabulary. The crate does not solve anything itself: it contains no
+//! iterations, no searches and no tolerances for them.
 //!
 //! The model `auto` chooses the fastest model that is accurate enough:
 //!

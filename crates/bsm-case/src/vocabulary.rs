@@ -1,5 +1,5 @@
-//! Names with their units, rules and meanings: inputs, outputs, and the tables of quantities that
-//! answers consist of.
+//! Names of inputs and outputs with their units, rules and meanings, and the tables of quantities
+//! that answers contain.
 
 pub(crate) mod answer;
 pub(crate) mod cells;

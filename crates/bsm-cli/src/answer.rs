@@ -1,4 +1,4 @@
-//! Replies of the commands: their content and their destination.
+//! Replies of the commands: their contents, and the files to which they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -11,47 +11,49 @@ use crate::failure::{Failure, warn};
 use crate::files::{self, InputFiles, ending_of, is_stdout, pretty_json, print, write_bytes};
 use crate::table;
 
-/// Writes the table of an answer to a path.
+/// A function that writes the table of an answer to a file.
 pub(crate) type WriteTable<'a> = Box<dyn Fn(&Path) -> Result<(), Failure> + 'a>;
 
-/// Reply of a command.
+/// The reply of a command.
 #[derive(Default)]
 pub(crate) struct Reply<'a> {
-    /// Heading.
+    /// Heading above the answer.
     pub(crate) title: Option<String>,
-    /// Answers. Several answers become members of one JSON object.
+    /// Named answers. If there are several, each answer becomes a member of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// Content of a JSON file if it is not the answer itself but a case; null if there is no case.
+    /// Contents of the JSON file for commands that write a case instead of the answer; null if no
+    /// case was found.
     pub(crate) case: Option<Value>,
-    /// Table of the answer, if it has one.
+    /// Function that writes the table of the answer; `None` if the answer has no table.
     pub(crate) table: Option<WriteTable<'a>>,
-    /// Units of the screen and the figures.
+    /// Units used on the screen and in figures.
     pub(crate) units: DisplayUnits,
-    /// Answer on the screen, if it differs from the parts.
+    /// Answer to print on the screen instead of `parts`.
     pub(crate) shown: Option<Answer>,
 }
 
-/// Destination of a reply. An output may not replace a file that the command reads.
+/// The output files of a command. They must not replace files that the command reads.
 #[derive(Debug)]
 pub(crate) struct Destination<'a> {
     out: &'a OutArgs,
     inputs: InputFiles,
 }
 
-/// Pictures that belong to an answer.
+/// Figures and other graphics that belong to an answer.
 #[derive(Debug, Default)]
 pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
-    /// HTML page that contains the pictures.
+    /// HTML page that contains the figures.
     pub(crate) page: Option<String>,
     /// Drawing in DXF format.
     pub(crate) drawing: Option<String>,
 }
 
 impl OutArgs {
-    /// Checks the endings of the outputs, and that no output replaces an input file.
+    /// Checks that the output files have supported extensions and that none of them replaces an
+    /// input file.
     ///
-    /// * `endings`: endings of the files that the command writes.
+    /// * `endings`: file extensions that the command can write.
     /// * `inputs`: all files that the command reads.
     pub(crate) fn check(
         &self,
@@ -74,7 +76,7 @@ impl Reply<'_> {
         Self { parts: vec![("", answer)], ..Self::default() }
     }
 
-    /// Creates a reply with one answer about a case, under the description of the case.
+    /// Creates a reply with one answer about a case. The heading is the description of the case.
     pub(crate) fn about(case: &Case, answer: Answer) -> Self {
         let title = case.description.as_deref().map(printable);
         Self { title, units: case.display_units(), ..Self::of(answer) }
@@ -158,7 +160,7 @@ impl Reply<'_> {
             files::write_drawn(folder, &drawn, &files)?;
         }
         let has_stdout = to.output.iter().any(|path| is_stdout(path));
-        // Lists and tables cannot contain notes, so the notes are printed to standard error.
+        // JSON lists and tables cannot contain notes, so the notes are printed to standard error.
         if to.json && json.is_array() || !to.json && has_stdout {
             for note in self.parts.iter().flat_map(|(_, part)| &part.notes) {
                 warn("note", note);

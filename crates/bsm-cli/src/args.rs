@@ -17,11 +17,11 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use crate::failure::Failure;
 use crate::{files, schema};
 
-/// Meaning of the exit codes, shown at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 success; 1 error of files, disk, threads or memory; 2 wrong input or \
+/// Explanation of the exit codes, shown at the end of every help text.
+const EXIT_CODES: &str = "Exit codes: 0 success; 1 error with files, disk, threads or memory; 2 invalid input or \
                           usage; 3 no solution or a failed check; 128 + N if interrupted by signal N.";
 
-/// Help texts of `-o` and `--figures` for the commands that do not write a page.
+/// Help texts of `-o` and `--figures` for commands that write no HTML page.
 const FILES: [(&str, &str, &str); 4] = [
     (
         "select",
@@ -46,7 +46,7 @@ const FILES: [(&str, &str, &str); 4] = [
     ),
 ];
 
-/// Returns the command-line parser, with the exit codes in the help text of every command.
+/// Returns the command-line parser. The help text of every command ends with the exit codes.
 pub(crate) fn command() -> clap::Command {
     fn with_exit_codes(command: clap::Command) -> clap::Command {
         command.after_help(EXIT_CODES).mut_subcommands(with_exit_codes)
@@ -98,14 +98,14 @@ pub(crate) enum Command {
     /// (--points). Example: bsm sweep examples/feed_drive.json --vary axial_load_kN=1:20:5
     /// --columns efficiency -o -
     Sweep(SweepArgs),
-    /// Solve or check the parts of a folder that `bsm sweep -o DIR/ --plan` has planned.
+    /// Solve or check the parts of a folder whose plan was written by `bsm sweep -o DIR/ --plan`.
     #[command(subcommand)]
     Parts(PartsCommand),
     /// Find the friction coefficient or another input from a measured torque or another output.
     /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26
     Fit(FitArgs),
-    /// Show one screw in the browser, with pictures and numbers that follow every change. Example:
-    /// bsm view examples/feed_drive.json --open
+    /// Show a screw in the browser, with graphics and results that are updated after every change.
+    /// Example: bsm view examples/feed_drive.json --open
     View(ViewArgs),
     /// Check the program against published results.
     Validate(ValidateArgs),
@@ -132,7 +132,7 @@ pub(crate) enum PartsCommand {
     Check(CheckArgs),
 }
 
-/// A case with changes.
+/// Arguments for a case file and for changes of its inputs.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArgs {
     /// Case file in JSON; `-` reads standard input.
@@ -141,56 +141,57 @@ pub(crate) struct CaseArgs {
     /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
-    /// Units of screen, sheet, figures and columns. JSON always has metric units.
+    /// Units for screen, sheet, figures and columns. JSON always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     units: Option<String>,
 }
 
-/// Returns settings with the displayed units.
+/// Appends the option `--units` to the settings.
 fn with_units(settings: &[String], units: Option<&String>) -> Vec<String> {
     let units = units.map(|units| format!("display_units={units}"));
     settings.iter().cloned().chain(units).collect()
 }
 
 impl CaseArgs {
-    /// Returns the name of the case for messages.
+    /// Returns the path of the case file, or `--set` if there is none, for use in messages.
     pub(crate) fn path(&self) -> &Path {
         self.case.as_deref().unwrap_or(Path::new("--set"))
     }
 
-    /// Reads the case and applies the changes.
+    /// Reads the case, applies the settings and estimates missing groove inputs.
     pub(crate) fn read(&self) -> Result<Case, Failure> {
         self.read_as_given()?.with_groove().map_err(self.failure())
     }
 
-    /// Reads the case and applies the changes, without estimating a groove.
+    /// Reads the case and applies the settings without estimating a groove.
     pub(crate) fn read_as_given(&self) -> Result<Case, Failure> {
         files::read_case(self.case.as_deref(), &with_units(&self.settings, self.units.as_ref()))
     }
 
-    /// Reads another case and applies the same settings.
+    /// Reads another case file and applies the same settings.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
         files::read_case(Some(path), &with_units(&self.settings, self.units.as_ref()))
     }
 
-    /// Returns name and SHA-256 of the case file, or `None` if the case does not come from a file.
+    /// Returns the name and SHA-256 hash of the case file, or `None` if the case does not come from
+    /// a file.
     pub(crate) fn hash(&self) -> Option<String> {
         let path = self.case.as_deref().filter(|path| path.is_file())?;
         let name = path.file_name()?.to_string_lossy();
         Some(format!("{name}, SHA-256 {}", sha256(path).ok()?.0))
     }
 
-    /// Returns a function that reports an error in the case.
+    /// Returns a function that converts an error in the case to a failure.
     pub(crate) fn failure(&self) -> impl Fn(CaseError) -> Failure + Copy {
         |error| Failure::case(self.path(), &error)
     }
 }
 
-/// The model to solve with, and the settings of the solver.
+/// Options for the model and the solver settings.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub(crate) struct ModelArgs {
-    /// Model; auto chooses the fastest model within the tolerance.
+    /// Model to use; auto chooses the fastest model within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
@@ -199,22 +200,24 @@ pub(crate) struct ModelArgs {
     /// Relative error of the integrals of model traction; defaults to 1e-8.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
     accuracy: Option<f64>,
-    /// Creep speed / rolling speed in model traction; defaults to 1e-4.
+    /// Ratio of creep speed to rolling speed in model traction; defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway of model raceway-control: nut or screw; by default, found by the model.
+    /// Controlling raceway in model raceway-control: nut or screw. By default, the model determines
+    /// it.
     #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
-    /// Friction of a film in model raceway-control: local (default) or contact.
+    /// Friction of a lubricant film in model raceway-control: local (at each point, the default) or
+    /// contact (one coefficient per contact).
     #[arg(long, value_name = "PLACE", hide_possible_values = true, value_parser = PossibleValuesParser::new(RacewayFriction::ALL.map(RacewayFriction::name)))]
     friction: Option<String>,
 }
 
-/// Value of `--model` for a comparison of all models.
+/// Value of `--model` that compares all models.
 pub(crate) const ALL: &str = "all";
 
 impl ModelArgs {
-    /// Returns the model and its settings.
+    /// Returns the model settings that the options specify.
     pub(crate) fn settings(&self) -> Result<Settings, Failure> {
         let named = Settings::named(&self.model, self.control.as_deref(), self.friction.as_deref());
         let with_numbers = |named: Settings| Settings {
@@ -227,14 +230,14 @@ impl ModelArgs {
         checked.map_err(|error| Failure::input("--model", &error))
     }
 
-    /// Returns true if a setting is given.
+    /// Returns true if any model setting is given.
     pub(crate) fn has_settings(&self) -> bool {
         let numbers = [self.tolerance, self.accuracy, self.creep];
         numbers.iter().any(Option::is_some) || self.control.is_some() || self.friction.is_some()
     }
 }
 
-/// Returns a parser for a number that follows a rule.
+/// Returns a parser for numbers within the limits of a rule.
 fn number_of(rule: Rule) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| rule.holds::<f64>(*number));
@@ -242,11 +245,11 @@ fn number_of(rule: Rule) -> impl Fn(&str) -> Result<f64, String> + Clone {
     }
 }
 
-/// Format of a table that is read.
+/// Options for the format of a CSV table.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Table")]
 pub(crate) struct DialectArgs {
-    /// Separator of columns in CSV: comma (default), semicolon, tab or bar.
+    /// Column separator in CSV: comma (default), semicolon, tab or bar.
     #[arg(long, value_name = "SIGN", hide_possible_values = true)]
     delimiter: Option<Delimiter>,
     /// Decimal sign in CSV: point (default) or comma.
@@ -254,7 +257,7 @@ pub(crate) struct DialectArgs {
     decimal: Option<Decimal>,
 }
 
-/// Names of columns, and the format of a table that is read.
+/// Options for the column names and the format of an input table.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Table")]
 pub(crate) struct NamedTableArgs {
@@ -265,14 +268,14 @@ pub(crate) struct NamedTableArgs {
     pub(crate) names: Option<PathBuf>,
 }
 
-/// Format of a CSV table that is written.
+/// CSV format of an output table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CsvFormat {
     Standard,
     Same,
 }
 
-/// Sign between columns.
+/// Column separator.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Delimiter {
     Comma,
@@ -281,7 +284,7 @@ enum Delimiter {
     Bar,
 }
 
-/// Decimal sign.
+/// Decimal sign of numbers.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Decimal {
     Point,
@@ -289,7 +292,7 @@ enum Decimal {
 }
 
 impl DialectArgs {
-    /// Returns the format of a table with our names of columns.
+    /// Returns the table format, with the column names of this program.
     pub(crate) fn format(&self) -> TableFormat {
         let mut format = TableFormat::default();
         if let Some(delimiter) = self.delimiter {
@@ -309,9 +312,9 @@ impl DialectArgs {
         format
     }
 
-    /// Fails if an option is given although no table is read.
+    /// Returns an error if one of the options is given although no table is read.
     ///
-    /// * `table`: option that names the table.
+    /// * `table`: name of the option for the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
         let given = [self.delimiter.map(|_| "--delimiter"), self.decimal.map(|_| "--decimal")];
         not_without_table(given.into_iter().flatten().next(), table)
@@ -319,7 +322,7 @@ impl DialectArgs {
 }
 
 impl NamedTableArgs {
-    /// Returns the format of the table.
+    /// Returns the table format, with the column names from the file of `--names`.
     pub(crate) fn format(&self) -> Result<TableFormat, Failure> {
         let mut format = self.dialect.format();
         if let Some(map) = &self.names {
@@ -328,23 +331,23 @@ impl NamedTableArgs {
         Ok(format)
     }
 
-    /// Fails if an option is given although no table is read.
+    /// Returns an error if one of the options is given although no table is read.
     ///
-    /// * `table`: option that names the table.
+    /// * `table`: name of the option for the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
         self.dialect.only_with(table)?;
         not_without_table(self.names.as_ref().map(|_| "--names"), table)
     }
 }
 
-/// Fails if an option of a table is given although no table is read.
+/// Returns an error if an option for tables is given although no table is read.
 fn not_without_table(option: Option<&str>, table: &str) -> Result<(), Failure> {
     option.map_or(Ok(()), |option| {
         Err(Failure::Input(format!("{option} applies only to the table of {table}")))
     })
 }
 
-/// Parses a number of threads. The maximum protects the machine.
+/// Parses a number of threads. An upper limit prevents overloading the machine.
 pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     match text.parse::<NonZeroUsize>() {
         Ok(threads) if threads.get() <= 1024 => Ok(threads),
@@ -352,7 +355,7 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     }
 }
 
-/// Outputs in addition to the screen.
+/// Options for output files and JSON output.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
@@ -367,7 +370,7 @@ pub(crate) struct OutArgs {
     pub(crate) json: bool,
 }
 
-/// Parts of the answer for an operating point.
+/// Values of `bsm solve --show`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Show {
     Motion,
@@ -404,7 +407,7 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Further cases to compare with the first case, with the same --set.
+    /// Further cases to compare with the first case. --set applies to all cases.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
     /// Port of the server on 127.0.0.1. Defaults to a free port.
@@ -471,7 +474,7 @@ pub(crate) struct AxisArgs {
     pub(crate) out: OutArgs,
 }
 
-/// Lists that `bsm select` prints.
+/// Lists that `bsm select --show` can print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SelectShow {
     Keys,
@@ -534,7 +537,7 @@ pub(crate) struct SelectArgs {
 }
 
 impl SelectArgs {
-    /// Returns true if nuts are listed instead of chosen by steps.
+    /// Returns true if the command lists nuts instead of choosing the best screw.
     pub(crate) fn is_list(&self) -> bool {
         self.requirement.is_none()
             || !self.conditions.is_empty()
@@ -545,12 +548,13 @@ impl SelectArgs {
             || self.out.figures.is_some()
     }
 
-    /// Returns the settings of the requirement.
+    /// Returns the settings of the requirement, including the option `--units`.
     pub(crate) fn settings(&self) -> Vec<String> {
         with_units(&self.settings, self.units.as_ref())
     }
 
-    /// Returns the displayed units: those of the option, or those of a nut in the axis of the requirement.
+    /// Returns the display units: the units of `--units` or, without this option, the units of the
+    /// nut in the axis of the requirement.
     pub(crate) fn display(&self, nut: Option<&Case>) -> DisplayUnits {
         let named = |name: &String| DisplayUnits::NAMES.iter().find(|(own, _)| own == name);
         let own = self.units.as_ref().and_then(named).map(|(_, units)| *units);
@@ -601,7 +605,7 @@ pub(crate) struct SweepArgs {
     pub(crate) keep: Vec<String>,
     #[command(flatten)]
     pub(crate) table: NamedTableArgs,
-    /// CSV to write: standard, or same as the table of --points.
+    /// Format of CSV output: standard, or the same as the table of --points.
     #[arg(
         long,
         value_name = "FORMAT",
@@ -639,7 +643,7 @@ pub(crate) struct SweepArgs {
     pub(crate) work: WorkArgs,
 }
 
-/// Options that affect the run, but not its results.
+/// Options that affect a run but not its results.
 #[derive(Debug, Args)]
 pub(crate) struct WorkArgs {
     /// Number of threads, at most 1024. Defaults to all cores.
@@ -662,23 +666,23 @@ pub(crate) struct RunArgs {
     /// Verify all bytes of existing parts, solve damaged parts again and renew parts.parquet.
     #[arg(long)]
     pub(crate) repair: bool,
-    /// Table of points of the plan. Defaults to the file with the name in the plan, beside the folder.
+    /// Table of points. Defaults to the file that the plan names, next to the folder of the plan.
     #[arg(long, value_name = "TABLE")]
     pub(crate) points: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
 }
 
-/// A selection of the parts of a folder.
+/// A selection of parts of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {
-    /// Remainder and divisor: the parts whose number has this remainder.
+    /// Remainder and divisor: selects every part whose number leaves this remainder.
     Share(u64, NonZeroU64),
-    /// First part, and the part after the last one.
+    /// Selects the parts from the first number up to, but not including, the second number.
     Range(u64, u64),
 }
 
-/// Parses a number of rows, such as 5000 or 5e7.
+/// Parses a number of rows such as 5000 or 5e7.
 fn count(text: &str) -> Result<u64, String> {
     let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_EXACT_INTEGER).contains(number);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
@@ -687,18 +691,18 @@ fn count(text: &str) -> Result<u64, String> {
     text.parse().ok().or_else(of_float).ok_or_else(wrong)
 }
 
-/// Parses a number of rows that is at least 1.
+/// Parses a number of rows and checks that it is at least 1.
 fn rows(text: &str) -> Result<NonZeroU64, String> {
     NonZeroU64::new(count(text)?).ok_or_else(|| "must be at least 1".to_owned())
 }
 
-/// Parses two values with a separator between them.
+/// Parses two values that are separated by the character `between`.
 fn two<A: FromStr, B: FromStr>(text: &str, between: char) -> Option<(A, B)> {
     let (one, other) = text.split_once(between)?;
     Some((one.parse().ok()?, other.parse().ok()?))
 }
 
-/// Parses the selection of parts.
+/// Parses a selection of parts: `I/N` or `A:B`.
 fn only(text: &str) -> Result<Only, String> {
     let share = two(text, '/').filter(|(index, of): &(u64, NonZeroU64)| *index < of.get());
     let range = two(text, ':').filter(|(from, to)| from < to);
@@ -734,7 +738,7 @@ pub(crate) struct FitArgs {
         required_unless_present = "limit"
     )]
     pub(crate) measured: Option<String>,
-    /// Title of a rule of the axis, such as "critical speed". Find the values at its limit.
+    /// Title of a rule of `bsm axis`, such as "critical speed". Find the input values at its limit.
     #[arg(long, value_name = "RULE", conflicts_with_all = ["measured", "points"])]
     pub(crate) limit: Option<String>,
     /// Input to find, and its range. The range defaults to 1e-4 to 0.5 for friction, and to 0.01 to

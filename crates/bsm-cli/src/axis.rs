@@ -1,4 +1,4 @@
-//! `bsm axis`: the axis around a screw.
+//! `bsm axis`: calculates the axis around a screw.
 
 use std::path::Path;
 
@@ -12,8 +12,7 @@ use crate::failure::Failure;
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, read};
 use crate::progress::{WARM_STATES, waiting};
 
-/// Number of entries of a cycle above which the terminal shows that the program is working. Each
-/// entry takes about a millisecond.
+/// Number of cycle entries above which a spinner is shown. Each entry takes about a millisecond.
 const LONG_CYCLE: usize = 1000;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
@@ -34,7 +33,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
         return reply.give(&to, || Ok(Pictures { page: page()?, ..Pictures::default() }));
     }
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
-    // A drawing shows the groove profiles, so the case must describe them.
+    // A drawing shows the groove profiles, so the case must contain the groove geometry.
     let drawing = GrooveSection::of(&report.case).map(|section| groove_dxf(&section));
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
         drawing.as_ref().map_err(|error| Failure::case(args.case.path(), error))?;
@@ -48,9 +47,10 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     reply.give(&to, draw)
 }
 
-/// Calculates the sheet of a case, with the cycle of a table if one is given.
+/// Calculates the axis sheet of a case. A load cycle from a table, if given, replaces the cycle of
+/// the case.
 ///
-/// * `path`: file of the case.
+/// * `path`: path of the case file, for messages.
 fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {
     if let Some(table) = &args.cycle {
         let format = args.dialect.format();

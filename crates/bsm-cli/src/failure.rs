@@ -15,29 +15,29 @@ use crate::files::Output;
 
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
-    /// Bad input or usage.
+    /// Invalid input or usage.
     #[error("{0}")]
     Input(String),
-    /// A file or disk problem.
+    /// A file or disk operation failed.
     #[error("{0}")]
     Files(String),
-    /// The command ran, but a point has no solution or a check failed. The message is already
-    /// printed.
+    /// The command was executed, but a point has no solution or a check failed. The message has
+    /// already been printed.
     #[error("unsolved")]
     Unsolved,
     /// Existing output differs from the expected output, or an axis has no warm steady state.
     #[error("{0}")]
     Check(String),
-    /// An error in a table of points.
+    /// A table of points contains an error.
     #[error("{}", of_table(.0))]
     Table(#[from] TableError),
-    /// The reader of standard output has closed the pipe, so the program ends.
+    /// The program that reads standard output has closed the pipe, so this program ends.
     #[error("closed pipe")]
     ClosedPipe,
 }
 
 impl Failure {
-    /// Reports an error in a case, preceded by the name of its file.
+    /// Reports an error in a case. The message begins with the name of the case file.
     pub(crate) fn case(path: &Path, error: &CaseError) -> Self {
         if error.is_io() {
             return Self::Files(error.to_string());
@@ -48,12 +48,12 @@ impl Failure {
         Self::in_case(path, &of_input(error))
     }
 
-    /// Reports an error in an option or in a file.
+    /// Reports an error in the option or file `of`.
     pub(crate) fn input(of: impl Display, error: &CaseError) -> Self {
         Self::Input(format!("{of}: {}", of_input(error)))
     }
 
-    /// Reports bad input, preceded by the name of its file.
+    /// Reports invalid input. The message begins with the name of the file.
     pub(crate) fn in_case(path: &Path, text: &str) -> Self {
         let name = if path.as_os_str() == "-" {
             "standard input".to_owned()
@@ -63,7 +63,7 @@ impl Failure {
         Self::Input(format!("{name}: {text}"))
     }
 
-    /// Reports a table that cannot be read. The cause is either the file system or the content.
+    /// Reports that a table cannot be read, because of the file system or because of its contents.
     pub(crate) fn table(path: &Path, error: &TableError) -> Self {
         match error {
             TableError::Io(e) => Self::files("read", path, e),
@@ -74,7 +74,7 @@ impl Failure {
     /// Reports a failed file operation with its path and the message of the operating system.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
-        // The name of the temporary file is omitted, because users do not know this file.
+        // The message omits the name of the temporary file, because users do not know this file.
         match error.get_ref().and_then(|inner| inner.source()) {
             Some(cause) => Self::Files(format!("cannot {doing} {path}: {cause}")),
             None => Self::Files(format!("cannot {doing} {path}: {error}")),
@@ -89,7 +89,7 @@ impl Failure {
         ))
     }
 
-    /// Prints the failure to standard error.
+    /// Prints the failure to standard error and returns the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         let code = match self {
             Self::ClosedPipe => return ExitCode::SUCCESS,
@@ -103,7 +103,7 @@ impl Failure {
     }
 }
 
-/// Returns the message of an input error, followed by the command or option that helps.
+/// Returns the message for an input error, followed by a command or option that helps.
 pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
@@ -122,7 +122,8 @@ pub(crate) fn of_input(error: &CaseError) -> String {
     with_help(&error.to_string(), help(error))
 }
 
-/// Appends advice to an error message, as a separate sentence if it is a question.
+/// Appends advice to an error message. If the message ends with a question mark, the advice becomes
+/// a separate sentence.
 fn with_help(error: &str, help: &str) -> String {
     match help.chars().next() {
         None => error.to_owned(),
@@ -133,7 +134,7 @@ fn with_help(error: &str, help: &str) -> String {
     }
 }
 
-/// Returns the message of a table error, followed by the command or option that helps.
+/// Returns the message for a table error, followed by a command or option that helps.
 pub(crate) fn of_table(error: &TableError) -> String {
     let help = match error {
         TableError::UnknownColumns { names } => {
@@ -185,7 +186,7 @@ impl From<ValidateError> for Failure {
     }
 }
 
-/// Prints help, the version or a usage error, depending on the command line.
+/// Prints the help text, the version or a usage error, as requested by the argument parser.
 pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     match usage_error.print() {
         Err(error) if !usage_error.use_stderr() => Output::failure(Path::new("-"), &error).report(),
@@ -193,7 +194,7 @@ pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     }
 }
 
-/// Prints a note on the given inputs that no model of the ball uses.
+/// Prints a note about given inputs that no ball model uses.
 pub(crate) fn note_unused(given: InputSet) {
     for note in given.unused_by_models() {
         warn("note", &note);

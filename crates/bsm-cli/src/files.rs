@@ -1,4 +1,5 @@
-//! Standard output, case files, and output files that are only visible when they are complete.
+//! Standard output, case files, and output files. Output files become visible only when they are
+//! complete.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -15,24 +16,24 @@ use crate::answer::Pictures;
 use crate::failure::{Failure, warn};
 use crate::unfinished;
 
-/// Prefix of the names of temporary files, followed by part of the final name and [`RANDOM`]
-/// characters.
+/// Prefix of temporary file names. The prefix is followed by part of the final name and by
+/// [`RANDOM`] characters.
 const TEMPORARY: &str = ".bsm-";
 
-/// Number of random letters and digits at the end of the name of a temporary file.
+/// Number of random letters and digits at the end of a temporary file name.
 const RANDOM: usize = 16;
 
-/// Number of characters of the final name that a temporary name repeats. Names are limited to 255
-/// bytes.
+/// Maximum number of characters of the final name that are repeated in the temporary name. File
+/// names are limited to 255 bytes.
 const REPEATED: usize = 40;
 
-/// Maximum size of a case, a requirement or a list of sizes \[bytes\]. Typical files have a few kB.
+/// Maximum size of a case, a requirement or a list of sizes \[B\]. Typical files have a few kB.
 const MAX_JSON_BYTES: u64 = 1 << 20;
 
-/// Maximum size of a load cycle or a table of nuts \[bytes\], enough for about a million rows.
+/// Maximum size of a load cycle or a table of nuts \[B\]. This is enough for about a million rows.
 pub(crate) const MAX_TABLE_BYTES: u64 = 16 << 20;
 
-/// True after a write was refused because the file would be too large (`ulimit -f`).
+/// True after a write has failed because the file would exceed the size limit (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
 /// Prints to standard output.
@@ -50,8 +51,8 @@ pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
     read(path, MAX_JSON_BYTES)
 }
 
-/// Reads a file, or standard input if the path is `-`. Fails if it has more than `most` bytes, so
-/// that endless devices and pipes are not read forever.
+/// Reads a file, or standard input if the path is `-`. Files with more than `most` bytes are
+/// rejected, so that endless devices and pipes are not read forever.
 pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     let (read, shown) = if is_stdout(path) {
@@ -67,13 +68,13 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// Reads the file that maps the column names of a user's table to the names of inputs.
+/// Reads the JSON file that maps the column names of a user's table to input names.
 pub(crate) fn names_of_columns(path: &Path) -> Result<BTreeMap<String, Option<String>>, Failure> {
     column_names(&read_json(path)?).map_err(|e| Failure::case(path, &e))
 }
 
-/// Reads a case and applies settings. The path `-` means standard input; without a path the case is
-/// empty.
+/// Reads a case and applies settings. The path `-` means standard input; if there is no path, the
+/// case is initially empty.
 pub(crate) fn read_case(path: Option<&Path>, settings: &[String]) -> Result<Case, Failure> {
     let mut case = match path {
         Some(path) => Case::from_json(&read_json(path)?).map_err(|e| Failure::case(path, &e))?,
@@ -83,12 +84,12 @@ pub(crate) fn read_case(path: Option<&Path>, settings: &[String]) -> Result<Case
     Ok(case)
 }
 
-/// Returns true if the path stands for standard input or output.
+/// Returns true if the path is `-`, which means standard input or output.
 pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Returns the longest one of the given endings with which the file name ends, in lower case.
+/// Returns the longest of the given extensions that matches the file name, ignoring case.
 pub(crate) fn ending_of(
     option: &str,
     path: &Path,
@@ -105,7 +106,7 @@ pub(crate) fn ending_of(
         let or =
             if others.is_empty() { String::new() } else { format!("{} or ", others.join(", ")) };
         let stream =
-            if endings.contains(&"csv") { "; - means CSV on the standard streams" } else { "" };
+            if endings.contains(&"csv") { "; - means CSV on standard input or output" } else { "" };
         Failure::Input(format!(
             "{option} {}: the file name must end with {or}{last}{stream}",
             path.display()
@@ -113,26 +114,28 @@ pub(crate) fn ending_of(
     })
 }
 
-/// Destination of a table: standard output, or a file that gets its final name when it is complete.
+/// Destination of an output: standard output, or a file that is renamed to its final name when it
+/// is complete.
 pub(crate) enum Output {
-    /// Standard output, a pipe or a device, which must not be replaced by a file.
+    /// Standard output, a pipe or a device. Pipes and devices must not be replaced by a file.
     Stream {
-        /// Open stream.
+        /// The open stream.
         stream: Box<dyn Write + Send>,
         /// Path of the stream; `-` for standard output.
         path: PathBuf,
     },
-    /// A temporary file in the folder of the final path.
+    /// A temporary file in the same folder as the final file.
     File {
-        /// Temporary file with the content written so far.
+        /// The temporary file with the contents written so far.
         file: BufWriter<NamedTempFile>,
-        /// Final path.
+        /// Path of the finished file.
         path: PathBuf,
     },
 }
 
 impl Output {
-    /// Opens standard output for `-`, and a temporary file otherwise.
+    /// Opens standard output for the path `-`, an existing pipe or device for writing, and a
+    /// temporary file otherwise.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         if path.as_os_str() == "-" {
             return Ok(Self::Stream { stream: Box::new(io::stdout()), path: path.to_owned() });
@@ -145,14 +148,15 @@ impl Output {
                 let stream = Box::new(BufWriter::new(file));
                 return Ok(Self::Stream { stream, path: path.to_owned() });
             }
-            // A new file could take the name of a read-only file, but would lose its protection.
+            // Renaming would replace a read-only file despite its protection, so read-only files
+            // are refused.
             Ok(found) if found.permissions().readonly() => {
                 return Err(refused(
                     path,
                     "the file is read-only; make it writable or use another name",
                 ));
             }
-            // A symbolic link is kept, and the file to which it points is replaced.
+            // For a symbolic link, the file to which it points is replaced, and the link is kept.
             Ok(_) => fs::canonicalize(path).map_err(|e| Failure::files("write", path, &e))?,
             Err(_) if path.is_symlink() => {
                 return Err(refused(
@@ -171,8 +175,9 @@ impl Output {
         let prefix = format!("{TEMPORARY}{name}-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM);
-        // The umask applies to new results. A file that replaces another file remains private until
-        // it has the permissions of the former file.
+        // A new file gets the permissions that the umask specifies. A temporary file that will
+        // replace an existing file remains private until it gets the permissions of the existing
+        // file.
         #[cfg(unix)]
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -182,7 +187,7 @@ impl Output {
         Ok(Self::File { file: BufWriter::new(file), path })
     }
 
-    /// Reports a failed write.
+    /// Returns the failure for an output that cannot be written.
     pub(crate) fn failure(path: &Path, error: &io::Error) -> Failure {
         if path.as_os_str() != "-" {
             Failure::files("write", path, error)
@@ -193,7 +198,7 @@ impl Output {
         }
     }
 
-    /// Renames the temporary file to its final name.
+    /// Flushes the output and renames a temporary file to its final name.
     pub(crate) fn complete(mut self) -> Result<(), Failure> {
         let flushed = self.flush();
         match self {
@@ -233,7 +238,7 @@ impl Write for Output {
     }
 }
 
-/// Records in [`FILE_TOO_LARGE`] that a write was refused because the file would be too large.
+/// Sets [`FILE_TOO_LARGE`] if a write failed because the file would exceed the size limit.
 fn noted<T>(written: io::Result<T>) -> io::Result<T> {
     if written.as_ref().is_err_and(|e| e.kind() == ErrorKind::FileTooLarge) {
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
@@ -241,7 +246,7 @@ fn noted<T>(written: io::Result<T>) -> io::Result<T> {
     written
 }
 
-/// Gives a new file the mode, owner and group of the file that it replaces.
+/// Gives a new file the permissions, owner and group of the file that it replaces.
 #[cfg(unix)]
 fn take_over(file: &File, path: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
@@ -251,7 +256,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     let group = new.gid() == former.gid() || fchown(file, None, Some(former.gid())).is_ok();
     let mut mode = former.mode() & 0o7777;
     if !group {
-        // The permissions of the former group must not apply to another group.
+        // The permissions of the original group must not be granted to another group.
         mode &= !0o2070;
     }
     if !(owner && group) {
@@ -267,32 +272,32 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Does nothing, because files of this system have no owner and group.
+/// Does nothing, because files on this operating system have no owner and group.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
 fn take_over(_: &File, _: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Reports a path that the program refuses to write to.
+/// Reports that the program refuses to write to a path.
 pub(crate) fn refused(path: &Path, why: &str) -> Failure {
     Failure::Files(format!("cannot write {}: {why}", path.display()))
 }
 
-/// Input files of a run. None of them may be an output of the same run.
+/// Input files of a run. No output of the same run may replace them.
 #[derive(Debug, Default)]
 pub(crate) struct InputFiles(Vec<PathBuf>);
 
 impl InputFiles {
-    /// Collects the regular files among the paths. Writing to standard streams, devices and pipes
-    /// destroys no data.
+    /// Collects the regular files among the paths. Standard streams, devices and pipes are left
+    /// out, because writing to them destroys no data.
     pub(crate) fn of<'a>(paths: impl IntoIterator<Item = Option<&'a Path>>) -> Self {
         let files = paths.into_iter().flatten().filter(|path| path.is_file());
         Self(files.filter_map(|path| fs::canonicalize(path).ok()).collect())
     }
 
-    /// Refuses outputs that would replace an input or each other. Must be called before the run
-    /// writes anything.
+    /// Rejects outputs that would replace an input or each other. This check must be done before
+    /// the run writes anything.
     pub(crate) fn check<'a>(
         &self,
         outputs: impl IntoIterator<Item = &'a Path>,
@@ -301,7 +306,7 @@ impl InputFiles {
         for output in outputs {
             let Some(real) = real_output(output) else { continue };
             let why = if self.0.contains(&real) {
-                "is an input file, which would be lost"
+                "is an input file and would be overwritten"
             } else if written.contains(&real) {
                 "would be written twice"
             } else {
@@ -316,7 +321,7 @@ impl InputFiles {
 }
 
 /// Returns the canonical path of an output, or `None` for standard output, devices and folders,
-/// which are not replaced.
+/// which are never replaced.
 fn real_output(path: &Path) -> Option<PathBuf> {
     if is_stdout(path) || path.exists() && !path.is_file() {
         return None;
@@ -333,19 +338,20 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(Output::create(path)?, path, text.as_bytes())
 }
 
-/// Writes all bytes to an opened output and completes it.
+/// Writes bytes to an open output and completes the output.
 pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     out.write_all(bytes).map_err(|e| Output::failure(path, &e))?;
     out.complete()
 }
 
-/// Creates a folder and its parents.
+/// Creates a folder and its parent folders.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::files("create folder", folder, &e))
 }
 
-/// Returns the paths and contents of the picture files of a folder: each figure as SVG and as a
-/// table. If there is a page, which contains its own numbers, the figures go to a subfolder.
+/// Returns the paths and contents of the figure files to write into a folder: an SVG file and a
+/// table for each figure. If there is an HTML page, the page and the results are included, and the
+/// figures go into a subfolder.
 pub(crate) fn drawn_files(
     folder: &Path,
     drawn: &Pictures,
@@ -358,7 +364,7 @@ pub(crate) fn drawn_files(
     Ok(files.into_iter().map(|(name, text)| (folder.join(name), text)).collect())
 }
 
-/// Creates a folder and writes the picture files into it.
+/// Creates a folder and writes the figure files into it.
 pub(crate) fn write_drawn(
     folder: &Path,
     drawn: &Pictures,

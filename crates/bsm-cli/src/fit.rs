@@ -1,4 +1,4 @@
-//! `bsm fit`: inputs from measured outputs.
+//! `bsm fit`: finds inputs from measured outputs.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::progress::{WARM_STATES, waiting};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
-    // Some outputs of the axis do not need a groove.
+    // Some outputs of the axis can be calculated without a groove.
     let case = match given.with_groove() {
         Err(CaseError::NoGroove(_)) if args.points.is_none() => given,
         found => found.map_err(args.case.failure())?,
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Finds all values of an input that reproduce one measured output, or that bring a rule to its limit.
+/// Finds all values of an input that reproduce one measured output or bring a rule to its limit.
 fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
         let text =
@@ -91,7 +91,7 @@ fn to_table(
     Ok((Calibration::over_grooves(answer, case, settings, prepare), figure))
 }
 
-/// Plots fitted against measured values, with the line of perfect agreement.
+/// Plots fitted values against measured values, together with the line on which both are equal.
 fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
     let all: Vec<_> = fit.fitted(report).collect();
     let values = all.iter().flat_map(|(a, b)| [*a, *b]);

@@ -1,5 +1,5 @@
-//! Lookup tables for drive models: a grid over one or two inputs as a Modelica table or as a CSV
-//! matrix.
+//! Lookup tables for drive models: a grid of one or two inputs, written as a Modelica table or as a
+//! CSV matrix.
 
 use std::path::Path;
 
@@ -10,27 +10,29 @@ use crate::failure::{Failure, warn};
 use crate::files;
 use crate::table_job::stopped;
 
-/// Maximum number of points of a map. All points are held in memory, here and later in the lookup
-/// block.
+/// Maximum number of points of a lookup table. All points must fit into memory, both here and in
+/// the drive model.
 const MAX_POINTS: usize = 10_000_000;
 
-/// Format of a map.
+/// Format of a lookup table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Lookup {
-    /// Text for Modelica's `CombiTable2D` and `CombiTable1D`, which other tools also read (`.txt`).
+    /// Text file for Modelica's `CombiTable2D` and `CombiTable1D` (`.txt`). Other tools can also
+    /// read this format.
     Modelica,
-    /// One output, with the first axis in rows and the second axis in columns (`.grid.csv`).
+    /// CSV matrix of one output; rows correspond to the first axis and columns to the second
+    /// (`.grid.csv`).
     Grid,
 }
 
 impl Lookup {
-    /// Chooses the format by the ending of the path.
+    /// Chooses the format by the file extension.
     pub(crate) fn of(path: &Path) -> Self {
         let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
         if is_text { Self::Modelica } else { Self::Grid }
     }
 
-    /// Solves a grid and writes the map.
+    /// Solves a grid and writes the lookup table.
     pub(crate) fn write(
         self,
         path: &Path,
@@ -92,7 +94,7 @@ impl Lookup {
     }
 }
 
-/// Columns of outputs, collected chunk by chunk.
+/// Values of each output, collected chunk by chunk.
 struct Columns(Vec<Vec<f64>>);
 
 impl AnswerSink for Columns {
@@ -104,14 +106,14 @@ impl AnswerSink for Columns {
     }
 }
 
-/// Formats rows of cells as lines.
+/// Formats rows of numbers as lines of text.
 fn lines(rows: impl Iterator<Item = Vec<f64>>, between: &str) -> String {
     let line = |row: Vec<f64>| row.into_iter().map(exact).collect::<Vec<_>>().join(between) + "\n";
     rows.map(line).collect()
 }
 
-/// Formats an output over two axes, with the first axis in rows, the second axis in columns, and
-/// zero in the corner.
+/// Formats an output over two axes as a matrix. The first row contains the values of the second
+/// axis, the first column contains the values of the first axis, and the corner is zero.
 fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
     let across = axes[1].len();
     let head = std::iter::once(0.0).chain((0..across).map(|place| axes[1].value(place)));
@@ -122,8 +124,8 @@ fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
     lines(std::iter::once(head.collect()).chain(rows), between)
 }
 
-/// Formats a Modelica table: one table per output for two axes, or one table of all outputs for one
-/// axis.
+/// Formats Modelica tables: one table per output for two axes, or one table with all outputs for
+/// one axis.
 fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String {
     let named = |name: &str, unit: &str| match unit {
         "" => name.to_owned(),

@@ -49,8 +49,8 @@ fn main() -> ExitCode {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
     };
-    // Rayon starts as many threads as RAYON_NUM_THREADS states. For Rayon, 0 or text means all
-    // cores.
+    // Rayon starts as many threads as the environment variable RAYON_NUM_THREADS specifies. Like
+    // Rayon, this program uses all cores if the value is 0 or not a number.
     let threads =
         env::var("RAYON_NUM_THREADS").ok().filter(|n| n.parse::<usize>().is_ok_and(|n| n > 0));
     let threads = match threads.as_deref().map(args::threads).transpose() {

@@ -1,4 +1,4 @@
-//! `bsm nut`: all balls of a nut.
+//! `bsm nut`: solves all balls of a nut.
 
 use std::path::Path;
 
@@ -55,7 +55,8 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Returns a function that writes the given columns of a case.
+/// Returns a function that writes the given columns together with the case from which they were
+/// calculated.
 pub(crate) fn columns(table: Columns, case: &Case) -> WriteTable<'_> {
     Box::new(move |path| write(path, &table, case))
 }

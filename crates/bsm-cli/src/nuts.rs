@@ -1,4 +1,5 @@
-//! `bsm select` with a list: nuts of standard sizes, of lists, or of a manufacturer's table.
+//! `bsm select` with list options: lists nuts of standard sizes, of user-defined sizes, or from a
+//! manufacturer's table.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -17,10 +18,10 @@ use crate::select::{Source, check, requirement};
 use crate::table;
 use crate::table_job::{TABLES, write_columns};
 
-/// Number of rows shown on the screen.
+/// Default number of rows that are printed.
 const SHOWN: usize = 20;
 
-/// Number of rows held in memory at a time.
+/// Number of rows that are held in memory at a time.
 const PART: usize = 1 << 14;
 
 pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
@@ -42,7 +43,7 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
             return Err(Failure::Input(text.to_owned()));
         }
     };
-    // The figure of the forces of a preloaded pair needs one nut. The other figures need two.
+    // The figure of the forces in a preloaded pair needs one nut. The other figures need two nuts.
     if args.out.figures.is_some() && figures.len() < 2 {
         let text = "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter";
         warn("note", text);
@@ -59,7 +60,7 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
         let parts = parts.map(|from| list.values(from..written.min(from + PART)));
         write_columns(path, &columns, parts, &request(args)?)
     };
-    // All rows of a manufacturer's table fit on the screen.
+    // A manufacturer's table is short enough to print completely.
     let usual = if list.catalog().is_some() { SHOWN } else { usize::MAX };
     let answer = list.answer(first(usual));
     let shown = args.columns.is_some().then(|| list.answer_of(first(usual), &columns));
@@ -70,7 +71,7 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
         .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Selects the nuts of a list, and reads the requirement that they must meet.
+/// Selects nuts from a list, and reads the requirement that they must meet.
 fn list(args: &SelectArgs, source: Source) -> Result<(NutList, Option<RequirementFile>), Failure> {
     let filter = |columns: &[ListColumn]| -> Result<NutFilter, Failure> {
         let wanted = NutFilter::new(&args.conditions, columns, args.pareto)
@@ -98,7 +99,7 @@ fn list(args: &SelectArgs, source: Source) -> Result<(NutList, Option<Requiremen
     }
 }
 
-/// Builds the request from the command-line options.
+/// Returns the command-line options as JSON, which is stored with the table.
 fn request(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
         let Some(path) = path else { return Ok(Value::Null) };
@@ -135,7 +136,7 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     format!("{} nuts within the limits{met}{left}", list.all)
 }
 
-/// Describes all columns with their names, units and meanings.
+/// Returns a text with the names, units and descriptions of all columns.
 pub(crate) fn columns() -> String {
     let row = |column: &ListColumn| {
         let when = if column.is_of_sheet() { "with a requirement" } else { "" };

@@ -1,4 +1,4 @@
-//! `bsm parts`: solves and checks the parts of a planned folder, on any machine, and prints plans.
+//! `bsm parts`: solves and checks the parts of a dataset, on any machine, and prints plans.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,16 +17,16 @@ use crate::progress::progress;
 use crate::table_job::{failed, mend};
 use crate::unfinished;
 
-/// Number of rows above which the program advises against storing them. A terabyte of files takes
-/// longer to read than to calculate again.
+/// Number of rows above which the program advises against storing them. Reading a terabyte from
+/// files takes longer than calculating the results again.
 const MANY_ROWS: u64 = 10_000_000_000;
 
-/// Opens a planned folder.
+/// Opens the dataset in a folder.
 pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
     Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
 }
 
-/// Solves the requested parts.
+/// Solves the parts that the command line requests.
 pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
     let parts = open(folder)?;
@@ -35,8 +35,8 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     let points = parts.points(args.points.as_deref(), workers);
     let points = points.map_err(|error| failed(folder, error))?;
     let all = parts.plan().parts();
-    // A process takes every nth part, so that expensive corners of a grid are spread over all
-    // processes.
+    // With `--only I/N`, a process takes every Nth part, so that time-consuming regions of a grid
+    // are shared by all processes.
     let ((from, to), (index, of)) = match args.only {
         None => ((0, all), (0, 1)),
         Some(Only::Share(index, of)) => ((0, all), (index, of.get())),
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     Ok(())
 }
 
-/// Prints a plan with its estimated cost.
+/// Prints a plan and its estimated cost.
 pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why))?;
     let hours = estimate.core_seconds / 3600.0;
@@ -100,10 +100,10 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Maximum number of printed lines of a list.
+/// Maximum number of list entries to print.
 const SHOWN: usize = 20;
 
-/// Reports the parts that a folder contains and their defects.
+/// Checks the parts of a dataset and reports missing and damaged parts.
 pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
     let parts = open(folder)?;
@@ -158,7 +158,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     Reply::of(answer).give(&out.check(&[], InputFiles::default())?, || Ok(Pictures::default()))
 }
 
-/// Appends the first few entries of a list.
+/// Appends the first few entries of a list to the lines.
 fn list(lines: &mut Vec<String>, what: &str, entries: Vec<String>) {
     let more = entries.len().saturating_sub(SHOWN);
     lines.extend(entries.into_iter().take(SHOWN).map(|entry| format!("{what}  {entry}")));

@@ -1,4 +1,4 @@
-//! Pictures of a grid: curves and maps.
+//! Plots of a grid: curves and maps.
 
 use bsm_batch::{Answers, Chunk};
 use bsm_case::units::label;
@@ -7,38 +7,39 @@ use bsm_report::{Axis, Curve, Figure, MAX_CELLS, MAX_CURVES, Map, ReportError, S
 
 use crate::failure::Failure;
 
-/// Maximum number of points of a plot. SVG viewers become very slow beyond this limit.
+/// Maximum number of points of a plot. With more points, SVG viewers become very slow.
 const MAX_POINTS: usize = 100_000;
 
-/// Ratio of the largest to the smallest value above which the axis of a varied input is
+/// Minimum ratio of the largest to the smallest value for which the axis of a varied input is
 /// logarithmic.
 const DECADES: f64 = 100.0;
 
-/// Returns the plot axis of an input, with its unit.
+/// Returns the plot axis for a varied input, labeled with its unit.
 fn axis_of(axis: &GridAxis) -> Axis {
     let input = axis.key.input();
     let label = label(input.name, input.unit);
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
-/// A picture that is built from the chunks of a grid.
+/// A plot that is built from the chunks of a grid.
 pub(crate) trait Picture {
-    /// Adds the points of a chunk with the values of the plotted output. The second axis varies
-    /// fastest.
+    /// Adds the points of a chunk. `values` contains the plotted output. The second axis of the
+    /// grid varies fastest.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]);
 
-    /// Draws the picture and returns the bytes of its file.
+    /// Draws the plot and returns the bytes of the image file.
     fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError>;
 }
 
-/// Plot with one curve per value of the second axis.
+/// A plot with one curve for each value of the second axis.
 pub(crate) struct Curves {
     output: &'static OutputColumn,
     x: Axis,
     lines: Vec<Curve>,
-    /// Model of the last point of each curve.
+    /// For each curve, the model that solved its last point.
     models: Vec<Option<&'static str>>,
-    /// Points at which the model differs from the model of the previous point, with both names.
+    /// Points whose model differs from the model of the previous point, with the names of both
+    /// models.
     changes: Vec<((f64, f64), [&'static str; 2])>,
 }
 
@@ -49,7 +50,7 @@ impl Curves {
             [x, series] => (x, Some(series)),
             _ => {
                 return Err(Failure::Input(
-                    "a picture of lines has one or two varied inputs; write a table and plot it instead"
+                    "a plot of curves has one or two varied inputs; write a table and plot it instead"
                         .to_owned(),
                 ));
             }
@@ -57,13 +58,13 @@ impl Curves {
         let count = series.map_or(1, GridAxis::len);
         if count > MAX_CURVES {
             return Err(Failure::Input(format!(
-                "a picture has at most {MAX_CURVES} lines; reduce the {count} values of the second --vary, or \
+                "a plot has at most {MAX_CURVES} curves; reduce the {count} values of the second --vary, or \
                  draw a map with -o x.map.svg"
             )));
         }
         if grid.len() > MAX_POINTS {
             return Err(Failure::Input(format!(
-                "a line of a picture has at most {MAX_POINTS} points; reduce the {} values of --vary, \
+                "a plot has at most {MAX_POINTS} points; reduce the {} values of --vary, \
                  or draw a map with -o x.map.svg",
                 grid.len()
             )));
@@ -91,10 +92,10 @@ impl Curves {
 }
 
 impl Picture for Curves {
-    /// A point without a result leaves a gap.
+    /// Adds points to the curves. A point without a result leaves a gap in its curve.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let count = self.lines.len();
-        // A chunk may begin on any curve.
+        // The first row of a chunk may belong to any curve.
         let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
         for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
             let line = (first + row) % count;
@@ -125,16 +126,17 @@ impl Picture for Curves {
     }
 }
 
-/// Cells of a map. Long axes are thinned evenly to the visible resolution.
+/// The cells of a map. If an axis has more values than can be distinguished in the plot, evenly
+/// spaced values are drawn.
 pub(crate) struct Cells {
     output: &'static OutputColumn,
     axes: [Axis; 2],
-    /// Indices of the drawn values of each axis.
+    /// For each axis, the indices of the values that are drawn.
     places: [Vec<usize>; 2],
     values: [Vec<f64>; 2],
-    /// Number of drawn values of the second axis.
+    /// Number of values of the second axis that are drawn.
     rows: usize,
-    /// Values of the output.
+    /// Values of the plotted output.
     found: Vec<f64>,
     regions: Vec<usize>,
     models: Vec<&'static str>,

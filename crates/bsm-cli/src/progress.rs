@@ -1,11 +1,11 @@
-//! Progress messages on a terminal.
+//! Progress bars on a terminal.
 
 use std::io::{self, IsTerminal};
 use std::time::Duration;
 
 use indicatif::{HumanCount, ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
 
-/// Returns a progress bar on a terminal, and a hidden bar elsewhere.
+/// Returns a progress bar, which is hidden if standard error is not a terminal.
 pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
     if quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -20,18 +20,19 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     let style = ProgressStyle::with_template(&template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            // A failure to draw the bar is ignored.
+            // Errors while drawing the bar are ignored.
             let _ = text.write_str(&rate(state.per_sec()));
         });
     bar.with_style(style)
 }
 
-/// What takes seconds in a case with `warm_state`.
+/// Text shown next to the spinner while warm steady states are calculated.
 pub(crate) const WARM_STATES: &str = "warm steady states";
 
-/// Returns a spinner with the elapsed time on a terminal, and a hidden bar elsewhere.
+/// Returns a spinner with the elapsed time, which is hidden if standard error is not a terminal.
 ///
-/// * `what`: what takes seconds; `None` if the calculation is fast.
+/// * `what`: description of the calculation in progress; `None` hides the spinner, because the
+///   calculation is fast.
 pub(crate) fn waiting(what: Option<&'static str>) -> ProgressBar {
     let Some(what) = what.filter(|_| io::stderr().is_terminal()) else {
         return ProgressBar::hidden();
@@ -61,9 +62,9 @@ fn rate(per_second: f64) -> String {
 mod tests {
     use super::*;
 
-    /// The progress is printed in whole numbers. A user once saw `20,083.5883/s`.
+    /// Regression test: the rate was once displayed as `20,083.5883/s`.
     #[test]
-    fn progress_is_in_whole_numbers() {
+    fn progress_rate_is_a_whole_number() {
         assert_eq!(rate(20_083.588_3), "20,084/s");
         assert_eq!(rate(0.2), "0/s");
     }

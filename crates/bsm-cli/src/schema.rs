@@ -1,5 +1,5 @@
-//! `bsm schema`: JSON Schema of files and answers, derived from the tables that also produce the
-//! answers, and the units of names.
+//! `bsm schema`: JSON Schemas of files and answers, and the units that input names may have. The
+//! schemas are derived from the same tables as the answers.
 
 use bsm_case::units::units_by_quantity;
 use bsm_case::{
@@ -13,13 +13,13 @@ use serde_json::{Map, Value, json};
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
-/// Answers by the name of their schema, with the command and the kind of its JSON (see [`kind`]).
-/// Alternatives are separated by bars.
+/// For each schema of an answer: its name, the command that prints the answer, and the kind of the
+/// JSON value (see [`kind`]). Bars separate alternatives.
 ///
-/// The sections of an [`Answer`](bsm_case::Answer) are the tables marked with `@` and the
-/// [`TABLES`]. Only two answers have a layout of their own: the result of `fit`, whose members are
-/// inputs chosen by the user, and the vectors of `nut`, which are named as in the published cases
-/// used for comparison (`validation/published/nut/public.json`).
+/// Names with `@` refer to tables of quantities or to the [`TABLES`], which are the sections of an
+/// [`Answer`](bsm_case::Answer). Only two answers have a different structure: the members of the
+/// answer of `fit` are inputs chosen by the user, and the vectors of `nut` have the names used in
+/// the published comparison cases (`validation/published/nut/public.json`).
 const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "solve",
@@ -32,8 +32,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "solve --model all",
         "regime string?, models [model], left_out texts, groove_estimate? groove, @said",
     ),
-    // Without a solution, the analysis is omitted, and the answer is the answer of `solve`, which
-    // states the reason.
+    // If there is no solution, the JSON value is the answer of `solve`, which states the reason.
     (
         "slip",
         "solve --show slip",
@@ -100,7 +99,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
     ("tradeoff", "tradeoff", "program string, tradeoff measurement, @said"),
 ];
 
-/// Objects in answers that are not tables, with their members.
+/// JSON objects in answers that are not generated from tables, with their members.
 const OBJECTS: [(&str, &str); 8] = [
     (
         "settings",
@@ -115,7 +114,7 @@ const OBJECTS: [(&str, &str); 8] = [
         "@input?, relative_response number?, groove_interval numbers?, result? output, result_intervals? any",
     ),
     ("damage", "file string, reason string"),
-    // The members of `intervals` are the members of the answer that depend on the groove.
+    // The members of `intervals` are those members of the answer that depend on the groove.
     (
         "groove",
         "ln_evidence number, balls [numbers], ball_set_90 numbers, loaded_balls numbers, draws integer, without_result integer, \
@@ -123,7 +122,7 @@ const OBJECTS: [(&str, &str); 8] = [
     ),
 ];
 
-/// Returns the names that have a schema.
+/// Returns the names of all schemas.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     ["input", "output", "units"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
 }
@@ -138,12 +137,13 @@ pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
     }))
 }
 
-/// Returns the unit suffixes of each quantity, beginning with the suffixes of the vocabulary.
+/// Returns the unit suffixes for each quantity. The first suffix is the one used in the names of
+/// inputs and outputs.
 fn units() -> Value {
     units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }
 
-/// Returns the schema of an answer.
+/// Returns the JSON Schema for the answer of a command.
 fn answer(name: &str) -> Value {
     let (_, command, shapes) =
         ANSWERS.into_iter().find(|(own, ..)| *own == name).unwrap_or(ANSWERS[0]);
@@ -158,11 +158,11 @@ fn answer(name: &str) -> Value {
     Value::Object(schema)
 }
 
-/// Returns the schema of a kind. A kind is `number`, `integer`, `string`, `boolean`, `texts`,
-/// `numbers`, an enumeration of texts `a/b`, `solve`, one of the [`OBJECTS`] or of the [`TABLES`],
-/// or a table of numbers. `[kind]` is a list, `*kind` is an object whose names are not known in
-/// advance, and `kind?` also allows null. Members separated by commas form an object (see
-/// [`object`]).
+/// Returns the schema for the description of a kind. A kind is `number`, `integer`, `string`,
+/// `boolean`, `texts`, `numbers`, an enumeration of texts `a/b`, `solve`, the name of an entry in
+/// [`OBJECTS`] or [`TABLES`], or the name of a table of numbers. `[kind]` is a list, `*kind` is an
+/// object with arbitrary names, and `kind?` also allows null. A comma-separated list of members
+/// describes an object (see [`object`]).
 fn kind(word: &str) -> Value {
     if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
         return json!({ "type": "array", "items": kind(items) });
@@ -207,9 +207,9 @@ fn kind(word: &str) -> Value {
     }
 }
 
-/// Returns the schema of an object from its members, each with its kind. A name that ends in `?` is
-/// optional. `@table` stands for the numbers of a table or the members of a type, and `@table?`
-/// makes them optional.
+/// Returns the schema of an object from descriptions of its members. A description consists of the
+/// member's name and kind. A name that ends with `?` is optional. `@table` stands for all numbers
+/// of a table or all members of a type; `@table?` makes them optional.
 fn object<'a>(members: impl IntoIterator<Item = &'a str>) -> Value {
     let (mut properties, mut required) = (Map::new(), Vec::new());
     for member in members {
@@ -226,7 +226,7 @@ fn object<'a>(members: impl IntoIterator<Item = &'a str>) -> Value {
     json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
 }
 
-/// Returns the names and schemas of the numbers of a table.
+/// Returns the names and schemas of all numbers of a table.
 fn numbers(table: &str) -> Vec<(String, Value)> {
     let all = output_schema();
     let each =

@@ -1,4 +1,4 @@
-//! `bsm select`: chooses a screw for a requirement, from standard sizes or from a manufacturer's
+//! `bsm select`: chooses a screw for a requirement, from lists of sizes or from a manufacturer's
 //! table.
 
 use std::path::{Path, PathBuf};
@@ -15,15 +15,15 @@ use crate::files::{InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_jso
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
-/// Built-in lists.
+/// Names of the built-in lists of sizes.
 pub(crate) const STANDARD: &str = "standard";
 pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
-/// Hint that names another source of sizes.
+/// Hint that suggests another source of sizes.
 const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
-/// Source named by `--from`: sizes (by default the sizes of the manufacturers) or nuts of a
-/// manufacturer.
+/// The source named by `--from`: sizes (by default the sizes of manufacturers), or nuts from a
+/// manufacturer's table.
 #[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
 pub(crate) enum Source {
     Sizes(Catalog),
@@ -77,7 +77,8 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     }
 }
 
-/// Checks the endings of the outputs, and that no output replaces an input file.
+/// Checks that the output files have supported extensions and that none of them replaces an input
+/// file.
 pub(crate) fn check<'a>(
     args: &'a SelectArgs,
     endings: &[&'static str],
@@ -97,7 +98,7 @@ pub(crate) fn requirement(
     requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
-/// Chooses the best screw and reports the steps of the choice.
+/// Chooses the best screw and reports the steps of this choice.
 fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
@@ -131,7 +132,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures::default()))
 }
 
-/// Describes the keys of a requirement.
+/// Returns a text that describes the keys of a requirement.
 fn keys() -> String {
     let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]

@@ -1,4 +1,4 @@
-//! `bsm solve`: one operating point and its analyses.
+//! `bsm solve`: solves one operating point and performs its analyses.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::nut::columns;
 use crate::progress::{WARM_STATES, waiting};
 use crate::table_job::write_rows;
 
-/// Parts of the answer, with their names in the JSON object of an answer with several parts.
+/// Sections of the answer, with their names in the JSON object if several sections are requested.
 const PARTS: [(Show, &str); 6] = [
     (Show::Motion, "motion"),
     (Show::Slip, "slip"),
@@ -28,7 +28,7 @@ const PARTS: [(Show, &str); 6] = [
     (Show::Ratings, "ratings"),
 ];
 
-/// Returns the part that contains the output of a word of `--show`.
+/// Returns the section of the answer that contains the results for a value of `--show`.
 fn part_of(word: Show) -> Show {
     match word {
         Show::Band | Show::Sensitivities => Show::Motion,
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         return Reply::about(&case, answer).give(&to, || Ok(Pictures::default()));
     }
     let mut settings = args.model.settings()?;
-    // All parts describe the same motion, so they share one model.
+    // All requested sections describe the same motion, so they must use the same model.
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
         settings.model = settings.model.of_motion(case.stated());
     }
@@ -105,7 +105,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Calculates a part of the answer for a possible groove, or returns `None` without a solution.
+/// Recalculates a section of the answer for another possible groove. Returns `None` if there is no
+/// solution.
 fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Option<Answer> {
     let solution = || {
         let solution = case.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
@@ -127,7 +128,7 @@ fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Opti
     }
 }
 
-/// Solves the motion and adds the analyses that are shown with it.
+/// Solves the motion and adds the band or the sensitivities if they are requested.
 fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let in_file = args.case.failure();
     let mut work = ModelWorkspace::default();
@@ -155,7 +156,7 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
     Ok(answer)
 }
 
-/// Solves the point, or states why it has no solution.
+/// Returns the results of the motion, or the reason why there is no solution.
 fn point(
     args: &SolveArgs,
     case: &Case,
@@ -171,7 +172,7 @@ fn point(
     Ok(record.answer(PROGRAM, case, settings, beside))
 }
 
-/// Calculates the slip or jamming of the solved motion, with its sweeps.
+/// Calculates the slip or jamming analysis of the solved motion, and the sweeps for its figures.
 fn analysis(
     args: &SolveArgs,
     case: &Case,
@@ -189,7 +190,8 @@ fn analysis(
     })
 }
 
-/// Calculates an analysis from the motion of the ball, or states why there is no motion.
+/// Calculates an analysis that depends on the motion of the ball. If there is no motion, returns
+/// the reason.
 fn of_motion(
     args: &SolveArgs,
     case: &Case,
@@ -204,7 +206,8 @@ fn of_motion(
     answer(&solution)
 }
 
-/// Calculates the fields over the contact ellipses. The table lists them point by point.
+/// Calculates pressure, slip and friction over the contact ellipses. The table contains one row per
+/// point.
 fn ellipses<'a>(
     args: &SolveArgs,
     case: &'a Case,

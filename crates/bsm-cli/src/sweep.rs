@@ -1,4 +1,4 @@
-//! `bsm sweep`: a grid, random points or a table, with one row per point.
+//! `bsm sweep`: solves a grid, random points or the rows of a table, with one result row per point.
 
 use std::path::{Path, PathBuf};
 
@@ -28,10 +28,10 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Fixed inputs, model and outputs are checked before the work starts.
+    // Combinations of options, fixed inputs, model and outputs are checked before the work starts.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
-        let text = "pictures and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
+        let text = "plots and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
@@ -56,7 +56,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
     let model = task.settings.model.name();
-    // Only the beginning of a long description is kept, because the values after it may be varied.
+    // Only the beginning of the case description becomes part of the title, because values
+    // mentioned later in the description may be varied.
     let head = |text: String| text.split([':', ',']).next().unwrap_or_default().to_owned();
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
@@ -78,7 +79,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     solved
 }
 
-/// Solves the points of a table. The result has the same number of rows in the same order.
+/// Solves the rows of a table. The result has the same number of rows in the same order.
 fn of_table(
     args: &SweepArgs,
     path: &Path,
@@ -88,7 +89,7 @@ fn of_table(
     workers: &Workers<'_>,
 ) -> Result<(), Failure> {
     if files.lines.or(files.map).or(files.lookup).is_some() {
-        let text = "pictures and lookup tables need all points of a grid; they cannot be combined with --points";
+        let text = "plots and lookup tables need all points of a grid; they cannot be combined with --points";
         return Err(Failure::Input(text.to_owned()));
     }
     let once = is_stdout(path) || path.metadata().is_ok_and(|points| !points.is_file());
@@ -120,8 +121,8 @@ fn of_table(
     })
 }
 
-/// Prints a note on inputs that no model of the ball uses, unless a requested column belongs to the
-/// nut or the axis, which use these inputs.
+/// Prints a note about inputs that no ball model uses. The note is omitted if a requested column
+/// belongs to the nut or the axis, which may use these inputs.
 fn note_unread(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
     let is_beyond_the_ball =
@@ -131,25 +132,25 @@ fn note_unread(task: &Task, columns: InputSet) {
     }
 }
 
-/// Prints a note if the groove is estimated.
+/// Prints a note if the groove geometry is estimated.
 fn note_groove(task: &Task) {
     if let Some(note) = task.groove_note() {
         warn("note", &note);
     }
 }
 
-/// File endings that `bsm sweep` writes.
+/// File extensions that `bsm sweep` can write.
 const ENDINGS: [&str; 11] = [
     "csv", "jsonl", "parquet", "xlsx", "txt", "grid.csv", "svg", "png", "map.svg", "map.png",
     "json",
 ];
 
-/// Requested output files, at most one of each kind.
+/// Requested output files, with at most one file of each kind.
 #[derive(Default)]
 struct Files<'a> {
-    /// Table of rows.
+    /// Table of results.
     table: Option<&'a Path>,
-    /// Description of the origin of the table.
+    /// JSON file that describes the origin of the table.
     about: Option<&'a Path>,
     /// Lookup table for a drive model.
     lookup: Option<&'a Path>,
@@ -176,12 +177,12 @@ impl<'a> Files<'a> {
             if slot.replace(path.as_path()).is_some() {
                 return Err(refused(
                     path,
-                    "one run writes one table, one picture of lines and one map",
+                    "a run writes at most one table, one plot of curves and one map",
                 ));
             }
         }
-        // The output may replace the table of points, which is read completely before the output is
-        // written.
+        // The results may replace the table of points, because this table is read completely before
+        // the results get their final file name.
         let others = outputs().filter(|path| files.table != Some(*path));
         InputFiles::of([args.points.as_deref()]).check(others)?;
         if let Some(path) = files.lookup.filter(|_| args.output.len() > 1) {
@@ -230,8 +231,8 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Returns the points, and the grid that represents them in the task: the grid itself, or the
-/// corners of the random points.
+/// Returns the points, and a grid with which the task is checked: the grid itself, or the bounds
+/// and means of the random points.
 fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     let usage = |what: &'static str| move |e: CaseError| Failure::input(what, &e);
     if let Some(count) = args.samples {
@@ -243,12 +244,12 @@ fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     Ok((Points::Grid(grid.clone()), grid))
 }
 
-/// Returns the output that a picture shows, which is the first of the requested columns.
+/// Returns the output that a plot shows, which is the first requested column.
 fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColumn, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
     OutputColumn::named(name).filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(
-            "-o {}: a picture shows the first output of --columns, but {name} is not a number; put a number first, such as \
+            "-o {}: a plot shows the first output of --columns, but {name} is not a number; put a number first, such as \
              --columns efficiency,{name}",
             path.display()
         ))

@@ -1,4 +1,4 @@
-//! Answers as tables on the screen.
+//! Formats answers as text tables.
 
 use std::collections::BTreeSet;
 
@@ -8,17 +8,17 @@ use bsm_case::{
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
 
-/// Returns the cell that states if a limit is met. The cell is empty if there is no limit.
+/// Returns the table cell that states whether a limit is met. Without a limit, the cell is empty.
 pub(crate) fn verdict(passes: Option<bool>) -> String {
     passes.map_or("", |passes| if passes { "pass" } else { "FAIL" }).to_owned()
 }
 
-/// Formats a plain table. The columns from `first_number` on are right-aligned.
+/// Formats a table without borders. The columns from index `first_number` on are right-aligned.
 pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number: usize) -> String {
     aligned(header, rows, |column| column >= first_number)
 }
 
-/// Formats a plain table with the given columns right-aligned.
+/// Formats a table without borders. `right` returns true for right-aligned columns.
 fn aligned(header: Option<&[&str]>, rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -32,19 +32,19 @@ fn aligned(header: Option<&[&str]>, rows: &[Vec<String>], right: impl Fn(usize) 
     table.trim_fmt()
 }
 
-/// Formats a number with a unit. A number without a unit may be a count.
+/// Formats a value. A value without a unit may be a count.
 fn shown(unit: &str, value: f64) -> String {
     if unit.is_empty() { count_or_number(value) } else { number(value) }
 }
 
-/// Formats a count in full, and any other number with five digits. The value 1 is formatted like a
-/// ratio, because most values of 1 are ratios.
+/// Formats a count with all its digits, and any other number with five digits. The value 1 is not
+/// treated as a count, because it is usually a ratio.
 pub(crate) fn count_or_number(value: f64) -> String {
     let is_count = (2.0..1e6).contains(&value.abs()) && value.fract().abs() <= 0.0;
     if is_count { format!("{value:.0}") } else { number(value) }
 }
 
-/// Formats an answer: rules, sections and notes.
+/// Formats an answer as text: rules, sections and notes.
 pub(crate) fn answer(answer: &Answer) -> String {
     let mut blocks: Vec<String> = Vec::new();
     if !answer.rules.is_empty() {
@@ -103,7 +103,7 @@ fn rule(rule: &Criterion) -> Vec<String> {
     ]
 }
 
-/// Rows of numbers and texts.
+/// Formats a table of numbers and text.
 fn rows(table: &Rows) -> String {
     let shown: Vec<_> = (0..)
         .zip(&table.columns)
@@ -128,11 +128,11 @@ fn rows(table: &Rows) -> String {
     aligned(Some(&header), &cells, |column| !is_text(&shown[column].0))
 }
 
-/// Formats quantities as one table per title.
+/// Formats quantities as text tables, one for each title and scope.
 ///
-/// * `whole`: heading for quantities that belong to no contact and no direction.
-/// * `unbounded`: names of quantities that the error bound does not cover.
-/// * `answer`: contains, for each number, the inputs that are missing.
+/// * `whole`: column heading for quantities that have no contact and no direction.
+/// * `unbounded`: names of quantities that are not covered by the error bound.
+/// * `answer`: answer that lists the missing inputs for each quantity.
 fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let mut rows: Vec<_> =
         numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();
@@ -141,7 +141,7 @@ fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answ
         row.values.into_iter().flatten().map(move |value| (unit, value))
     };
     let scales = Scales::of(rows.iter().flat_map(values));
-    // Within a title, quantities without a contact or direction come first.
+    // Under each title, quantities without a contact or direction come first.
     for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
         rows.sort_by_key(|row| row.quantity.scope as u8);
     }
@@ -151,7 +151,7 @@ fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answ
     rows.chunk_by(same).map(|rows| block(rows, (whole, unbounded), answer, &scales)).collect()
 }
 
-/// Formats quantities that belong together as one table.
+/// Formats quantities with the same title and scope as one table.
 fn block(
     rows: &[&Row],
     (whole, unbounded): (&str, &[&str]),
@@ -161,7 +161,7 @@ fn block(
     let first = rows[0].quantity;
     let members = if first.scope == Scope::Scalar { &[whole][..] } else { first.scope.members() };
     let has_symbols = rows.iter().any(|row| !row.quantity.symbol.is_empty());
-    // Notes below the table keep its columns narrow.
+    // Missing inputs are listed in notes below the table, so that the columns stay narrow.
     let not_given = answer.all_not_given();
     let notes_of = |number: &str| -> Vec<usize> {
         let of_number = |text: &str| {

@@ -1,4 +1,4 @@
-//! Jobs of the batch pipeline from points to a table or a folder of tables: arguments and messages.
+//! Runs the batch pipeline from points to a table or a dataset folder, and prints its messages.
 
 use std::collections::HashSet;
 use std::io::{self, Read};
@@ -28,25 +28,25 @@ use crate::unfinished;
 #[cfg(feature = "xlsx")]
 use crate::workbook::{self, Workbook};
 
-/// File endings of tables.
+/// File extensions of output tables.
 pub(crate) const TABLES: [&str; 4] = ["csv", "jsonl", "parquet", "xlsx"];
 
-/// File endings of tables of points. Workbooks cannot be read.
+/// File extensions of input tables. Workbooks cannot be read.
 const POINTS: [&str; 3] = ["csv", "jsonl", "parquet"];
 
-/// Settings that all rows share, and their destination.
+/// A batch run: its task, command-line options and output files.
 pub(crate) struct Job<'a> {
     pub(crate) task: Task,
     pub(crate) args: &'a SweepArgs,
-    /// Table, or `None` if only pictures are wanted.
+    /// Output table, or `None` if only plots are requested.
     pub(crate) table: Option<&'a Path>,
-    /// File that describes the origin of the table.
+    /// JSON file that describes the origin of the table.
     pub(crate) about: Option<&'a Path>,
-    /// Format of CSV output.
+    /// Format of CSV output: separators and decimal sign.
     pub(crate) table_format: TableFormat,
 }
 
-/// Discards rows that only pictures need.
+/// A sink that discards rows, for runs that only draw plots.
 struct Discard;
 
 impl AnswerSink for Discard {
@@ -56,11 +56,12 @@ impl AnswerSink for Discard {
 }
 
 impl Job<'_> {
-    /// Solves all rows, writes them to a table or a folder of tables, and returns the number of
-    /// rows without a result. `each` receives the watched output of every solved chunk.
+    /// Solves all rows, writes them to a table or a dataset folder, and returns the number of rows
+    /// without a result. `each` is called for every solved chunk, with the values of the watched
+    /// output.
     ///
-    /// * `source`: rows to solve.
-    /// * `points`: origin of the rows, recorded in a folder.
+    /// * `source`: source of the rows to solve.
+    /// * `points`: description of the points, which is stored in the plan of a dataset.
     pub(crate) fn run(
         &self,
         source: &mut dyn Source,
@@ -119,7 +120,7 @@ impl Job<'_> {
         }
         let why = match self.table {
             Some(path) => format!("see column `message` in {}", path.display()),
-            None => "a table states the reasons".to_owned(),
+            None => "write a table to see the reasons".to_owned(),
         };
         warn("note", &format!("{failed} of {rows} rows have no result; {why}"));
         if self.args.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
@@ -134,8 +135,8 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // Text formats cannot contain a description, and building one would read the whole table of
-        // points.
+        // Text formats cannot contain a description of the origin. It is created only if needed,
+        // because this requires reading the whole table of points.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null
@@ -180,7 +181,8 @@ impl Job<'_> {
         Ok(count)
     }
 
-    /// Creates the folder, or checks that it has the same plan, and prints the cost.
+    /// Creates the dataset folder or checks that it has the same plan, and prints the estimated
+    /// cost.
     fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);
         let begun =
@@ -219,14 +221,14 @@ impl Job<'_> {
     }
 }
 
-/// Points at which `auto` changes the model along the last axis of a grid.
+/// Collects the points at which `auto` switches to another model along the last axis of a grid.
 struct Changes<'a> {
     axis: &'a Axis,
     /// Row, value and model of the previous point.
     before: Option<(u64, f64, ModelChoice)>,
     /// Descriptions of the first few changes.
     first: Vec<String>,
-    /// Index along the axis and both models of each change.
+    /// Axis index of each change, with the names of both models.
     found: HashSet<(u64, [&'static str; 2])>,
 }
 
@@ -274,20 +276,21 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Returns the requested outputs.
+/// Returns the outputs that the option `--columns` requests.
 pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>, Failure> {
     let selected = Answers::select(columns);
     selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
 }
 
-/// Returns true if the path ends in a separator, or is a folder whose name has no ending of a
-/// table.
+/// Returns true if the path ends with a separator, or if it is an existing folder without the
+/// extension of a table.
 pub(crate) fn is_folder(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with(['/', '\\'])
         || path.is_dir() && ending_of("-o", path, &TABLES).is_err()
 }
 
-/// Opens a table of points in the format of its ending; `-` is CSV on standard input.
+/// Opens a table of points in the format of its file extension. The path `-` means CSV on standard
+/// input.
 pub(crate) fn open(
     path: &Path,
     keep: &[String],
@@ -303,7 +306,7 @@ pub(crate) fn open(
     source.map_err(|e| Failure::table(path, &e))
 }
 
-/// Converts an error of a folder to a failure with an exit code.
+/// Converts an error of a dataset to a failure with an exit code.
 pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     match error {
         DatasetError::Read(error) => Failure::Table(error),
@@ -325,7 +328,8 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     }
 }
 
-/// Describes how to repair damaged parts, or files that have the names of parts.
+/// Describes how to repair damaged parts, or what to do with files that have the name of a part but
+/// are not in the plan.
 pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };
     if damaged.iter().all(|(_, why)| matches!(why, PartDefect::NotInThePlan)) {
@@ -338,7 +342,7 @@ pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     )
 }
 
-/// Reports the reason why a run that writes a table ended early.
+/// Reports why a run that writes a table ended early.
 pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
     match error {
         RunError::Read(error) => Failure::Table(error),
@@ -357,11 +361,11 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     }
 }
 
-/// Writes a table of numbers and texts in parts.
+/// Writes a table of numbers and text, one block of rows at a time.
 ///
-/// * `columns`: columns of the parts that are written, as they are displayed.
-/// * `parts`: values of all columns, part by part.
-/// * `about`: description of the origin of the table.
+/// * `columns`: columns of the table in display units.
+/// * `parts`: blocks of rows, with the values of all columns.
+/// * `about`: description of the table's origin.
 pub(crate) fn write_columns<'a>(
     path: &Path,
     columns: &'a [ShownColumn],
@@ -382,7 +386,8 @@ pub(crate) fn write_columns<'a>(
                     is_text: false,
                 };
                 let mut heads: Vec<_> = columns.iter().map(head).collect();
-                // The columns of a list without rows contain numbers.
+                // The type of a column is taken from the first block. In an empty table, all
+                // columns are numeric.
                 for (head, values) in heads.iter_mut().zip(parts.peek().into_iter().flatten()) {
                     head.is_text = matches!(values, ColumnValues::Texts(_));
                 }
@@ -409,7 +414,7 @@ pub(crate) fn write_columns<'a>(
     }
 }
 
-/// Returns a cell of a workbook.
+/// Returns a workbook cell for a value.
 #[cfg(feature = "xlsx")]
 fn cell(values: &ColumnValues, row: usize) -> Cell<'_> {
     match values {
@@ -418,15 +423,15 @@ fn cell(values: &ColumnValues, row: usize) -> Cell<'_> {
     }
 }
 
-/// Returns the metadata of a table of numbers.
+/// Returns the metadata of a table: the program and the description of the table's origin.
 fn made_from(about: &Value) -> Value {
     json!({ "program": PROGRAM, "made_from": about })
 }
 
-/// Name, unit and value.
+/// Name, unit and value of a quantity.
 pub(crate) type NumberRow = (&'static str, &'static str, f64);
 
-/// Writes a table with one row of name, unit and value per number.
+/// Writes a table with one row per quantity. The columns are name, unit and value.
 pub(crate) fn write_rows(
     path: &Path,
     rows: &[NumberRow],
@@ -458,7 +463,7 @@ pub(crate) fn write_rows(
     }
 }
 
-/// Writes a workbook with the rows and a sheet that describes their origin.
+/// Writes a workbook with the rows and an additional sheet that describes their origin.
 #[cfg(feature = "xlsx")]
 fn write_book<'a>(
     path: &Path,
@@ -475,17 +480,17 @@ fn write_book<'a>(
     files::write_bytes(out, path, &written().map_err(|error| unwritable(path, &error))?)
 }
 
-/// Format of a table.
+/// Format of an output table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// Text or Parquet.
+    /// A CSV, JSON Lines or Parquet file.
     Table(Format),
-    /// A workbook.
+    /// An Excel workbook.
     #[cfg(feature = "xlsx")]
     Workbook,
 }
 
-/// Chooses the format of an output table by the ending of its name; `-` is CSV.
+/// Chooses the format of an output table by its file extension. The path `-` means CSV.
 pub(crate) fn form_of(path: &Path) -> Result<Form, Failure> {
     if is_stdout(path) {
         return Ok(Form::Table(Format::Csv));

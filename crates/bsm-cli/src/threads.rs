@@ -1,4 +1,4 @@
-//! Threads of a command, as many as the system provides.
+//! Runs commands on as many threads as the operating system provides.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -8,8 +8,8 @@ use bsm_batch::Workers;
 
 use crate::failure::{Failure, warn};
 
-/// Stop flag of the workers, which is never set: an interrupt removes the unfinished files and ends
-/// the program at once.
+/// Stop flag of the worker threads, which is never set. An interrupt removes unfinished files and
+/// ends the program immediately instead.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Runs a command on the given number of threads, which defaults to the number of cores. If the
@@ -25,7 +25,9 @@ pub(crate) fn on_threads(
     if threads < wanted {
         warn(
             "note",
-            &format!("using {threads} of {wanted} threads, because the system does not start more"),
+            &format!(
+                "using {threads} of {wanted} threads, because the operating system does not start more"
+            ),
         );
     }
     workers.install(|| command(&workers))

@@ -1,4 +1,4 @@
-//! `bsm tradeoff`: time and accuracy of each model and setting.
+//! `bsm tradeoff`: measures the time and accuracy of each model and setting.
 
 use std::path::Path;
 
@@ -100,10 +100,10 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
-/// Heading of a column, and the function that formats its cell.
+/// Column heading and the function that formats the cells.
 type Column = (&'static str, fn(&SettingResult, &Errors) -> String);
 
-/// Columns of the table over all points.
+/// Columns of the table that summarizes all points.
 const COLUMNS: [Column; 9] = [
     ("model and setting", |result, _| result.setting.name()),
     ("all cores us", |result, _| micro(result.times.all_cores)),
@@ -131,13 +131,13 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Formats the times of single solves and of tables.
+/// Formats the computing times of single solves and of tables.
 fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     let of = [single.mean, single.median, single.q90, single.q99, single.max];
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()
 }
 
-/// Formats the breakdown of the computing time.
+/// Formats a breakdown of the computing time.
 fn costs_row(
     OneCore { steps, evaluations, nodes, searches, searching, .. }: &OneCore,
 ) -> Vec<String> {

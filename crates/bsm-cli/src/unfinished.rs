@@ -1,5 +1,5 @@
-//! Cleanup after an interruption. No incomplete file remains under its final name, and no temporary
-//! file remains.
+//! Cleanup after an interruption. It ensures that no incomplete file has its final name and that no
+//! temporary file remains.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-/// Temporary files that are not yet complete.
+/// List of temporary files that are not complete.
 #[derive(Debug)]
 pub(crate) struct Unfinished {
     files: Vec<PathBuf>,
@@ -18,19 +18,19 @@ pub(crate) struct Unfinished {
 static UNFINISHED: Mutex<Unfinished> =
     Mutex::new(Unfinished { files: Vec::new(), listening: false });
 
-/// Delays interrupts until the guard is dropped.
+/// Locks the list of temporary files. Interrupts are delayed until the guard is dropped.
 pub(crate) fn block_interrupts() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Unfinished {
-    /// Removes a temporary file from the list after it has got its final name.
+    /// Removes a file from the list after it has been renamed to its final name.
     pub(crate) fn finished(&mut self, temporary: &Path) {
         self.files.retain(|file| file != temporary);
     }
 }
 
-/// Creates a temporary file. An interrupt removes it at any time after its creation.
+/// Creates a temporary file and registers it, so that any later interrupt removes it.
 pub(crate) fn create_temporary(
     file: &mut dyn FnMut() -> io::Result<NamedTempFile>,
 ) -> io::Result<NamedTempFile> {
@@ -62,26 +62,27 @@ mod signals {
     use crate::failure::warn;
     use crate::files::FILE_TOO_LARGE;
 
-    /// Handled signals, including the signals that schedulers send before a time limit. Each signal
-    /// ends the program with exit code 128 + signal number.
+    /// Handled signals, including the signals that job schedulers send before a time limit. Each
+    /// signal ends the program with the exit code 128 + signal number.
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Time within which an oversized write reports its failure.
+    /// Time within which a write that exceeds the file size limit has reported its error.
     const FAILS_WITHIN: Duration = Duration::from_millis(200);
 
-    /// Turns two kinds of sudden termination into failures with exit code 1.
+    /// Makes two kinds of abnormal termination end with exit code 1.
     pub(crate) fn prepare() -> io::Result<()> {
-        // A write beyond `ulimit -f` returns an error instead of a signal.
+        // A write beyond the limit of `ulimit -f` now returns an error instead of terminating the
+        // program.
         flag::register(SIGXFSZ, Arc::default())?;
-        // If no memory is left, Rust prints an error and aborts. This exit code replaces the exit
-        // code of the abort.
+        // If memory runs out, Rust prints an error and aborts. The program then ends with exit code
+        // 1 instead of the exit code of the abort.
         flag::register_conditional_shutdown(SIGABRT, 1, Arc::new(AtomicBool::new(true)))?;
         Ok(())
     }
 
-    /// Handles interrupts on a separate thread. It only waits for code that holds the lock on the
-    /// files.
+    /// Handles interrupts on a separate thread. An interrupt is delayed only while other code holds
+    /// the lock on the list of temporary files.
     pub(super) fn listen() -> io::Result<()> {
         let ignored = ignored();
         let heard = INTERRUPTS.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
@@ -96,8 +97,8 @@ mod signals {
         Ok(())
     }
 
-    /// Returns true if SIGXFSZ was caused by a write of this program, which reports the error
-    /// itself.
+    /// Returns true if SIGXFSZ was caused by a write of this program. In this case, the failed
+    /// write reports the error.
     fn write_failed() -> bool {
         thread::sleep(FAILS_WITHIN);
         FILE_TOO_LARGE.load(Ordering::Relaxed)
@@ -112,9 +113,9 @@ mod signals {
         exit(128 + signal);
     }
 
-    /// Returns the signals that the program was started to ignore, as a bit mask whose lowest bit
-    /// is SIGHUP. `nohup` and background jobs of scripts set them, and they stay ignored. The mask
-    /// is only known on Linux.
+    /// Returns the signals that were ignored when the program was started, as a bit mask whose
+    /// lowest bit is SIGHUP. Signals ignored by `nohup` or in background jobs of scripts must stay
+    /// ignored. The mask is only available on Linux.
     fn ignored() -> u64 {
         let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
         let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -126,14 +127,14 @@ mod signals {
 mod signals {
     use std::io;
 
-    /// Does nothing on this system.
+    /// Does nothing on this operating system.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
     pub(crate) fn prepare() -> io::Result<()> {
         Ok(())
     }
 
-    /// Does nothing on this system, where an interrupt ends the program at once. The former file
-    /// remains intact, but a temporary file may remain, too.
+    /// Does nothing on this operating system. An interrupt ends the program immediately: existing
+    /// output files remain intact, but a temporary file may be left behind.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
     pub(super) fn listen() -> io::Result<()> {
         Ok(())

@@ -1,4 +1,4 @@
-//! `bsm validate`: comparison with published results.
+//! `bsm validate`: compares the program with published results.
 
 use bsm_case::Content;
 use bsm_report::number;
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         report.checks.retain(|check| check.key.contains(key.as_str()));
         if report.checks.is_empty() {
             let text = format!(
-                "--only {key}: no check has this text in its key; bsm validate prints all keys"
+                "--only {key}: no check has a key that contains this text; bsm validate prints all keys"
             );
             return Err(Failure::Input(text));
         }

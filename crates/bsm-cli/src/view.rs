@@ -1,4 +1,4 @@
-//! `bsm view`: one screw in the browser.
+//! `bsm view`: shows one screw in the browser.
 
 use std::path::PathBuf;
 
@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         let text = "--open and --port apply to the server, which -o PAGE.html does not start";
         return Err(Failure::Input(text.to_owned()));
     }
-    // An unsolvable input is reported here instead of in the browser.
+    // A case that cannot be solved is reported here instead of in the browser.
     case.with_groove().and_then(|case| case.problem(&settings)).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();
@@ -29,7 +29,8 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         solvable.map_err(|error| Failure::case(path, &error))?;
         beside.push(other);
     }
-    // The button "Save case" may overwrite the case file itself.
+    // An exported page must not replace the case file. The button "Save case", however, may
+    // overwrite it.
     let own = is_page.then_some(args.case.path());
     let beside_files = args.beside.iter().map(|path| Some(path.as_path()));
     InputFiles::of(beside_files.chain([own])).check(args.output.as_deref())?;

@@ -1,5 +1,5 @@
-//! Tables as workbooks: rows below names and units, and a sheet that states their origin. This is
-//! the only file that uses the workbook library.
+//! Tables as Excel workbooks: rows below column names and units, and a sheet that describes the
+//! origin of the table. Only this module uses the workbook library.
 
 use std::sync::atomic::Ordering;
 use std::{env, io};
@@ -11,13 +11,13 @@ use serde_json::{Number, Value};
 
 use crate::files::FILE_TOO_LARGE;
 
-/// Number of rows of a sheet below the rows of names and units.
+/// Maximum number of rows of a sheet below the rows with names and units.
 pub(crate) const MAX_ROWS: u64 = 1_048_574;
 
-/// Smallest and largest width of a column \[characters\].
+/// Minimum and maximum column width \[characters\].
 const WIDTHS: (u16, u16) = (10, 40);
 
-/// A workbook that is written row by row. Written rows are not held in memory.
+/// A workbook that is written row by row. Rows that have been written are not held in memory.
 pub(crate) struct Workbook {
     book: Book,
     row: u32,
@@ -26,7 +26,7 @@ pub(crate) struct Workbook {
 }
 
 impl Workbook {
-    /// Begins a sheet with the names of the columns and their units in the first two rows.
+    /// Starts a sheet with the column names in the first row and the units in the second row.
     pub(crate) fn new<'a>(
         headings: impl Iterator<Item = (&'a str, &'a str)>,
     ) -> Result<Self, TableError> {
@@ -50,7 +50,7 @@ impl Workbook {
         Ok(Self { book, row: 2, columns: Columns::default(), outputs: Vec::new() })
     }
 
-    /// Begins a sheet for a table of answers.
+    /// Starts a sheet for a results table.
     pub(crate) fn of_answers(
         columns: &Columns,
         outputs: &[&'static Output],
@@ -60,7 +60,7 @@ impl Workbook {
         Ok(Self { columns: columns.clone(), outputs: outputs.to_vec(), ..this })
     }
 
-    /// Writes one row.
+    /// Writes one row of cells.
     pub(crate) fn row<'a>(
         &mut self,
         entries: impl Iterator<Item = Cell<'a>>,
@@ -77,9 +77,9 @@ impl Workbook {
         Ok(())
     }
 
-    /// Completes the workbook and returns the bytes of the file.
+    /// Completes the workbook and returns the bytes of its file.
     ///
-    /// * `about`: description of the origin of the table, written to a separate sheet.
+    /// * `about`: description of the table's origin, which is written to a separate sheet.
     pub(crate) fn finish(mut self, about: &Value) -> Result<Vec<u8>, TableError> {
         let mut leaves = Vec::new();
         flatten(String::new(), about, &mut leaves);
@@ -100,11 +100,12 @@ impl Workbook {
     }
 }
 
-/// Calls the workbook library. The library panics if there is no disk space for its temporary file
-/// of rows; this function returns an error instead.
+/// Calls the workbook library and converts its panics to errors. The library panics if there is no
+/// disk space for its temporary file.
 fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableError> {
     let done = catch_panic(write).ok_or_else(|| {
-        // The library may exceed `ulimit -f`; its own error is returned here.
+        // The temporary file may exceed the limit of `ulimit -f`. The flag prevents the signal from
+        // ending the program before this error is reported.
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
         let folder = env::temp_dir();
         let text =
@@ -122,7 +123,7 @@ impl AnswerSink for Workbook {
     }
 }
 
-/// Explains why a table does not fit into a sheet.
+/// Returns the message that a table has too many rows for a sheet.
 pub(crate) fn too_many(rows: &str) -> String {
     format!(
         "a sheet has at most {MAX_ROWS} rows, but this table has {rows}; write .csv or .parquet"
@@ -142,11 +143,11 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
     Ok(())
 }
 
-/// Largest magnitude up to which a double, the only number type of a spreadsheet, represents every
-/// integer.
+/// Largest integer up to which a double represents every integer exactly. Spreadsheets have no
+/// other number type.
 const MAX_EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
 
-/// Writes a number, or the text of an integer whose digits a spreadsheet would change.
+/// Writes a number. An integer that a spreadsheet would round is written as text.
 fn write_digits<'a>(
     sheet: &'a mut Worksheet,
     row: u32,
@@ -162,7 +163,7 @@ fn write_digits<'a>(
     }
 }
 
-/// Collects the leaves of a JSON value. Their names contain the names of all parents.
+/// Collects the leaves of a JSON value. The name of a leaf includes the names of all its parents.
 fn flatten<'a>(name: String, value: &'a Value, to: &mut Vec<(String, &'a Value)>) {
     let below = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
     match value {

@@ -1,13 +1,13 @@
-//! Drawings in DXF release 12, which every CAD program can read.
+//! Drawings in the format DXF release 12, which every CAD program can read.
 
 use std::fmt::Write;
 
 use bsm_case::GrooveSection;
 
-/// Layers with their color numbers.
+/// Names and color numbers of the layers.
 const LAYERS: [(&str, u8); 5] = [("SCREW", 5), ("NUT", 3), ("BALL", 7), ("CENTER", 1), ("DIM", 8)];
 
-/// A DXF file, which consists of pairs of a code and a value, one per line.
+/// The text of a DXF file, which consists of pairs of a code and a value, each on its own line.
 struct Dxf(String);
 
 impl Dxf {
@@ -41,7 +41,7 @@ impl Dxf {
         self.number(40, radius);
     }
 
-    /// * `ends`: angles of both ends, counterclockwise from the x axis \[deg\].
+    /// * `ends`: start and end angle, counterclockwise from the x axis \[deg\].
     fn arc(&mut self, layer: &str, center: (f64, f64), radius: f64, ends: [f64; 2]) {
         self.circle("ARC", layer, center, radius);
         self.number(50, ends[0]);
@@ -57,8 +57,8 @@ impl Dxf {
     }
 }
 
-/// Returns the section across the grooves of nut and screw around a ball, in millimeters at 1:1.
-/// The ball center is the origin; x is along the axis, and y is away from the axis.
+/// Draws the cross section of the grooves of nut and screw around a ball, in millimeters at scale
+/// 1:1. The origin is the ball center, x points along the axis, and y points away from the axis.
 pub fn groove_dxf(section: &GrooveSection) -> String {
     let mut dxf = Dxf(String::new());
     dxf.pair(0, "SECTION");
@@ -87,13 +87,13 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
         let up = if place == 0 { 1.0 } else { -1.0 };
         let ((k, h), radius) = (section.centers[place], section.radii[place]);
         let [meet, edge] = section.flanks[place];
-        // The angles of a flank are measured from the radial direction. The flanks of the screw are
-        // the mirror image.
+        // Flank angles are measured from the radial direction. The flanks of the screw are the
+        // mirror image of those of the nut.
         let right = if up > 0.0 { [90.0 - edge, 90.0 - meet] } else { [meet - 90.0, edge - 90.0] };
         let left = [180.0 - right[1], 180.0 - right[0]];
         dxf.arc(layer, (-k, -up * h), radius, right);
         dxf.arc(layer, (k, -up * h), radius, left);
-        // The lands are the first and the last section of the outline.
+        // The first and the last segment of the outline are the lands.
         if let [from, to, .., before, last] = outline[..] {
             dxf.line(layer, [from, to]);
             dxf.line(layer, [before, last]);
@@ -126,7 +126,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns the entities of a file: kind, and values by their codes.
+    /// Parses the entities of a DXF file. Each entity has a kind, and values with their codes.
     fn entities(text: &str) -> Vec<(String, Vec<(u8, String)>)> {
         let lines: Vec<_> = text.lines().map(str::trim).collect();
         let pairs = lines.chunks(2).map(|pair| (pair[0].parse().expect("a code"), pair[1]));
@@ -141,8 +141,8 @@ mod tests {
         found
     }
 
-    /// Arcs have the radii of the grooves, touch the ball at the contact angle, and end where the
-    /// lands begin.
+    /// The arcs must have the radii of the grooves, touch the ball at the contact angle, and end
+    /// where the lands begin.
     #[test]
     fn arcs_touch_the_ball_at_the_contact_angle() {
         let case = include_bytes!("../../../examples/axis.json");
@@ -160,19 +160,20 @@ mod tests {
         let layer = |of: &[(u8, String)]| of[0].1.clone();
         let lines = of("LINE");
         assert_eq!(of("ARC").len(), 4);
-        // The tolerance is a millionth of a millimeter. The file has nine decimals.
+        // The tolerance is a millionth of a millimeter. The file contains nine decimals.
         let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
         for arc in of("ARC") {
             let [x, y, radius, from, to] = [10, 20, 40, 50, 51].map(|code| number(arc, code));
             let place = usize::from(layer(arc) == "SCREW");
-            // The groove radius is R = f D_w. The arc center is on the line through the contact, (R
-            // - r) beyond the ball center.
+            // The groove radius is R = f D_w. The arc center is on the line through the contact, at
+            // the distance R - r from the ball center.
             assert!(close(radius, 0.52 * 10.0));
             assert!(close(x.hypot(y), radius - 5.0));
             assert!(close(x.abs(), (radius - 5.0) * 45.0_f64.to_radians().sin()));
             assert!((x.abs() - section.centers[place].0).abs() < 1e-6);
             assert!(to > from && to - from < 90.0);
-            // One end is in the middle of the groove, and the other end is where a land begins.
+            // One end of each arc is in the middle of the groove, and the other end is where a land
+            // begins.
             let end = |deg: f64| {
                 (x + radius * deg.to_radians().cos(), y + radius * deg.to_radians().sin())
             };

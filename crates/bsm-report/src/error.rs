@@ -1,4 +1,4 @@
-//! Errors of the report.
+//! Errors of figures and pages.
 
 /// The reason why a figure or a page cannot be created.
 #[derive(Debug, thiserror::Error)]
@@ -7,7 +7,7 @@ pub enum ReportError {
     /// A table cannot be written.
     #[error("table: {0}")]
     Table(#[from] csv::Error),
-    /// A picture cannot be drawn.
+    /// An image cannot be drawn.
     #[error("picture: {0}")]
     Picture(String),
     /// A page cannot be created.
@@ -16,7 +16,7 @@ pub enum ReportError {
     /// A point of a figure is not a valid operating point.
     #[error("point of a figure: {0}")]
     Case(#[from] bsm_case::CaseError),
-    /// A one-dimensional search failed.
+    /// A search for the minimum or root of a function failed.
     #[error("search: {0}")]
     Search(#[from] bsm_design::search::SearchError),
 }

@@ -1,4 +1,4 @@
-//! Figures as pictures and as tables.
+//! Figures, which can be written as images and as tables.
 
 use std::sync::Arc;
 
@@ -13,11 +13,11 @@ use serde::Deserialize;
 use crate::map::png_of;
 use crate::{ReportError, number};
 
-/// Maximum number of curves: the colors of the palette, which readers with color blindness can
-/// distinguish.
+/// Maximum number of curves, which is the number of colors in the palette. Readers with color
+/// blindness can distinguish these colors.
 pub const MAX_CURVES: usize = 7;
 
-/// Style of a curve.
+/// Line or mark style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stroke {
@@ -39,23 +39,24 @@ impl Stroke {
     }
 }
 
-/// One curve of a figure. A value of y that is not finite is a gap.
+/// One curve of a figure. Points whose y value is NaN or infinite leave a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Label in the legend.
+    /// Label of the curve in the legend.
     pub label: Option<String>,
     /// Index of the color in the palette.
     pub color: usize,
-    /// Style of the curve.
+    /// Line or mark style.
     pub stroke: Stroke,
-    /// Points in the units of the axes.
+    /// Points (x, y) in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Names of the points, drawn next to their marks. The list is empty or has one name per point.
+    /// Names of the points, which are drawn next to their marks. The list is empty or has one name
+    /// for each point.
     pub marks: Vec<String>,
 }
 
 impl Curve {
-    /// Returns a curve with a label and without marks.
+    /// Returns a curve with a label but without point names.
     pub fn new(
         label: impl Into<String>,
         color: usize,
@@ -69,11 +70,11 @@ impl Curve {
 /// An axis of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// Quantity and unit.
+    /// Quantity and unit, separated by a comma.
     pub label: String,
     /// True for a logarithmic axis.
     pub log: bool,
-    /// True if both axes have the same scale, as in a drawing.
+    /// True if both axes must have the same scale, as in a drawing.
     pub equal: bool,
 }
 
@@ -83,7 +84,7 @@ impl Axis {
         Self { label: label.to_owned(), log: false, equal: false }
     }
 
-    /// Returns an axis of a drawing, in which both axes have the same scale.
+    /// Returns an axis for a drawing, in which both axes have the same scale.
     pub fn equal(label: &str) -> Self {
         Self { equal: true, ..Self::linear(label) }
     }
@@ -94,14 +95,14 @@ impl Axis {
     }
 }
 
-/// A figure: curves over a common x.
+/// A figure that consists of curves over a common x axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Name of its files.
+    /// Name of the files of this figure, without extension.
     pub key: String,
-    /// Title.
+    /// Title of the figure.
     pub title: String,
-    /// Caption.
+    /// Caption of the figure.
     pub caption: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -112,7 +113,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Converts both axes to displayed units. The unit of an axis stands behind the last comma of its label.
+    /// Converts both axes to display units. The unit of an axis follows the last comma in its
+    /// label.
     pub fn display_in(&mut self, units: DisplayUnits) {
         let (x, x_unit) = units.label(&self.x.label);
         let (y, y_unit) = units.label(&self.y.label);
@@ -123,23 +125,24 @@ impl Figure {
     }
 }
 
-/// Size of a figure without its legend. Its text is large enough for the screen of a phone.
+/// Width and height of a figure without its legend \[px\]. At this size, text is legible on a
+/// phone.
 const SIZE: (f64, f64) = (460.0, 330.0);
 
-/// Number of characters of a title that fit in a line, also in capitals, and the height of a line.
+/// Number of title characters that fit into a line, even in capitals, and the line height \[px\].
 const TITLE: usize = 34;
 const TITLE_LINE: f64 = 20.0;
 
-/// Height of a row of the legend, and number of characters that fit in one of two columns.
+/// Height of a legend row \[px\], and number of characters that fit into one of two legend columns.
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
-/// Approximate number of points of a curve that show their values. A pointer could not distinguish
-/// more points.
+/// Approximate number of points per curve that show their values when the pointer is on them. More
+/// points would be too close together.
 const MAX_POINT_LABELS: usize = 16;
 
-/// Markers of lines, in the order of their colors, which distinguish lines without color. The first
-/// color has no marker.
+/// Markers that distinguish lines without color, in the order of the colors. The first color has no
+/// marker.
 const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Square,
     MarkerShape::Diamond,
@@ -148,32 +151,32 @@ const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Cross,
 ];
 
-/// Number of markers on a line, and their size \[px\].
+/// Number of markers on a line, and size of a marker \[px\].
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// Meaning of strokes and colors.
+/// The meaning of each stroke and the meaning of each color.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
-/// Color of strokes in a legend for all colors.
+/// Color of the stroke samples in a legend, if a stroke occurs in several colors.
 const GRAY: &str = "#777777";
 
-/// Factor by which a logarithmic axis extends beyond the points.
+/// Factor by which a logarithmic axis extends beyond the outermost points.
 const BEYOND: f64 = 1.4;
 
 impl Figure {
-    /// Returns a figure with key, title, caption and both axes.
+    /// Creates a figure from key, title, caption, axes and curves.
     pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
         let [key, title, caption] = [key, title, caption].map(str::to_owned);
         Self { key, title, caption, x, y, curves }
     }
 
-    /// Returns the figure as a separate SVG file.
+    /// Returns the figure as an SVG file.
     pub fn svg(&self) -> String {
         svg_of(&self.titled())
     }
 
-    /// Returns the figure as PNG.
+    /// Returns the figure as a PNG file.
     ///
     /// # Errors
     ///
@@ -184,7 +187,8 @@ impl Figure {
 
     fn titled(&self) -> Drawing {
         let lines = self.title.chars().count().div_ceil(TITLE);
-        // The library subtracts the height of the title from the height of the plot.
+        // The plotting library takes the space for the title from the height of the plot, so the
+        // height is increased.
         #[expect(clippy::cast_precision_loss, reason = "a few lines")]
         let more = TITLE_LINE * lines.saturating_sub(1) as f64;
         self.drawing(Vec::new(), |layout, height| {
@@ -192,21 +196,21 @@ impl Figure {
         })
     }
 
-    /// Returns the figure as SVG for a page that shows the title itself and may contain several
-    /// figures. Without a script, it shows the values of the point under the pointer.
+    /// Returns the figure as SVG for an HTML page that shows the title itself and may contain
+    /// several figures. The values of a point appear when the pointer is on it; no script is
+    /// needed.
     pub fn inline_svg(&self) -> String {
         let plots = self.curves.iter().map(|curve| self.plot_of(curve)).collect();
         let svg = svg_of(&self.drawing(plots, Layout::with_height));
-        // Names within an SVG are visible in the whole page.
+        // Ids in an inline SVG apply to the whole page, so they must be unique.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
-    /// Returns the points of a curve that show their values. They are invisible until the pointer
-    /// is on them.
+    /// Returns invisible points on a curve that show their values when the pointer is on them.
     fn plot_of(&self, curve: &Curve) -> Plot {
         let real: Vec<_> =
             curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
-        // The last point is always included.
+        // The last point of the curve is always included.
         let every = real.len().saturating_sub(1) / MAX_POINT_LABELS + 1;
         let picked = || real.iter().rev().step_by(every);
         let text = |(i, (x, y)): &(usize, &(f64, f64))| {
@@ -242,7 +246,8 @@ impl Figure {
         });
         let legend: Vec<_> =
             by_parts.unwrap_or_else(|| self.curves.iter().filter_map(entry).collect());
-        // The library takes the space for the legend from the height.
+        // The plotting library takes the space for the legend from the height of the plot, so the
+        // height is increased.
         let longest = legend.iter().map(|entry| entry.label.chars().count()).max().unwrap_or(0);
         let columns = if longest > COLUMN { 1 } else { 2 };
         #[expect(clippy::cast_precision_loss, reason = "a few rows")]
@@ -254,7 +259,8 @@ impl Figure {
             .with_width(SIZE.0);
         layout = with_axes(layout, &self.x, &self.y);
         if self.x.log {
-            // Otherwise the axis would end at a power of ten, far from the points.
+            // Otherwise, the plotting library would extend the axis to powers of ten, which may be
+            // far from the points.
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
             let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
             layout = layout.with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
@@ -267,8 +273,8 @@ impl Figure {
         drawing
     }
 
-    /// Returns the markers of colors whose lines have the same stroke as lines of another color. In
-    /// a drawing, the position distinguishes the curves.
+    /// Returns markers for the colors whose lines cannot be distinguished by stroke. A drawing
+    /// needs no markers, because its curves can be distinguished by their position.
     fn shapes(&self) -> Vec<(usize, MarkerShape)> {
         let lines = || self.curves.iter().filter(|curve| curve.stroke.is_line());
         let mut colors = Vec::new();
@@ -281,15 +287,16 @@ impl Figure {
         if self.y.equal { Vec::new() } else { colors.into_iter().zip(SHAPES).collect() }
     }
 
-    /// Returns the meaning of each stroke and each color if the labels of many curves consist of
-    /// two parts, `a, b`, of which one determines the stroke and the other determines the color.
+    /// Returns the meaning of each stroke and each color. This requires many curves with labels of
+    /// the form `a, b`, in which one part determines the stroke and the other part determines the
+    /// color.
     fn strokes_and_colors(&self) -> Option<Parts<'_>> {
         self.parts(false).or_else(|| self.parts(true))
     }
 
-    /// * `color_first`: true if the first part of a label determines the color.
+    /// * `color_first`: true if the first part of each label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
-        /// Number of curves up to which a single list is easier to read than two lists.
+        /// Maximum number of curves for which a single list is easier to read than two lists.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -312,7 +319,7 @@ impl Figure {
         holds.then_some((strokes, colors))
     }
 
-    /// Returns the points as CSV, one row each. A point without a result has no y.
+    /// Returns the points as CSV, with one row for each point. In a gap, y is empty.
     ///
     /// # Errors
     ///
@@ -332,21 +339,21 @@ impl Figure {
     }
 }
 
-/// Returns the contents of a table as text.
+/// Returns the contents of a CSV writer as text.
 pub(crate) fn text_of_table(table: csv::Writer<Vec<u8>>) -> Result<String, ReportError> {
     let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Returns a drawing as SVG.
+/// Converts a drawing to SVG.
 pub(crate) fn svg_of(drawing: &Drawing) -> String {
     let mut svg = SvgBackend.render_scene(drawing);
     svg.retain(is_xml);
     scalable(&renumbered(&svg))
 }
 
-/// Renumbers the clips of one figure, because the library numbers clips over all figures of a
-/// process. The text of a figure is then independent of previous figures.
+/// Renumbers the clip paths of a figure. The plotting library numbers them across all figures of a
+/// process; with new numbers, the text of a figure does not depend on previous figures.
 fn renumbered(svg: &str) -> String {
     const CLIP: &str = "kuva-clip-";
     let mut parts = svg.split(CLIP);
@@ -366,7 +373,7 @@ fn renumbered(svg: &str) -> String {
     text
 }
 
-/// Sets labels, scales and sizes of the axes.
+/// Sets the labels, scales and sizes of the axes.
 pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
     let layout = layout
         .with_x_label(&x.label)
@@ -381,13 +388,13 @@ pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
     if y.log { layout.with_log_y() } else { layout }
 }
 
-/// Returns the numbers along an axis, all in the same form.
+/// Returns the format of the numbers along an axis. All numbers of an axis have the same form.
 ///
-/// * `log`: true for a logarithmic axis, whose powers of ten have rounding errors.
+/// * `log`: true for a logarithmic axis, on which powers of ten have rounding errors.
 fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
-        // These are the shortest digits after rounding.
+        // Parsing the rounded text gives a number with few digits.
         let value: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
         let plain = (1e-4..1e6).contains(&value.abs());
         if value.abs() < 1e-15 {
@@ -400,7 +407,7 @@ fn tick(log: bool) -> TickFormat {
     }))
 }
 
-/// Returns the color with a given index in the palette.
+/// Returns the palette color with the given index.
 fn color(number: usize) -> String {
     let palette = Palette::tol_bright();
     let colors = palette.colors();
@@ -419,7 +426,8 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     let marks = |marker| {
         let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
         let marks = marks.with_marker(marker).with_size(4.0);
-        // Names belong to all points of a curve, not only to the points of a segment.
+        // Point names are drawn only if the segment contains all points of the curve, because the
+        // names belong to all points.
         Plot::Scatter(if curve.marks.len() == points.len() {
             marks.with_labels(curve.marks.clone()).with_repel_labels()
         } else {
@@ -436,7 +444,7 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     }
 }
 
-/// Draws markers along a line whose color has a marker.
+/// Draws markers along a line. Returns `None` if the color of the line has no marker.
 fn shaped(curve: &Curve, shapes: &[(usize, MarkerShape)]) -> Option<Plot> {
     let (_, shape) = shapes.iter().find(|(place, _)| *place == curve.color)?;
     let real: Vec<_> = curve.points.iter().filter(|(_, y)| y.is_finite()).collect();
@@ -453,7 +461,7 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    // A sample with the dashes of the line itself would show only one dash.
+    // With the dashes of the line itself, the short sample in the legend would show only one dash.
     let dasharray = match stroke {
         Stroke::Dashed => Some("5 3".to_owned()),
         Stroke::Dotted => Some("2 3".to_owned()),
@@ -462,8 +470,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
     LegendEntry { label: label.to_owned(), color: color.to_owned(), shape, dasharray }
 }
 
-/// Lengthens the samples of lines in the legend, which the library makes too short to distinguish
-/// strokes, and adds the markers of their colors.
+/// Lengthens the line samples in the legend, which the plotting library makes too short to
+/// distinguish strokes, and adds the markers.
 fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     const ADDED_LENGTH: f64 = 12.0;
     const MAX_SAMPLE_LENGTH: f64 = 30.0;
@@ -485,7 +493,7 @@ fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     drawing.elements.extend(drawn);
 }
 
-/// Returns a marker of the legend.
+/// Draws a marker in the legend.
 fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
     let (s, m) = (SHAPE_SIZE, 1.3 * SHAPE_SIZE);
     let d = match shape {
@@ -510,13 +518,14 @@ fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
     }))
 }
 
-/// Returns true for characters that XML 1.0 permits. A title with another character would make the
-/// file unreadable.
+/// Returns true for characters that are permitted in XML 1.0. Any other character in a title would
+/// make the file unreadable.
 fn is_xml(c: char) -> bool {
     matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)
 }
 
-/// Makes the size of a figure adapt to the page. The library sets a size, but no view box.
+/// Makes the size of an SVG adapt to the page. The plotting library sets a fixed size and no view
+/// box.
 fn scalable(svg: &str) -> String {
     let size = |name: &str| {
         let from = svg.find(&format!(" {name}=\""))? + name.len() + 3;
@@ -545,7 +554,8 @@ mod tests {
         }
     }
 
-    /// The legend for three loads and three models has few rows. It used to have nine rows.
+    /// The legend for three loads and three models must list strokes and colors separately. It
+    /// previously had nine rows.
     #[test]
     fn a_legend_separates_strokes_and_colors() {
         let strokes = [(Stroke::Solid, "a"), (Stroke::Dashed, "b"), (Stroke::Dotted, "c")];
@@ -557,7 +567,7 @@ mod tests {
         let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // The parts are also found in the other order: `0 N, a`.
+        // The two parts of the labels may also have the opposite order, as in `0 N, a`.
         let mut turned = figure.clone();
         for curve in &mut turned.curves {
             let (name, load) =
@@ -567,13 +577,13 @@ mod tests {
         let (by_stroke, by_color) = turned.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // If a label does not fit the pattern, the legend is a single list.
+        // If one label does not match the pattern, the legend must be a single list.
         figure.curves[4].stroke = Stroke::Solid;
         assert_eq!(figure.strokes_and_colors(), None);
     }
 
-    /// Lines with the same stroke and several colors have markers, also in the legend. Lines with
-    /// other strokes need no markers.
+    /// Lines with the same stroke and different colors must have markers, also in the legend. Lines
+    /// with different strokes need no markers.
     #[test]
     fn lines_are_distinguishable_without_color() {
         let curve = |color: usize, stroke| {
@@ -588,12 +598,12 @@ mod tests {
         let svg = figure.svg();
         assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
         assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
-        // In a drawing, the position distinguishes the curves.
+        // The curves of a drawing can be distinguished by their position.
         figure.y = Axis::equal("y");
         assert_eq!(figure.shapes(), []);
     }
 
-    /// A gap in a curve is a gap in the figure and in the table, and the figure states its size.
+    /// A gap in a curve must be a gap in the figure and in the table. The SVG must have a view box.
     #[test]
     fn figures_have_gaps_and_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
@@ -603,10 +613,9 @@ mod tests {
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
-        // The text of a figure does not depend on figures that were drawn before. It used to depend
-        // on these figures.
+        // Regression test: the SVG text of a figure depended on figures that were drawn before.
         assert_eq!(figure.svg(), svg);
-        // On a page, each point except the gap shows its values; in a file, none does.
+        // On a page, each point except the gap must show its values; in an SVG file, no point does.
         let titles = |svg: &str| svg.matches("<title>").count();
         assert_eq!((titles(&svg), titles(&figure.inline_svg())), (0, 4));
         assert!(figure.inline_svg().contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>"));

@@ -1,4 +1,4 @@
-//! Figures, pages and tables for readers, and the sheets that contain them.
+//! Figures, HTML pages and tables, and the sheets that consist of them.
 
 mod dxf;
 mod error;

@@ -1,4 +1,5 @@
-//! Maps: a quantity over two other quantities, as cells in bands of color.
+//! Maps: plots of a quantity as a function of two other quantities, with a color band for each
+//! range of values.
 
 use kuva::backend::raster::RasterBackend;
 use kuva::plot::ColorMap;
@@ -8,55 +9,57 @@ use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multipl
 use crate::figure::{svg_of, with_axes};
 use crate::{Axis, ReportError};
 
-/// Size of a map with its legend.
+/// Width and height of a map with its legend \[px\].
 const SIZE: (f64, f64) = (640.0, 400.0);
 
-/// Maximum number of values of an axis that are drawn. Cells that are smaller than pixels would not
-/// be visible.
+/// Maximum number of values per axis that are drawn. With more values, cells would be smaller than
+/// a pixel.
 pub const MAX_CELLS: usize = 400;
 
 /// Approximate number of color bands.
 const BANDS: f64 = 9.0;
 
-/// Ratio of the largest to the smallest value from which a quantity is shown on a logarithmic
-/// scale.
+/// Minimum ratio of the largest to the smallest value for which a quantity is shown on a
+/// logarithmic scale.
 const DECADES: f64 = 50.0;
 
-/// Part of the color scale that is used. Black lines are visible on all of these colors.
+/// Lower end of the part of the color scale that is used (0: darkest color, 1: brightest color).
+/// Black lines are visible on all colors in this part.
 const DARKEST: f64 = 0.25;
 
 /// Color of cells without a value.
 const NOTHING: &str = "#c8c8c8";
 
-/// Number of PNG pixels per SVG pixel, for a printed sheet.
+/// Number of PNG pixels per SVG pixel. This resolution is sufficient for printing.
 const PNG_SCALE: f32 = 2.0;
 
-/// A map of a quantity over two other quantities.
+/// A map of a quantity as a function of two other quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
-    /// Title.
+    /// Title of the map.
     pub title: String,
     /// Horizontal axis and its values.
     pub x: (Axis, Vec<f64>),
     /// Vertical axis and its values.
     pub y: (Axis, Vec<f64>),
-    /// Quantity that the colors show.
+    /// Label of the quantity that the colors show.
     pub label: String,
-    /// Value of each cell, or NaN for a cell without a value. Cells with the same x are consecutive.
+    /// Value of each cell; NaN for a cell without a value. Cells with the same x are consecutive.
     pub values: Vec<f64>,
-    /// Region of each cell, as an index into `names`. The boundaries of regions are drawn.
+    /// Region of each cell, as an index into `names`. Lines are drawn at the boundaries between
+    /// regions.
     pub regions: Vec<usize>,
     /// Names of the regions.
     pub names: Vec<String>,
 }
 
 impl Map {
-    /// Returns the map as SVG.
+    /// Returns the map as an SVG file.
     pub fn svg(&self) -> String {
         svg_of(&self.drawing())
     }
 
-    /// Returns the map as PNG.
+    /// Returns the map as a PNG file.
     ///
     /// # Errors
     ///
@@ -86,7 +89,7 @@ impl Map {
             let dash = Some("5 3".to_owned());
             legend.push(entry(names.join(" / "), "#000000".to_owned(), LegendShape::Line, dash));
         }
-        // This invisible series spans the axes.
+        // An invisible curve from corner to corner defines the ranges of the axes.
         let corners = LinePlot::new().with_data(vec![(left, low), (right, high)]);
         let corners = vec![Plot::Line(corners.with_stroke_width(0.0).with_color("none"))];
         let layout = Layout::auto_from_plots(&corners)
@@ -142,13 +145,12 @@ impl Map {
         drawing
     }
 
-    /// Returns the value of the cell in a column and a row, which are sorted by the values of the
-    /// axes.
+    /// Returns the index of the cell in a column and a row.
     fn at(&self, column: usize, row: usize) -> usize {
         column * self.y.1.len() + row
     }
 
-    /// Draws the consecutive cells of a column with the same color as one rectangle.
+    /// Draws the cells. Consecutive cells in a column with the same color become one rectangle.
     fn cells(
         &self,
         [(columns, x_edges), (rows, y_edges)]: &[(Vec<usize>, Vec<f64>); 2],
@@ -156,8 +158,8 @@ impl Map {
         to_x: &impl Fn(f64) -> f64,
         to_y: &impl Fn(f64) -> f64,
     ) -> Vec<Primitive> {
-        /// Overlap of neighbors, so that the background of the page is not visible between them
-        /// \[px\].
+        /// Overlap between neighboring rectangles \[px\]. It prevents the page background from
+        /// being visible between them.
         const OVERLAP: f64 = 0.4;
         let mut drawn = Vec::new();
         for (place, column) in columns.iter().enumerate() {
@@ -184,7 +186,7 @@ impl Map {
         drawn
     }
 
-    /// Returns the lines between cells of different regions, in the units of the axes.
+    /// Returns the lines between cells of different regions, in axis units.
     fn boundary(
         &self,
         [(columns, x_edges), (rows, y_edges)]: &[(Vec<usize>, Vec<f64>); 2],
@@ -210,7 +212,7 @@ impl Map {
     }
 }
 
-/// Returns a drawing as PNG.
+/// Converts a drawing to PNG.
 pub(crate) fn png_of(drawing: &Drawing) -> Result<Vec<u8>, ReportError> {
     RasterBackend::new().with_scale(PNG_SCALE).render_scene(drawing).map_err(ReportError::Picture)
 }
@@ -224,15 +226,15 @@ fn entry(
     LegendEntry { label, color, shape, dasharray }
 }
 
-/// Returns the order of the values of an axis, and the edges of their cells, which are halfway
-/// between neighbors.
+/// Returns the indices that sort the values of an axis, and the edges of their cells. The edges are
+/// halfway between neighboring values.
 fn edges(values: &[f64], log: bool) -> (Vec<usize>, Vec<f64>) {
     let mut order: Vec<_> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let scaled = |place: &usize| if log { values[*place].ln() } else { values[*place] };
     let sorted: Vec<_> = order.iter().map(scaled).collect();
     let mut edges: Vec<_> = sorted.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
-    // A single value is surrounded by one cell.
+    // If there is only one value, a cell is created around it.
     let first = edges.first().map_or(sorted[0] - 0.5, |edge| 2.0 * sorted[0] - edge);
     let last = sorted[sorted.len() - 1];
     let end = edges.last().map_or(last + 0.5, |edge| 2.0 * last - edge);
@@ -242,7 +244,7 @@ fn edges(values: &[f64], log: bool) -> (Vec<usize>, Vec<f64>) {
     (order, edges.into_iter().map(back).collect())
 }
 
-/// Bands of values between round numbers.
+/// Limits of the color bands, which are round numbers.
 struct Bands(Vec<f64>);
 
 impl Bands {
@@ -256,13 +258,13 @@ impl Bands {
         if low > 0.0 && high / low > DECADES {
             return Self::decades(low, high);
         }
-        // Differences due to rounding are ignored.
+        // Differences caused by rounding errors are ignored.
         let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let rough = span / BANDS;
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|digit| digit * power);
         let step = step.into_iter().find(|step| *step >= rough).unwrap_or(rough);
-        // Decimal numbers differ from a multiple of the step by rounding.
+        // The small number compensates for rounding errors of decimal multiples of the step.
         let (from, to) = ((low / step + 1e-9).floor(), (high / step + 1e-9).floor() + 1.0);
         #[expect(
             clippy::cast_possible_truncation,
@@ -281,7 +283,7 @@ impl Bands {
             3..=4 => &[1.0, 3.0],
             _ => &[1.0],
         };
-        // At most ten bands.
+        // This limits the number of bands to ten.
         let every = usize::try_from((to - from - 1) / 9).unwrap_or(0) + 1;
         let edges = (from..=to + 1).step_by(every).flat_map(|power| {
             digits.iter().map(move |digit| format!("{digit}e{power}").parse().unwrap_or(0.0))
@@ -314,7 +316,7 @@ impl Bands {
     }
 }
 
-/// Returns a number with the digits that correspond to its step.
+/// Formats a band limit with as many digits as its step requires.
 fn round(value: f64, step: f64) -> String {
     let magnitude = value.abs().max(step.abs());
     if !(1e-4..1e6).contains(&magnitude) && value != 0.0 {
@@ -332,7 +334,7 @@ fn round(value: f64, step: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Returns a map of a plane over a logarithmic axis, with a gap and two regions.
+    /// Returns a map with a logarithmic x axis, one cell without a value, and two regions.
     fn map() -> Map {
         Map {
             title: "t".into(),
@@ -345,13 +347,13 @@ mod tests {
         }
     }
 
-    /// Cells lie around their values in the order of the axis, not in the order of the list, and
-    /// neighbors share an edge.
+    /// Cells must be placed around their values in sorted order, regardless of the order in the
+    /// list, and neighboring cells must share an edge.
     #[test]
-    fn cells_lie_around_their_values() {
+    fn cells_are_placed_around_their_values() {
         let (order, found) = edges(&[100.0, 1000.0, 10.0], true);
         assert_eq!(order, [2, 0, 1]);
-        // The edges are half decades, calculated by hand.
+        // The expected edges are the geometric means of neighboring values.
         for (found, edge) in
             found.iter().zip([10_f64.sqrt(), 1000_f64.sqrt(), 1e5_f64.sqrt(), 1e7_f64.sqrt()])
         {
@@ -360,14 +362,14 @@ mod tests {
         assert_eq!(edges(&[3.0], false).1, [2.5, 3.5]);
     }
 
-    /// The boundary is between neighbors that have different regions and a value. Each color, and
-    /// the gap, is in the legend.
+    /// Boundaries must be drawn between neighboring cells that have values and belong to different
+    /// regions. The legend must contain every color, including the color for cells without a value.
     #[test]
     fn boundaries_gaps_and_bands_are_drawn() {
         let map = map();
         let edges = [edges(&map.x.1, true), edges(&map.y.1, false)];
-        // (10 | 100, 1), (100, 0 | 1) and (100 | 1000, 0). The cell without a value has no
-        // boundaries.
+        // Expected boundaries: 10 | 100 at y = 1, 0 | 1 at x = 100, and 100 | 1000 at y = 0. The
+        // cell without a value has no boundaries.
         let lines = map.boundary(&edges);
         assert_eq!(lines.len(), 3, "{lines:?}");
         let svg = map.svg();
@@ -394,7 +396,7 @@ mod tests {
             &[0.981, 0.982, 0.983, 0.984, 0.985, 0.986, 0.987, 0.988, 0.989],
         );
         close(edges(&[1.0, 700.0]), &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]);
-        // If all values are equal, there is one band and no division by zero.
+        // If all values are equal, there must be one band and no division by zero.
         assert_eq!(Bands::of(&[5.0, 5.0]).len(), 1);
         assert_eq!(Bands::of(&[0.0]).len(), 1);
         assert_eq!(Bands::of(&[f64::NAN]).len(), 0);

@@ -1,5 +1,5 @@
-//! Pages that consist of one file each and contain their figures, for screen, phone and print. They
-//! need no network. This is the only file that uses the template engine.
+//! Self-contained HTML pages for screen, phone and print. Each page is a single file that includes
+//! its figures and needs no network. Only this module uses the template engine.
 
 use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};
@@ -7,36 +7,36 @@ use serde::Serialize;
 
 use crate::{Figure, ReportError, number, short};
 
-/// Name and version of the program, as written to its files.
+/// Name and version of the program, as written into its files.
 pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 
-/// Colors and styles of every page, in light and dark mode.
+/// Style sheet for all pages, in light and dark mode.
 pub const STYLE: &str = include_str!("../templates/page.css");
 
-/// Templates that every page shares.
+/// Templates that all pages share.
 const PARTS: [(&str, &str); 2] =
     [("base.html", include_str!("../templates/base.html")), ("page.css", STYLE)];
 
-/// A page.
+/// An HTML page.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
     /// Heading of the page.
     pub title: &'a str,
-    /// Command that creates the page.
+    /// Command that created the page.
     pub command: &'a str,
-    /// The contents, a template that fills the block `content` of `base.html`. It can use the
-    /// filters `number` and `short`, the macro `figure`, and `figures`.
+    /// Template for the contents, which fills the block `content` of `base.html`. It can use the
+    /// filters `number` and `short`, the macro `figure`, and the list `figures`.
     pub template: &'a str,
-    /// The figures.
+    /// Figures that the page contains.
     pub figures: &'a [Figure],
 }
 
 impl Page<'_> {
-    /// Returns the page as HTML. The fields of `content` are available to the template.
+    /// Returns the page as HTML. The template can use the fields of `content`.
     ///
     /// # Errors
     ///
-    /// [`ReportError::Page`] if the template is wrong or uses an unknown name.
+    /// [`ReportError::Page`] if the template is invalid or uses an unknown name.
     pub fn html(&self, content: &impl Serialize) -> Result<String, ReportError> {
         let figure =
             |f: &Figure| context! { title => f.title, caption => f.caption, svg => f.inline_svg() };
@@ -49,7 +49,7 @@ impl Page<'_> {
             ..Value::from_serialize(content)
         };
         let mut environment = Environment::new();
-        // An unknown name is an error, not an empty cell.
+        // In strict mode, an unknown name is an error instead of an empty cell.
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
         environment.add_filter("number", number);
         environment.add_filter("short", short);
@@ -58,13 +58,13 @@ impl Page<'_> {
         for (name, source) in PARTS {
             environment.add_template(name, source)?;
         }
-        // With this file ending, inserted text is escaped.
+        // The template engine escapes inserted text because the template name ends with .html.
         environment.add_template("content.html", self.template)?;
         Ok(environment.get_template("content.html")?.render(context)?)
     }
 }
 
-/// Returns a unit with the signs of print: \u{b5}m instead of um, and exponents.
+/// Returns a unit in typographic form: \u{b5}m instead of um, and superscript exponents.
 fn unit(text: &str) -> String {
     let part = |part: &str| match part {
         "um" => "\u{b5}m".to_owned(),
@@ -77,8 +77,8 @@ fn unit(text: &str) -> String {
     text.split('/').map(of_product).collect::<Vec<_>>().join("/")
 }
 
-/// Returns a symbol as HTML. Text after an underscore is a subscript, and Greek letters are given
-/// by their names.
+/// Returns a symbol as HTML. Text after an underscore becomes a subscript, and names of Greek
+/// letters become Greek letters.
 fn symbol(text: &str) -> String {
     const GREEK: [(&str, &str); 8] = [
         ("alpha", "α"),
@@ -98,7 +98,8 @@ fn symbol(text: &str) -> String {
     text.split(' ').map(one).collect::<Vec<_>>().join("&#8202;")
 }
 
-/// Returns each figure as SVG and as a table, by their paths.
+/// Returns the paths and contents of the files for all figures: an SVG file and a table for each
+/// figure.
 ///
 /// # Errors
 ///
@@ -115,8 +116,8 @@ pub fn figure_files(
     Ok(files)
 }
 
-/// Returns the files of a report, by their paths in its folder: the page, the numbers, and each
-/// figure as SVG and as a table.
+/// Returns the paths and contents of all files of a report: the page, the numbers, and an SVG file
+/// and a table for each figure.
 ///
 /// # Errors
 ///
@@ -136,7 +137,7 @@ pub fn report_files(
 mod tests {
     use super::*;
 
-    /// Inserted text is escaped, and an unknown name is an error.
+    /// Inserted text must be escaped, and an unknown name must be an error.
     #[test]
     fn pages_escape_text_and_reject_unknown_names() {
         let page = |template| {

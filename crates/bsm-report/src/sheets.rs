@@ -1,4 +1,4 @@
-//! Figures and sheets of answers, each created from the report that it shows.
+//! Figures and pages for answers, each created from the report that it shows.
 
 mod catalog;
 mod jam;

@@ -1,5 +1,5 @@
-//! Sketches for the theory chapters, drawn with the code that they explain: the helix with its
-//! Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
+//! Sketches for the theory chapters, drawn with the code that the chapters explain: the helix with
+//! its Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
 //!
 //! `cargo run -p bsm-validate --features tools --example sketches -- docs/img`
 
@@ -14,7 +14,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_kin::{BallFrame, Contact, Helix, Site};
 use nalgebra::{Vector2, Vector3};
 
-/// Colors that adapt to a light or dark page.
+/// Style sheet with colors for light and dark pages.
 const STYLE: &str = "
   svg { font: 15px sans-serif; background: none }
   .ink { stroke: #333; fill: none; stroke-width: 1.6 } .thin { stroke: #888; fill: none }
@@ -32,7 +32,7 @@ const STYLE: &str = "
 
 type Point = Vector2<f64>;
 
-/// A drawing in SVG units, with y downward.
+/// A drawing in SVG units; y points down.
 struct Drawing {
     size: (f64, f64),
     about: &'static str,
@@ -74,7 +74,7 @@ impl Drawing {
         ));
     }
 
-    /// Writes a text centered at a point. In `_x`, the x is a subscript.
+    /// Writes text that is centered at a point. Text after an underscore becomes a subscript.
     fn word(&mut self, class: &str, at: Point, text: &str) {
         let (stem, index) = text.split_once('_').unwrap_or((text, ""));
         self.element(&format!(
@@ -96,7 +96,7 @@ impl Drawing {
     }
 }
 
-/// Draws the ball centers on their helix, and the triad at one of them (K1) to (K4).
+/// Draws the ball centers on their helix, and the triad (K1) to (K4) at one of them.
 fn helix() -> Drawing {
     let mut drawing =
         Drawing::new(640.0, 340.0, "Helix of the ball centers with its triad t, n, b");
@@ -105,7 +105,7 @@ fn helix() -> Drawing {
     let towards_us = |theta: f64| theta.sin() < 0.0;
     let at = |i: i32| f64::from(i) * TAU / 180.0;
     let mut run = vec![project(&helix.frame(at(0)).p_WC)];
-    // The curve has slightly more than two turns.
+    // The curve is slightly longer than two turns.
     let last = 396;
     for i in 1..=last {
         run.push(project(&helix.frame(at(i)).p_WC));
@@ -133,7 +133,7 @@ fn helix() -> Drawing {
     }
     drawing.circle("ball", project(&c), 6.0);
     drawing.word("word", project(&c) + Point::new(-14.0, 10.0), "C");
-    // These points are one turn apart along the axis.
+    // These two points are one turn apart, which is one lead along the axis.
     let turns = [0.75, 1.75].map(|turn| helix.frame(turn * TAU).p_WC);
     let foot = turns.map(|p| Point::new(project(&p).x, 315.0));
     for (p, foot) in turns.iter().zip(foot) {
@@ -145,8 +145,8 @@ fn helix() -> Drawing {
     drawing
 }
 
-/// Draws the normal plane of the helix: nut, screw, the contacts A, A' and B, their angles and
-/// triads (K9) to (K11).
+/// Draws the normal plane of the helix with nut, screw and the contacts A, A' and B, including
+/// their angles and triads (K9) to (K11).
 fn contacts() -> Drawing {
     let mut drawing = Drawing::new(
         640.0,
@@ -154,11 +154,12 @@ fn contacts() -> Drawing {
         "Normal plane with the contacts A, A' and B, their angles and axes",
     );
     let (center, radius, angle) = (Point::new(300.0, 240.0), 120.0, 0.75_f64);
-    // n points down toward the axis, and b to the right.
+    // n points down toward the axis, and b points to the right.
     let at = |v: &Vector3<f64>| center + Point::new(v.z, v.y);
     let frame = BallFrame::turned(0.1, 0.0);
     let site = |site| Contact::new(site, angle, &frame);
-    // The grooves are arcs through the contact points. Their centers lie beyond the ball center.
+    // The grooves are arcs through the contact points. Seen from a contact, the arc center lies
+    // beyond the ball center.
     for (sites, name, outside) in [
         ([Site::Nut, Site::NutUnloaded], "nut", 20.0),
         ([Site::Screw, Site::Screw], "screw", 460.0),
@@ -176,7 +177,7 @@ fn contacts() -> Drawing {
             for k in -12..=12 {
                 let phi = from + 0.055 * f64::from(k);
                 let p = middle - Vector3::new(0.0, phi.cos(), phi.sin()) * arc;
-                // Each flank extends from its outer edge to the bottom of the arch.
+                // Each flank extends from its outer edge to the bottom of the gothic arch.
                 let ends_inside = p.z * normal.z <= 2.0;
                 if ends_inside {
                     edge.push(at(&p));
@@ -228,8 +229,8 @@ fn contacts() -> Drawing {
     drawing
 }
 
-/// Draws the contact ellipse at the screw of the feed drive and the slip over it, as solved by
-/// model `traction`.
+/// Draws the contact ellipse at the screw of the example feed drive, with the slip that model
+/// `traction` calculates.
 fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let case = Case::from_json(include_bytes!("../../../examples/feed_drive.json"))?;
     let settings: Settings = Model::Traction.into();
@@ -259,7 +260,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
         "Contact ellipse with the slip over it and the lines of pure rolling",
     );
     let middle = Point::new(320.0, 140.0);
-    // The ellipse is drawn wider along the groove than it is.
+    // The width of the ellipse along the groove is exaggerated.
     let (long, short) = (260.0, 100.0);
     let at = |x: f64, y: f64| middle + Point::new(x * long, -y * short);
     drawing.element(&format!(
@@ -280,7 +281,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
             drawing.circle("fill1", at(x, y), 2.0);
         }
     }
-    // The slip along the groove changes sign on this line.
+    // On this line, the slip along the groove changes its sign.
     let steps = 400;
     let x_of = |i: i32| -1.0 + 2.0 * f64::from(i) / f64::from(steps);
     for i in 1..=steps {
@@ -313,8 +314,8 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     Ok(drawing)
 }
 
-/// Draws a pair of nuts with its degrees of freedom and anchors, and the groove-arc centers around
-/// a ball (U8).
+/// Draws a nut pair with its degrees of freedom and anchors, and the centers of the groove arcs
+/// around a ball (U8).
 fn nut() -> Drawing {
     let mut drawing = Drawing::new(
         900.0,
@@ -382,7 +383,7 @@ fn nut() -> Drawing {
     drawing.circle("ball", center, radius);
     for (flank, sign, color) in [("+", 1.0, 1), ("−", -1.0, 2)] {
         for (member, side) in [("N", 1.0), ("S", -1.0)] {
-            // The line goes from the arc center through the ball to its contact.
+            // The line runs from the arc center through the ball center to the contact.
             let angle = |turn: f64| TAU / 8.0 + turn;
             let outwards =
                 |turn: f64| Point::new(-side * sign * angle(turn).sin(), -side * angle(turn).cos());
@@ -399,8 +400,8 @@ fn nut() -> Drawing {
     drawing
 }
 
-/// Draws a ball in gothic arches without and with friction across the grooves (AC1). The play and
-/// the displacement of the ball are greatly enlarged.
+/// Draws a ball in gothic arches, without and with friction across the grooves (AC1). The play and
+/// the displacement of the ball are exaggerated.
 fn third_contact() -> Drawing {
     let mut drawing = Drawing::new(
         760.0,
@@ -408,8 +409,8 @@ fn third_contact() -> Drawing {
         "A ball in gothic arches: without friction on two contacts, with friction on a third one",
     );
     let (radius, offset) = (95.0, 42.0);
-    // The directions go from the ball to its contacts. n points down to the axis, and b to the
-    // right.
+    // The angles define the directions from the ball center to the contacts. n points down toward
+    // the axis, and b points to the right.
     let half = TAU / 8.0;
     let towards = |angle: f64| Point::new(angle.sin(), -angle.cos());
     let contacts = [
@@ -424,8 +425,8 @@ fn third_contact() -> Drawing {
         let way = if with_friction { 9.0 } else { 0.0 };
         drawing.circle("ball", middle + aside * way, radius);
         for (name, angle, color) in contacts {
-            // The play moves the far flanks away by the distance by which friction moves the ball
-            // at the nut.
+            // The gap at the unloaded flanks is equal to the displacement of the ball due to
+            // friction, so that the ball just touches one of these flanks.
             let gap = if color == 2 { 9.0 } else { 0.0 };
             let arc = |i: i32| {
                 let turned = towards(angle + f64::from(i) * 0.045);

@@ -1,4 +1,4 @@
-//! Trends of Dong et al. (2020), and identities of the contact state and the thrust.
+//! Trends of Dong et al. (2020), and identities of the contact geometry and the thrust.
 
 use bsm_case::{Answer, Case, OutputName, jam, output};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -8,7 +8,7 @@ use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Dong et al. 2020";
 
-/// Returns all checks of this source.
+/// Returns all checks of this paper.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let case = published.dong_case.case()?;
     let studies = [
@@ -26,7 +26,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the sweeps of the paper, calculated by a model.
+/// Performs the sweeps of the paper with a model.
 pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, ValidateError> {
     let case = published.dong_case.case()?;
     let settings = model.into();
@@ -34,7 +34,7 @@ pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, Va
     Ok(Study::jam(&case, &settings, &solution)?)
 }
 
-/// Returns the analysis of a case with raceway control.
+/// Returns the jamming analysis of a case, solved with raceway control.
 fn analysis(case: &Case) -> Result<Answer, ValidateError> {
     let problem = case.problem(&Model::RacewayControl.into())?;
     Ok(jam(case, &problem.solve(&mut ModelWorkspace::default()))?)
@@ -44,8 +44,8 @@ fn number(report: &Answer, name: OutputName) -> f64 {
     report.number(name).unwrap_or(f64::NAN)
 }
 
-/// Checks the corrected radical of Eq 17 for a light load, for which inertia changes the angles
-/// most.
+/// Checks the corrected radical of Eq 17 at a small load, at which inertia has the largest effect
+/// on the contact angles.
 fn radical(case: &Case) -> Result<Check, ValidateError> {
     let light = Case { axial_load_N: case.loaded_balls, ..case.clone() };
     let report = analysis(&light)?;
@@ -69,14 +69,14 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     Ok(Check::new(
         "dong2020/radical",
         &format!("{SOURCE}, Eq 17 corrected"),
-        "the radical of the lengths is the difference of the contact angles, 1 N on a ball",
+        "the radical of the lengths gives the difference of the contact angles, at 1 N per ball",
     )
     .measured((ours - (b - a)).abs(), "rad")
     .note(format!("difference {:.4} deg", (b - a).to_degrees()))
     .at_most(1e-12, "rounding error of squared lengths divided by their difference of 0.008"))
 }
 
-/// Shows that Eq 17 as printed gives no number, because some of its lengths are not sides of the
+/// Shows that Eq 17 as printed has no real value, because some of its lengths are not sides of the
 /// triangle.
 fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     let report = analysis(case)?;
@@ -104,7 +104,7 @@ fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
         &format!("{SOURCE}, Eq 17 as printed"),
         "the printed radical requires a friction coefficient that steel never reaches",
     )
-    .measured(1.0 / printed, "over the printed bound")
+    .measured(1.0 / printed, "reciprocal of the printed radical")
     .note(format!("as printed {printed:.1}, corrected {:.1e}", (0.5 * (b - a)).tan().abs()))
     .at_most(0.1, "ten times a friction coefficient of 1"))
 }

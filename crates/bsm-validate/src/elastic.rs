@@ -1,4 +1,4 @@
-//! Elastic contacts: reference solutions of elastic and traction.
+//! Elastic contacts: comparison with reference solutions for the models `elastic` and `traction`.
 
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, model::Traction};
@@ -9,10 +9,10 @@ use crate::{Check, PublishedData, ValidateError};
 
 const SOURCE: &str = "independent solution of the elastic models, Lin's screw, conformity 0.53";
 
-/// Accuracy of the quadrature for the comparison with the reference values.
+/// Accuracy of the quadrature with which the reference values are compared.
 const FINE: f64 = 1e-10;
 
-/// Returns all checks of this source.
+/// Returns all checks with these reference solutions.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let lin = lin(published)?;
     let work = &mut ModelWorkspace::default();
@@ -23,7 +23,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns Lin's case with conformities of 0.53.
+/// Returns Lin's case with conformities of 0.53 at nut and screw.
 pub(crate) fn lin(published: &PublishedData) -> Result<Case, ValidateError> {
     Ok(Case {
         nut_conformity: Some(0.53),
@@ -40,7 +40,7 @@ fn solve(
     Ok(case.problem(settings)?.solve(work))
 }
 
-/// Replaces a missing number by NaN, which no check accepts.
+/// Replaces a missing number with NaN, which fails every check.
 fn number(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::NAN)
 }
@@ -65,8 +65,8 @@ struct Reference {
     binormal_displacement_um: f64,
 }
 
-/// Returns the largest deviation over the columns of a row. For traction, both the settings of the
-/// table and the default settings are used.
+/// Returns the largest deviation in a row of the table. For `traction`, the deviation is evaluated
+/// both with the settings of the table and with the default settings.
 fn reference(
     row: &Reference,
     lin: &Case,
@@ -117,18 +117,19 @@ fn reference(
     Ok(vec![exact, default])
 }
 
-/// Half a unit of the last digit that the traction reference prints for efficiency, loads, angles,
-/// precession, rotation and displacement.
+/// Half a unit of the last printed digit in the reference solutions for `traction`: efficiency,
+/// loads, angles, precession, rotation and displacement.
 const TRACTION_DIGITS: [f64; 6] = [0.51e-7, 0.51e-4, 0.51e-5, 0.51e-6, 0.51e-5, 0.51e-5];
-/// Half a unit of the last digit that the elastic reference prints for the same quantities.
+/// Half a unit of the last printed digit in the reference solutions for `elastic`, for the same
+/// quantities.
 const ELASTIC_DIGITS: [f64; 6] = [0.51e-9, 0.51e-5, 0.51e-6, 0.51e-7, 0.51e-5, 0.51e-6];
 
-/// Absolute and relative errors of the default settings, for the same quantities.
+/// Absolute and relative tolerances for the default settings, for the same quantities.
 const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 
 impl Reference {
-    /// Returns the largest deviation divided by its limit, and the column in which it occurs.
+    /// Returns the largest ratio of deviation to tolerance, and the column in which it occurs.
     fn deviation(&self, solution: &Solution, [absolute, relative]: [[f64; 6]; 2]) -> (f64, String) {
         let limit = |i: usize| (absolute[i], relative[i]);
         let [eta, load, angle, rate, rotation, shift] = [0, 1, 2, 3, 4, 5].map(limit);
@@ -159,7 +160,7 @@ impl Reference {
         .filter_map(|(name, ours, theirs, (absolute, relative))| {
             let (ours, theirs) = (number(ours), theirs?);
             let limit = f64::max(absolute, relative * theirs.abs());
-            let note = format!("largest in {name}: {ours} for {theirs}");
+            let note = format!("largest deviation in {name}: {ours} instead of {theirs}");
             Some(((ours - theirs).abs() / limit, note))
         })
         .max_by(|a, b| a.0.total_cmp(&b.0))

@@ -1,6 +1,6 @@
-//! The figures of the report: the figures of Lin, Velinsky and Ravani (1994) for our solution, the
-//! transition from rolling to gross skid, the figures of Sobolewski (2002), the sweeps of slip and
-//! jamming, and a warm feed axis.
+//! The figures of the validation report: the figures of Lin, Velinsky and Ravani (1994) calculated
+//! by this program, the transition from rolling to gross skid, the figures of Sobolewski (2002),
+//! the sweeps of slip and jamming, and a warm feed axis.
 
 use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, Solution, model::RacewayFriction};
@@ -9,7 +9,7 @@ use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 
-/// Returns all figures.
+/// Returns all figures of the validation report.
 ///
 /// # Errors
 ///
@@ -27,10 +27,10 @@ pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> 
     Ok(figures)
 }
 
-/// Returns the warm preload against the speed for a feed axis with a cooled nut, for both
-/// arrangements, dry and lubricated.
+/// Plots the warm preload of a feed axis with a cooled nut against the speed, for both arrangements
+/// of the nuts, dry and lubricated.
 fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
-    /// Heat that a heavy saddle conducts away from a nut \[W/K\].
+    /// Thermal conductance from the nut to a heavy saddle \[W/K\].
     const COOLED: f64 = 20.0;
     let dry = Case {
         friction_coefficient: Some(0.06),
@@ -40,8 +40,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         screw_roughness_um: None,
         ..axis.clone()
     };
-    // One friction coefficient per contact takes a sixth of the time. This choice changes the folds
-    // by 0.4 %, which is less than the width of a line.
+    // Using one friction coefficient per contact reduces the time to a sixth. It changes the speed
+    // at the fold by 0.4 %, which is less than the width of a line.
     let friction = RacewayFriction::PerContact;
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };
@@ -60,15 +60,16 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         [
             "feed-axis",
             "Preload of a feed axis with a cooled nut",
-            "2500 N set cold. In X arrangement a screw warmer than the nut raises the preload, which raises the heat: above \
-             the circle nothing is steady, and a disturbance beyond the dashed line runs away below it too. In O \
-             arrangement the preload hardly changes.",
+            "The preload of the cold nut is 2500 N. In X arrangement, a screw that is warmer than the nut increases the \
+             preload, which increases the heat. Above the speed of the circle, no steady state exists. Below this speed, \
+             a disturbance beyond the dashed line also causes a thermal runaway. In O arrangement, the preload hardly \
+             changes.",
         ],
         &branches,
     ))
 }
 
-/// Returns the efficiency against the speed from rolling to gross skid, for three models at three
+/// Plots the efficiency against the speed, from rolling to gross skid, for three models at three
 /// loads.
 fn transition(lin: &Case) -> Result<Figure, ValidateError> {
     let speeds: Vec<_> = (0..=60).map(|i| 300.0 * 100.0_f64.powf(f64::from(i) / 60.0)).collect();

@@ -1,5 +1,5 @@
-//! The groove from load ratings: comparison with catalog rows whose balls are known, and with an
-//! independent implementation.
+//! Estimation of the groove from load ratings: comparison with catalog rows whose ball diameters
+//! are known, and with an independent implementation.
 
 use std::collections::BTreeSet;
 
@@ -13,13 +13,13 @@ use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
 
-const PROTOTYPE: &str = "an independent implementation of theory 21";
+const PROTOTYPE: &str = "an independent implementation of theory chapter 21";
 const CATALOGS: &str = "catalogs of HIWIN, TBI and THK";
 
-/// Steel of raceways and balls in the reference bands: the default of a case.
+/// Steel of raceways and balls in the reference bands. It is the default steel of a case.
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Returns all checks of the estimate.
+/// Returns all checks of the groove estimate.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let file: File = published.groove.json()?;
     let name = published.groove.name();
@@ -34,7 +34,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
             Err(refused) => {
                 let nearest = refused.nearest.map(|nearest| nearest.ln_evidence);
                 let why =
-                    format!("{} is refused; logarithm of its evidence: {nearest:?}", row.name);
+                    format!("{} is rejected; logarithm of its evidence: {nearest:?}", row.name);
                 return Err(ValidateError::of(name, why));
             }
         }
@@ -52,32 +52,33 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Rows with the prior by which they are estimated.
+/// A set of catalog rows, each with the prior that is used for its estimate.
 struct Split<'a> {
-    /// Part that the rows contribute to the keys of the checks.
+    /// Part of the check keys that identifies this set of rows.
     key: String,
-    /// Description of the rows to which the prior was fitted, and of the rows that are estimated.
+    /// Describes the rows to which the prior was fitted and the rows that are estimated.
     words: String,
     rows: Vec<(&'a Row, Prior)>,
-    /// Reason for the limits of the rates; `None` if the rates have no limits.
+    /// Reason for the limits on the rates; `None` if there are no limits.
     limits: Option<&'static str>,
 }
 
 impl<'a> Split<'a> {
-    /// Returns the splits of a file: its rows with the usual prior; each half of the rows with a prior that is fitted to the other half;
-    /// and the rows of each manufacturer with a prior that is fitted to the other manufacturers.
+    /// Returns all sets of rows: all rows with the built-in prior; each half of the rows with a
+    /// prior fitted to the other half; and the rows of each manufacturer with a prior fitted to the
+    /// other manufacturers.
     fn all(file: &'a File) -> Vec<Self> {
         let is_fit = file.half == FITTED;
         let relation = if is_fit { "fitted to the same rows" } else { "fitted to other rows" };
-        let limits = "required of rows that the prior was not fitted to";
+        let limits = "required for rows that were not used to fit the prior";
         let usual = Self {
             key: "usual".to_owned(),
-            words: format!("prior of the program, {relation}"),
+            words: format!("built-in prior, {relation}"),
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // Rows of a table are ordered by series and size, so that both halves contain all series
-        // and sizes.
+        // The rows are ordered by series and size. Taking every second row therefore puts all
+        // series and sizes into both halves.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();
@@ -88,7 +89,7 @@ impl<'a> Split<'a> {
         });
         let halves = Self {
             key: "other-half".to_owned(),
-            words: "prior fitted to every second row, tested on the other rows, both ways"
+            words: "prior fitted to every second row and tested on the other rows, and vice versa"
                 .to_owned(),
             rows: halves.concat(),
             limits: Some(limits),
@@ -108,12 +109,12 @@ impl<'a> Split<'a> {
         [usual, halves].into_iter().chain(makers.into_iter().map(of_maker)).collect()
     }
 
-    /// Completes a claim with the number of rows and the split.
+    /// Appends the number of rows and the description of the set to a claim.
     fn claim(&self, what: &str) -> String {
         format!("{what}, {} rows; {}", self.rows.len(), self.words)
     }
 
-    /// Returns the rows with their estimates. Refused rows are left out.
+    /// Returns the rows with their groove estimates. Rows without a possible groove are left out.
     fn estimates(&self) -> impl Iterator<Item = (&'a Row, GrooveEstimate)> {
         let estimate = |(row, prior): &(&'a Row, Prior)| {
             Some((*row, row.line(Known::default()).estimate_with(prior).ok()?))
@@ -122,10 +123,10 @@ impl<'a> Split<'a> {
     }
 }
 
-/// Value of `half` in the file to whose rows the prior of the program was fitted.
+/// Value of `half` that identifies the file to whose rows the built-in prior was fitted.
 const FITTED: &str = "public";
 
-/// Fits a prior to rows, with equal weights of all manufacturers.
+/// Fits a prior to rows. All manufacturers have the same weight.
 fn fitted(rows: &[&Row]) -> Prior {
     let known = |row: &&Row| {
         #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
@@ -141,8 +142,8 @@ fn fitted(rows: &[&Row]) -> Prior {
     Prior::fitted(&rows.iter().filter_map(known).collect::<Vec<_>>())
 }
 
-/// Returns the ball return of a series by its catalog; `None` for an unknown series. SFU nuts have
-/// deflectors, but their ratings are the ratings of full turns.
+/// Returns the type of ball return that the catalog states for a series, or `None` for an unknown
+/// series. SFU nuts have deflectors, but their ratings are those of full turns.
 fn ball_return(series: &str) -> Option<BallReturn> {
     match series {
         "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
@@ -156,10 +157,11 @@ fn ball_return(series: &str) -> Option<BallReturn> {
 
 #[derive(Deserialize)]
 struct File {
-    /// Origin of the rows: [`FITTED`] for the rows to which the prior was fitted, or another word.
+    /// Origin of the rows: [`FITTED`] if the built-in prior was fitted to these rows, or another
+    /// word.
     half: String,
     rows: Vec<Row>,
-    /// Rows with misprints.
+    /// Catalog rows with misprints, which must be rejected.
     refused: Vec<Misprint>,
 }
 
@@ -182,7 +184,7 @@ struct Misprint {
     sizes: Sizes,
 }
 
-/// Sizes and ratings of a row.
+/// Dimensions and load ratings of a catalog row.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct Sizes {
@@ -199,7 +201,8 @@ struct Truth {
     printed_turns: f64,
 }
 
-/// Results of the independent implementation. Three numbers are the quantiles at 5, 50 and 95 %.
+/// Results of the independent implementation. Lists of three numbers are the 5, 50 and 95 %
+/// quantiles.
 #[derive(Deserialize)]
 struct Prototype {
     ln_evidence: f64,
@@ -224,7 +227,7 @@ struct Bands {
     secant_contact_stiffness_N_um: [f64; 3],
 }
 
-/// Quantities that are known besides nominal diameter, lead and dynamic load rating.
+/// States which quantities are known in addition to nominal diameter, lead and dynamic load rating.
 #[derive(Clone, Copy)]
 struct Known {
     static_rating: bool,
@@ -233,14 +236,14 @@ struct Known {
 }
 
 impl Default for Known {
-    /// The catalog row with both ratings.
+    /// By default, both load ratings are known.
     fn default() -> Self {
         Self { static_rating: true, turns: false, core: false }
     }
 }
 
 impl Sizes {
-    /// Returns the catalog row with both ratings.
+    /// Returns the catalog line with both load ratings.
     fn line(&self) -> CatalogLine {
         CatalogLine {
             nominal_diameter: self.nominal_diameter_mm * MM,
@@ -258,7 +261,7 @@ impl Sizes {
 }
 
 impl Row {
-    /// Returns the catalog row with the known quantities that are printed.
+    /// Returns the catalog line with those known quantities that the catalog prints.
     fn line(&self, known: Known) -> CatalogLine {
         let line = self.sizes.line();
         CatalogLine {
@@ -269,20 +272,20 @@ impl Row {
         }
     }
 
-    /// Returns true if a ball diameter \[m\] agrees with the ball diameter of the row to within a
-    /// fraction of the diameter.
+    /// Returns true if a ball diameter \[m\] agrees with the true diameter to within the given
+    /// relative tolerance.
     fn has_ball(&self, ball: f64, tolerance: f64) -> bool {
         (ball / MM / self.truth.ball_diameter_mm - 1.0).abs() <= tolerance
     }
 }
 
-/// Relative tolerance of equal ball diameters. Catalogs round ball diameters to 0.01 mm or three
-/// digits.
+/// Maximum relative difference between ball diameters that are considered equal. Catalogs round
+/// ball diameters to 0.01 mm or three digits.
 const SAME_BALL: f64 = 0.006;
 
-/// Returns the largest value, with the name of its row.
+/// Returns the largest value together with the name of its row.
 fn worst<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> (&'a str, f64) {
-    // NaN counts as the largest value.
+    // In this order, NaN is the largest value.
     values.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or(("", f64::NAN))
 }
 
@@ -291,7 +294,7 @@ fn relative(ours: f64, theirs: f64) -> f64 {
     (ours / theirs - 1.0).abs()
 }
 
-/// Compares the results with the results of the independent implementation, for every row.
+/// Compares the estimates of all rows with the results of the independent implementation.
 fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     let check = |key: &str, claim: &str, difference: &dyn Fn(&Row, &GrooveEstimate) -> f64| {
         let (name, value) =
@@ -299,7 +302,7 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
         Check::new(
             key,
             PROTOTYPE,
-            format!("{claim}, largest difference of {} rows", estimates.len()),
+            format!("{claim}: largest difference in {} rows", estimates.len()),
         )
         .measured(value, "")
         .note(format!("largest at {name}"))
@@ -325,7 +328,7 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             (found.ln_evidence - row.prototype.ln_evidence).abs()
         })
         .at_most(1e-3, "three decimals"),
-        check("groove/probabilities", "probabilities of the first balls", &|row, found| {
+        check("groove/probabilities", "probabilities of the most likely balls", &|row, found| {
             let differences =
                 row.prototype.balls.iter().map(|(ball, p)| (probability(found, *ball) - p).abs());
             worst(differences.map(|difference| ("", difference))).1
@@ -337,21 +340,25 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             worst(pairs.map(|(ours, theirs)| ("", relative(ours, theirs)))).1
         })
         .at_most(1e-3, "four digits"),
-        check("groove/best", "rows with another best groove or other likely balls", &other_best)
-            .at_most(0.0, "the same balls, turns and numbers of balls"),
+        check(
+            "groove/best",
+            "rows with a different best groove or different likely balls",
+            &other_best,
+        )
+        .at_most(0.0, "the same balls, turns and numbers of balls"),
     ]
 }
 
-/// A quantity of a groove, which the independent implementation gives as a band.
+/// A quantity of the groove for which the independent implementation states a band.
 struct BandQuantity {
     key: &'static str,
     words: &'static str,
-    /// Returns the quantity at a lead \[m\] and a load \[N\].
+    /// Function that returns the quantity for a lead \[m\] and a load \[N\].
     value: GrooveValue,
     reference: fn(&Bands) -> [f64; 3],
-    /// Relative tolerance of the band, and its reason.
+    /// Relative tolerance for the limits of the band, and the reason for it.
     tolerance: (f64, &'static str),
-    /// Upper limit of the median width.
+    /// Upper limit for the median width of the band.
     widest: f64,
 }
 
@@ -373,7 +380,7 @@ const BAND_QUANTITIES: [BandQuantity; 2] = [
         reference: |bands| bands.screw_max_pressure_MPa,
         tolerance: (
             0.01,
-            "1 %: contact angles of the reference grow under load, which lowers its pressures by up to 1 %",
+            "1 %: in the reference, contact angles increase with the load, which reduces its pressures by up to 1 %",
         ),
         widest: 1.35,
     },
@@ -385,8 +392,8 @@ fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reas
     Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
 }
 
-/// Returns the largest pressure at the screw \[MPa\] if all balls carry equal loads at the unloaded
-/// contact angle.
+/// Returns the largest pressure at the screw \[MPa\] for equal ball loads and the unloaded contact
+/// angle.
 fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
     let [_, screw] = nut.hertz()?;
@@ -394,7 +401,7 @@ fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reaso
     Ok(screw.max_pressure(load / (groove.loaded_balls * direction)) * 1e-6)
 }
 
-/// Returns the band of a quantity at a tenth of the dynamic load rating.
+/// Returns the band of a quantity. The load is a tenth of the dynamic load rating.
 fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     let (lead, load) = (estimate.line.lead, 0.1 * estimate.line.dynamic_rating);
     let values: Result<Vec<_>, _> =
@@ -402,7 +409,7 @@ fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     Ok(Band::of(values?).expect("there are draws"))
 }
 
-/// Sets of known quantities.
+/// Sets of quantities that are assumed to be known.
 const KNOWN: [(&str, &str, Known); 5] = {
     let line = Known { static_rating: true, turns: false, core: false };
     [
@@ -419,8 +426,8 @@ const KNOWN: [(&str, &str, Known); 5] = {
 };
 
 impl Split<'_> {
-    /// Counts how often the most likely ball is correct and how often the ball is among the likely balls, for each set of known
-    /// quantities.
+    /// For each set of known quantities, counts how often the most likely ball diameter is correct
+    /// and how often the correct diameter is among the likely diameters.
     fn rates(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (key, words, known) in KNOWN {
@@ -429,12 +436,13 @@ impl Split<'_> {
                 let key = format!("groove/{}/{what}-{key}", self.key);
                 Check::new(&key, CATALOGS, self.claim(&format!("{claim} from {words}")))
             };
-            let first = check("first-ball", "first ball right").measured(rates.first, "");
+            let first =
+                check("first-ball", "most likely ball is correct").measured(rates.first, "");
             let first = first.note(format!(
-                "within 7 % of the diameter: {:.2}; refused: {:.3}",
+                "ball diameter within 7 %: {:.2}; rows rejected: {:.3}",
                 rates.near, rates.refused
             ));
-            let likely = check("likely-balls", "ball among the likely ones");
+            let likely = check("likely-balls", "correct ball is among the likely balls");
             let likely = likely.measured(rates.likely, "");
             let size = check("number-of-likely-balls", "mean number of likely balls");
             let size = size.measured(rates.set_size, "");
@@ -442,7 +450,10 @@ impl Split<'_> {
                 Some(reason) => [
                     first.at_least(0.87, reason),
                     likely.at_least(0.93, reason),
-                    size.at_most(3.0, "fewer would be chance, more of no use"),
+                    size.at_most(
+                        3.0,
+                        "fewer balls would be correct only by chance, and more would be of no use",
+                    ),
                 ],
                 None => [first, likely, size],
             });
@@ -451,7 +462,7 @@ impl Split<'_> {
     }
 }
 
-/// Fractions of the rows.
+/// Rates at which the estimates are correct, as fractions of the rows.
 #[derive(Default)]
 struct Rates {
     first: f64,
@@ -486,7 +497,7 @@ impl Rates {
     }
 }
 
-/// Compares bands with the bands of the independent implementation.
+/// Compares the bands of all rows with the bands of the independent implementation.
 fn against_prototype_bands(
     estimates: &[(&Row, GrooveEstimate)],
 ) -> Result<Vec<Check>, ValidateError> {
@@ -500,8 +511,10 @@ fn against_prototype_bands(
             differences.push((row.name.as_str(), off));
         }
         let (name, difference) = worst(differences);
-        let claim =
-            format!("band of the {words}, largest relative difference of {} rows", estimates.len());
+        let claim = format!(
+            "band for the {words}: largest relative difference in {} rows",
+            estimates.len()
+        );
         let equal = Check::new(&format!("groove/{key}-band"), PROTOTYPE, claim);
         let equal = equal.measured(difference, "").note(format!("largest at {name}"));
         checks.push(equal.at_most(tolerance.0, tolerance.1));
@@ -509,13 +522,13 @@ fn against_prototype_bands(
     Ok(checks)
 }
 
-/// Returns the band of a quantity of a row.
+/// Returns the band of a quantity for a row.
 fn band_of(row: &Row, found: &GrooveEstimate, value: GrooveValue) -> Result<Band, ValidateError> {
     band(found, value).map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))
 }
 
 impl Split<'_> {
-    /// Calculates the median widths of bands.
+    /// Calculates the median width of the band for each quantity.
     fn widths(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, widest, .. } in BAND_QUANTITIES {
@@ -524,16 +537,20 @@ impl Split<'_> {
             };
             let mut widths = self.estimates().map(width).collect::<Result<Vec<_>, _>>()?;
             widths.sort_by(f64::total_cmp);
-            let claim =
-                self.claim(&format!("width of the band of the {words}, high over low, median"));
+            let claim = self.claim(&format!(
+                "ratio of upper to lower limit of the band for the {words} (median)"
+            ));
             let width = Check::new(&format!("groove/{}/{key}-width", self.key), CATALOGS, claim);
             let width = width.measured(quantile(&widths, 0.5), "");
-            checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
+            checks.push(
+                width.at_most(widest, "required for rows that were not used to fit the prior"),
+            );
         }
         Ok(checks)
     }
 
-    /// Counts how often the band of a quantity contains the quantity of the groove with the known ball and turns.
+    /// Counts how often the band of a quantity contains the value for the true groove, which is
+    /// estimated with the known ball diameter and number of turns.
     fn contained(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {
@@ -543,7 +560,7 @@ impl Split<'_> {
                     ball_diameter: Some(row.truth.ball_diameter_mm * MM),
                     ..row.line(Known { turns: true, ..Known::default() })
                 };
-                // A printed ball may contradict the ratings.
+                // If the printed ball diameter contradicts the ratings, the row is skipped.
                 let Ok(exact) = line.estimate() else { continue };
                 let failed = |why| ValidateError::of(&row.name, format!("{why:?}"));
                 let load = 0.1 * line.dynamic_rating;
@@ -553,7 +570,7 @@ impl Split<'_> {
                 inside += f64::from(u8::from((low..=high).contains(&exact)));
             }
             let claim = self.claim(&format!(
-                "band of the {words} contains that of the known ball and turns, part of {known}"
+                "band for the {words} contains the value for the known ball and turns (fraction of {known})"
             ));
             let check =
                 Check::new(&format!("groove/{}/{key}-contained", self.key), CATALOGS, claim);
@@ -563,10 +580,10 @@ impl Split<'_> {
     }
 }
 
-/// A mistake in a catalog row.
+/// A function that inserts a mistake into a catalog row.
 type Corruption = fn(CatalogLine) -> CatalogLine;
 
-/// Checks that corrupted rows are rejected.
+/// Checks that catalog rows with mistakes are rejected.
 fn refusals(file: &File) -> Vec<Check> {
     let misprints = file.refused.iter().map(|row| {
         let refused = row.sizes.line().estimate().err().and_then(|refused| refused.nearest);
@@ -574,7 +591,7 @@ fn refusals(file: &File) -> Vec<Check> {
         Check::new(
             &format!("groove/misprint-{}", row.name),
             CATALOGS,
-            "misprinted static rating is refused",
+            "row with a misprinted static load rating is rejected",
         )
         .measured(measured, "")
         .equals(
@@ -602,10 +619,10 @@ fn refusals(file: &File) -> Vec<Check> {
         Check::new(
             &format!("groove/refused-{key}"),
             CATALOGS,
-            format!("{words}: part of {rows} rows that is refused"),
+            format!("{words}: fraction of {rows} rows that are rejected"),
         )
         .measured(refused / rows, "")
-        .at_least(0.99, "an error of a factor of 10 is recognized")
+        .at_least(0.99, "an error by a factor of 10 must be detected")
     });
     misprints.chain(corrupted).collect()
 }

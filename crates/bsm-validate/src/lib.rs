@@ -1,9 +1,9 @@
-//! Comparison of the solver with published results.
+//! Validation: compares the program with published results.
 //!
-//! The data is in `validation/published/<key>`, together with its source, and is compiled in. A
-//! copy of the folder can be used instead. Every check states the claim, the result that is
-//! compared with it, and the reason for its tolerance. Golden files only guard against change. They
-//! are not validation and are not part of this crate.
+//! The published data and their sources are in `validation/published/<key>` and are compiled into
+//! the program. A copy of the folder can be used instead. Every check states the published claim,
+//! the calculated result, and the reason for its tolerance. Golden files only detect changes of
+//! results. They validate nothing and are not part of this crate.
 
 mod dong2020;
 mod elastic;
@@ -29,53 +29,54 @@ pub use report::{Check, Report, Verdict};
 
 use std::fmt::Display;
 
-/// An error in the data, in a table of points or of the machine that prevents a validation.
+/// The reason why a validation or a trade-off measurement cannot be carried out.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ValidateError {
-    /// Published data or a table of points cannot be used.
+    /// Published data or a table of points is invalid.
     #[error("{0}")]
     Invalid(String),
-    /// A point of a check is not a valid operating point.
+    /// A check uses an invalid operating point.
     #[error("point of a check: {0}")]
     Point(#[from] bsm_case::CaseError),
     /// A file of published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: std::path::PathBuf,
-        /// The reason.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// A figure or a page cannot be created.
     #[error(transparent)]
     Report(#[from] bsm_report::ReportError),
-    /// A table of points cannot be used.
+    /// A table of points cannot be read.
     #[error(transparent)]
     Table(#[from] bsm_batch::TableError),
-    /// No point has a reference solution.
+    /// None of the points has a reference solution.
     #[error("model traction has no solution at any of the points, so there is no reference")]
     NoReference,
     /// Threads cannot be started.
     #[error("threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A one-dimensional search failed.
+    /// A search for the minimum or root of a function failed.
     #[error("search: {0}")]
     Search(#[from] bsm_design::search::SearchError),
 }
 
 impl ValidateError {
-    /// Returns the error for a file, a check or a row that is rejected.
+    /// Creates the error for an invalid file, check or row.
     fn of(place: impl Display, why: impl Display) -> Self {
         Self::Invalid(format!("{place}: {why}"))
     }
 }
 
-/// Runs every check.
+/// Runs all checks.
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if the data cannot be used. A check that fails is not an error, but a result.
+/// [`ValidateError`] if the data cannot be used. A failed check is not an error, but part of the
+/// report.
 pub fn run(published: &PublishedData) -> Result<Report, ValidateError> {
     let mut checks = reference::checks(published)?;
     checks.extend(lin1994::checks(published)?);

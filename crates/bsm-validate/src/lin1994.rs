@@ -1,4 +1,4 @@
-//! Claims of Lin, Velinsky and Ravani (1994) about closed form and exact theory.
+//! Claims of Lin, Velinsky and Ravani (1994) about the closed-form solution and the exact theory.
 
 mod statements;
 
@@ -16,7 +16,7 @@ use bsm_design::search::{minimum_of, root_of};
 
 const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 
-/// Returns all checks of this source.
+/// Returns all checks of this paper.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let claims = Claims::read(published)?;
     let lin = published.lin_case.case()?;
@@ -31,13 +31,13 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the case of Fig 5, whose ball radius is a tenth of the pitch circle radius.
+/// Returns the case of Fig 5, in which the ball radius is a tenth of the pitch circle radius.
 pub(crate) fn slender(lin: &Case) -> Case {
     let pitch = lin.pitch_circle_diameter_mm;
     Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
 }
 
-/// The numbers of `claims.csv`.
+/// The claims in `claims.csv`: value and text for each key.
 struct Claims(BTreeMap<String, (f64, String)>);
 
 impl Claims {
@@ -59,8 +59,9 @@ impl Claims {
     }
 }
 
-/// Finds the loads per ball at which the closed form deviates by the printed amount over either
-/// angle, and the speed at which it deviates by one percentage point.
+/// Finds the loads per ball and the speed at which the error of the closed form reaches the
+/// published values. The loads apply to the published error over either angle, and the speed to an
+/// error of one percentage point.
 fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),
@@ -75,7 +76,7 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         ("contact-angle-bound", "contact_angle_deg", 5..=85),
     ] {
         let (bound, _) = claims.get(key)?;
-        // The root is found on a logarithmic scale.
+        // The search uses the logarithm of the load.
         let search = |log_load: f64| {
             let load = Some(10.0_f64.powf(log_load));
             let mut case = Case { axial_load_N: load, ..lin.clone() };
@@ -92,7 +93,7 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         checks.push(
             Check::new(&format!("lin1994/{key}-{suffix}-load"), &source, claim)
                 .measured(load, "N")
-                .note("at 2000 rpm; the paper's 2113 N are far above"),
+                .note("at 2000 rpm; the load of 2113 N in the paper is far larger"),
         );
     }
     let search = |log_rpm: f64| {
@@ -107,8 +108,8 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
     Ok(checks)
 }
 
-/// Returns the deviation of the closed form from the rigid equations in percentage points, or
-/// `None` if the rigid equations have no root.
+/// Returns the error of the closed form relative to the rigid equations in percentage points, or
+/// `None` if the rigid equations have no solution.
 fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     let efficiency = |model: Model| -> Result<_, ValidateError> {
         Ok(case.problem(&model.into())?.solve(&mut ModelWorkspace::default()).efficiency())
@@ -117,7 +118,7 @@ fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     Ok(both.map(|(exact, closed)| 100.0 * (exact - closed).abs()))
 }
 
-/// Compares the optimum contact angle with a numerical maximum of (14), (17).
+/// Compares the formula for the optimum contact angle with the numerical maximum of Eqs 14 and 17.
 fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     const F: f64 = 0.075;
     let mut checks = Vec::new();
@@ -156,8 +157,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
                 .note(format!("value farthest from the claim; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
-        // The position of a flat maximum is accurate to the square root of the precision of its
-        // value.
+        // The position of a flat maximum is accurate only to the square root of the precision of
+        // its value.
         let located =
             "the position of a maximum is accurate to the square root of the rounding error, 1e-7";
         checks.push(
@@ -174,7 +175,7 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
             Check::new(
                 &format!("lin1994/optimum-condition-{suffix}"),
                 &source,
-                "the published condition of the optimum holds (18 with its missing factor D)",
+                "the published condition of the optimum holds (Eq 18 with its missing factor D)",
             )
             .measured(condition_off, "largest residual")
             .note(over)
@@ -184,8 +185,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     Ok(checks)
 }
 
-/// Compares the self-locking regions (16), (19) with the sign of (14), (17) on a grid of angles and
-/// friction coefficients.
+/// Compares the self-locking regions of Eqs 16 and 19 with the signs of Eqs 14 and 17, on a grid of
+/// angles and friction coefficients.
 fn self_locking() -> Vec<Check> {
     let mut checks = Vec::new();
     for (direction, suffix, equation) in [
@@ -210,21 +211,21 @@ fn self_locking() -> Vec<Check> {
             Check::new(
                 &format!("lin1994/self-locking-{suffix}"),
                 &format!("{SOURCE}, {equation}"),
-                "self-locking exactly where the efficiency is not positive",
+                "the screw is self-locking exactly where the efficiency is not positive",
             )
             .measured(f64::from(wrong), "points that differ")
-            .note(format!("{locked} of {points} points lock"))
+            .note(format!("{locked} of {points} points are self-locking"))
             .at_most(0.0, "an equivalence"),
         );
     }
     checks
 }
 
-/// Checks the existence of the root: the critical lead angle, and no solution below it.
+/// Checks the critical lead angle and that there is no solution below it.
 fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let work = &mut ModelWorkspace::default();
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");
-    // The published number holds for little inertia.
+    // The published value is valid if inertia forces are small.
     let slow = Case { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(&Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
@@ -246,10 +247,10 @@ fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         Check::new(
             "lin1994/no-false-root",
             &source,
-            "below the critical lead angle no root is returned, above it one is",
+            "no solution is returned below the critical lead angle, and one is returned above it",
         )
-        .measured(f64::from(wrong), "points of 191 that differ")
+        .measured(f64::from(wrong), "wrong results at 191 points")
         .note("lead angles of 1.05 to 20.05 deg; the root at infinity is never returned")
-        .at_most(0.0, "existence is decided, not guessed"),
+        .at_most(0.0, "the existence of a solution is decided exactly"),
     ])
 }

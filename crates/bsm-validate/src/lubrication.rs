@@ -1,5 +1,5 @@
-//! Friction from the lubricant: comparison with an independent solution, a bearing catalog, ranges
-//! and trends.
+//! Friction with a lubricant: comparison with an independent solution and a bearing catalog, and
+//! checks of ranges and trends.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ const ROLLING: &str =
     "Houpert; Balan, Houpert, Tufescu and Olaru 2015, power laws of the rolling force";
 const TRENDS: &str = "published trends of lubricated ball screws";
 
-/// Returns all checks of the lubricant.
+/// Returns all checks of lubricant friction.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let references: References = published.lubrication.json()?;
     let work = &mut ModelWorkspace::default();
@@ -41,7 +41,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the case of a published case file.
+/// Returns a case from the published file by its id.
 pub(crate) fn reference_case(published: &PublishedData, id: &str) -> Result<Case, ValidateError> {
     let file = &published.lubrication;
     let references: References = file.json()?;
@@ -54,7 +54,7 @@ struct References {
     cases: Vec<Reference>,
 }
 
-/// A case with its reference solution.
+/// A case with its independent solution.
 #[derive(Deserialize)]
 struct Reference {
     id: String,
@@ -75,13 +75,13 @@ fn solve(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<Record,
     Ok(Record::new(case.problem(&model.into())?.solve(work)))
 }
 
-/// Returns a number, or NaN if it is missing, which no check accepts.
+/// Returns an output, or NaN if it is missing. NaN fails every check.
 fn number(record: &Record, name: OutputName) -> f64 {
     let converged = record.status() == Status::Converged;
     record.number(name).filter(|_| converged).unwrap_or(f64::NAN)
 }
 
-/// Returns a result of a solution whose torque includes the seals.
+/// Returns an output with the torque that includes the seals.
 fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: OutputName) -> f64 {
     let of_screw = |name: OutputName| parts.and_then(|parts| parts.number(name));
     match name.name() {
@@ -93,7 +93,7 @@ fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: OutputName) ->
     .unwrap_or_else(|| number(record, name))
 }
 
-/// Returns the largest deviation of a case divided by its tolerance.
+/// Returns the largest ratio of deviation to tolerance over the outputs of a case.
 fn solution(
     reference: &Reference,
     file: &File,
@@ -105,7 +105,8 @@ fn solution(
     let parts = torque_parts(&case, &model.into(), &mut ModelWorkspace::default())?;
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
-        // The torque follows from the efficiency.
+        // With seals, the equivalent thread friction coefficient is not compared, because it is
+        // calculated from the efficiency without seals.
         if number(&record, output!(seal_power_W)) > 0.0
             && *name == output!(catalog_friction_coefficient)
         {
@@ -113,7 +114,8 @@ fn solution(
         }
         let is_spin = name.name().contains("spin");
         let tolerance = if is_spin { 1e-3 } else { reference.rel_tol };
-        // A ball does not spin at the controlling raceway, except for rounding errors.
+        // The spin at the controlling raceway is zero except for rounding errors, so an absolute
+        // tolerance is added.
         let rounding = if is_spin { 1e-9 } else { 0.0 };
         let off = (with_seals(&record, parts.as_ref(), *name) - value).abs() - rounding;
         let part = if off <= 0.0 { 0.0 } else { off / (tolerance * value.abs()) };
@@ -124,26 +126,27 @@ fn solution(
     Ok(Check::new(
         &format!("lubrication/{}", reference.id),
         SOLUTION,
-        format!("{}: all numbers", reference.id),
+        format!("{}: all results", reference.id),
     )
     .measured(worst, "of the tolerance")
     .note(at)
-    .at_most(1.0, "error due to nodes and creep speed of the independent solution"))
+    .at_most(1.0, "error of the independent solution due to its nodes and creep speed"))
 }
 
-/// Returns median, smallest and largest value.
+/// Returns the smallest value, the median and the largest value.
 fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
     numbers.sort_by(f64::total_cmp);
     let last = numbers.len().saturating_sub(1);
     [0, last / 2, last].map(|i| numbers.get(i).copied().unwrap_or(f64::NAN))
 }
 
-/// Returns the rolling and the sliding moment by SKF's model \[N m\] for a single-row angular
-/// contact bearing of 40 deg, without starvation and inlet heating.
+/// Returns the rolling and the sliding frictional moment according to SKF's model \[N m\], for a
+/// single-row angular contact bearing with a contact angle of 40 deg, without starvation and inlet
+/// shear heating.
 ///
 /// * `diameter`: mean diameter \[mm\].
 /// * `viscosity`: kinematic viscosity \[mm²/s\].
-/// * `speed`: speed \[1/min\].
+/// * `speed`: rotational speed \[1/min\].
 /// * `load`: axial load \[N\].
 fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     let rolling = 5.03e-7
@@ -158,24 +161,24 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     [rolling * 1e-3, sliding * 1e-3]
 }
 
-/// A rotating bearing and its solution.
+/// A bearing at an operating point, with its solution.
 struct Turning {
     /// Axial load \[N\].
     load: f64,
-    /// Speed \[1/min\].
+    /// Rotational speed \[1/min\].
     speed: f64,
     celsius: f64,
     record: Record,
 }
 
 impl Turning {
-    /// Returns the kinematic viscosity \[mm²/s\].
+    /// Returns the kinematic viscosity of the oil \[mm²/s\].
     fn viscosity(&self) -> f64 {
         let density = 880.0 * (1.0 - 6.5e-4 * (self.celsius - 15.0));
         number(&self.record, output!(viscosity_mPas)) * 1e3 / density
     }
 
-    /// Returns the rolling and the sliding moment \[N·m\].
+    /// Returns the rolling and the sliding frictional moment \[N·m\].
     fn moments(&self) -> [f64; 2] {
         let per_watt = 30.0 / (PI * self.speed);
         [output!(rolling_power_W), output!(sliding_power_W)]
@@ -183,7 +186,7 @@ impl Turning {
     }
 }
 
-/// Solves the bearing as a screw without lead, for several loads, speeds and temperatures.
+/// Solves the bearing as a screw with zero lead, for several loads, speeds and temperatures.
 fn turning(
     bearing: &Case,
     (loads, speeds, temperatures): (&[f64], &[f64], &[f64]),
@@ -205,7 +208,7 @@ fn turning(
     Ok(all)
 }
 
-/// Compares the bearing with SKF's model.
+/// Compares the friction of the bearing with SKF's model.
 fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let over = (
         &[2000.0, 4000.0, 8000.0][..],
@@ -228,28 +231,28 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
         Check::new(
             &format!("lubrication/{key}"),
             BEARING,
-            format!("{what} divided by that of SKF's model"),
+            format!("{what} divided by the value from SKF's model"),
         )
         .measured(middle, "")
         .note(format!(
-            "middle of {points} points, {least:.2} to {most:.2}; constants of the model from memory"
+            "median of {points} points, which range from {least:.2} to {most:.2}; constants of the model quoted from memory"
         ))
-        .equals(1.0, 0.36, "two models of friction agree to a third")
+        .equals(1.0, 0.36, "two friction models should agree to within a third")
     };
     Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
 }
 
-/// Returns the moment by Palmgren's formulas \[N m\] for the bearing of [`skf`] in an oil bath,
-/// under axial load.
+/// Returns the frictional moment according to Palmgren's formulas \[N m\], for the bearing of
+/// [`skf`] in an oil bath under axial load.
 ///
 /// * `diameter`: mean diameter \[mm\].
 /// * `viscosity`: kinematic viscosity \[mm²/s\].
-/// * `speed`: speed \[1/min\].
+/// * `speed`: rotational speed \[1/min\].
 /// * `load`: axial load \[N\].
 ///
 /// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
 fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
-    // This is the static load rating of size 7208 \[N\].
+    // Static load rating of the bearing size 7208 \[N\].
     const STATIC: f64 = 26_000.0;
     let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
     let turning = 0.9 / 40.0_f64.to_radians().tan() * load;
@@ -257,7 +260,7 @@ fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
     (viscous + by_load) * 1e-3
 }
 
-/// Compares the bearing with Palmgren's formulas.
+/// Compares the friction of the bearing with Palmgren's formulas.
 fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let over = (
         &[1000.0, 2000.0, 4000.0, 8000.0][..],
@@ -274,35 +277,37 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
     Ok(Check::new(
         "lubrication/palmgren",
         PALMGREN,
-        "torque divided by that of Palmgren's formulas",
+        "torque divided by the value from Palmgren's formulas",
     )
     .measured(middle, "")
-    .note(format!("middle of {points} points, {least:.2} to {most:.2}; factors from memory"))
-    .equals(1.0, 0.36, "two models of friction agree to a third"))
+    .note(format!("median of {points} points, which range from {least:.2} to {most:.2}; factors quoted from memory"))
+    .equals(1.0, 0.36, "two friction models should agree to within a third"))
 }
 
-/// The contact of a ball with the outer raceway of a bearing, in SI units, for the comparison of
-/// film and rolling force.
+/// The contact between a ball and the outer raceway of a bearing, for comparing film thickness and
+/// rolling force with other formulas.
 struct Outer {
-    /// Ratio of the radius across the track to the radius along the track.
+    /// Ratio of the effective radius across the rolling direction to the effective radius in the
+    /// rolling direction.
     across: f64,
-    /// Ratio of the long to the short semi-axis of the ellipse.
+    /// Ratio of the long to the short semi-axis of the contact ellipse.
     flatness: f64,
-    /// Dimensionless load.
+    /// Dimensionless load of the contact.
     weight: f64,
-    /// Dimensionless speed, for the sum of both surface speeds.
+    /// Dimensionless speed, based on the sum of both surface speeds.
     rate: f64,
     /// Dimensionless pressure-viscosity coefficient `$\alpha E'$`.
     stiffening: f64,
-    /// Film thickness divided by its radius, without inlet heating.
+    /// Central film thickness divided by the radius in the rolling direction, without inlet shear
+    /// heating.
     film: f64,
-    /// Rolling force divided by `$E'R_x^2$`, without inlet heating.
+    /// Rolling force divided by `$E'R_x^2$`, without inlet shear heating.
     rolling: f64,
 }
 
 impl Outer {
-    /// * `oil`: the oil of the case, at its temperature.
-    /// * `(ball, pitch)`: radii \[m\], for a conformity of 0.52.
+    /// * `oil`: properties of the oil at its temperature.
+    /// * `(ball, pitch)`: ball radius and pitch radius \[m\]; the conformity is 0.52.
     fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
         let value = |name: OutputName| number(record, name);
         let angle = value(output!(nut_contact_angle_deg)).to_radians();
@@ -328,8 +333,8 @@ impl Outer {
         }
     }
 
-    /// Returns the central film thickness divided by the radius, for rigid to elastic contacts and
-    /// for isoviscous to piezoviscous oil.
+    /// Returns the central film thickness divided by the radius, with a formula that covers rigid
+    /// and elastic contacts and isoviscous and piezoviscous oil.
     fn nijenbanning(&self) -> f64 {
         let (theta, root) = (1.0 / self.across, self.rate.powf(0.25));
         let (m, l) = (self.weight / root.powi(3), self.stiffening * root);
@@ -351,7 +356,8 @@ impl Outer {
         (thin.powf(2.0 * s / 3.0) + stiff.powf(-s / 8.0)).powf(1.0 / s) * self.rate.sqrt()
     }
 
-    /// Returns the rolling force divided by `$E'R_x^2$`, for rigid to elastic contacts.
+    /// Returns the rolling force divided by `$E'R_x^2$`, with a formula that covers rigid and
+    /// elastic contacts.
     fn houpert(&self) -> f64 {
         let (k, rate) = (self.across, 0.5 * self.rate);
         let load = self.weight.cbrt();
@@ -362,7 +368,7 @@ impl Outer {
     }
 }
 
-/// Compares film and rolling force with other formulas, for the balls of a bearing.
+/// Compares the film thickness and the rolling force of the balls of a bearing with other formulas.
 fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
     let base = BaseOil::Mineral;
     let viscosities = Oil::of_grade(68.0).unwrap_or([f64::NAN; 2]);
@@ -377,7 +383,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     let mut flooded = bearing.clone();
     flooded.set("rolling_factor", 1.0)?;
     flooded.set("hysteresis_loss", 0.0)?;
-    // The loads are 15 to 640 N per ball, and the speeds are 0.05 to 4.7 m/s.
+    // The ball loads are 15 to 640 N, and the surface speeds are 0.05 to 4.7 m/s.
     let over = (
         &[140.0, 700.0, 2000.0, 6000.0][..],
         &[30.0, 100.0, 300.0, 1000.0, 3000.0][..],
@@ -387,8 +393,8 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let warm = oil.at(celsius + ZERO_CELSIUS);
         let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
         forces.push(outer.rolling / outer.houpert());
-        // Below this value, the film corresponds to rigid surfaces, which Hamrock and Dowson do not
-        // cover.
+        // Below this value, the surfaces are practically rigid, and the film formula of Hamrock and
+        // Dowson does not apply.
         if outer.weight / outer.rate.powf(0.75) >= 40.0 {
             films.push(outer.film / outer.nijenbanning());
         }
@@ -399,27 +405,27 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let outermost = (1.0 - least).max(most - 1.0);
         let worst = if middle.is_nan() { f64::NAN } else { outermost };
         Check::new(&format!("lubrication/{key}"), source, what).measured(worst, "").note(format!(
-            "{points} points, {least:.2} to {most:.2}, in the middle {middle:.3}; factors from memory"
+            "{points} points, {least:.2} to {most:.2}, median {middle:.3}; factors quoted from memory"
         ))
     };
     let film = check(
         "film",
         FILM,
-        "central film thickness divided by that of another formula, value farthest from 1",
+        "central film thickness divided by the value from another formula (ratio farthest from 1)",
         films,
     )
-    .at_most(0.25, "two fits of solutions of the same equation, to 20 % each");
+    .at_most(0.25, "two fits to solutions of the same equation, each accurate to 20 %");
     let rolling = check(
         "rolling-force",
         ROLLING,
-        "rolling force divided by that of power laws, value farthest from 1",
+        "rolling force divided by the value from power laws (ratio farthest from 1)",
         forces,
     )
-    .at_most(0.08, "power laws, within a tenth where the surfaces are nearly rigid");
+    .at_most(0.08, "power laws agree to within a tenth if the surfaces are nearly rigid");
     Ok([film, rolling])
 }
 
-/// Compares the drag torque against the load with a straight line.
+/// Compares the drag torque as a function of the load with a straight line.
 fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let mut drags = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {
@@ -443,8 +449,8 @@ fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, Va
         .at_most(0.05, "linear within the scatter of a measurement"))
 }
 
-/// Checks trends: efficiency against load, a Stribeck curve with a minimum, and a loss that is
-/// nearly linear in the load.
+/// Checks trends: the efficiency increases with the load, the Stribeck curve has a minimum, and the
+/// loss is nearly linear in the load.
 fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let mut at = |load: f64, speed: f64, name: OutputName| -> Result<f64, ValidateError> {
         let mut case = feed.clone();
@@ -465,7 +471,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     )
     .measured(spread(gains)[0], "")
     .note("smallest increase from 1 to 8 kN")
-    .at_least(0.0, "it grows");
+    .at_least(0.0, "the efficiency increases");
     let mut curve = Vec::new();
     for speed in [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 4000.0] {
         curve.push((speed, at(3000.0, speed, output!(equivalent_friction_coefficient))?));
@@ -481,7 +487,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     .equals(
         350.0,
         200.0,
-        "inside the curve from 10 to 4000 rpm, which is flat within 2 % from 200 to 500",
+        "the minimum is within 10 to 4000 rpm, and the curve is flat to within 2 % from 200 to 500 rpm",
     );
     Ok(vec![grows, stribeck])
 }

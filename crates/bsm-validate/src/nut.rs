@@ -1,5 +1,5 @@
-//! All balls of a nut: comparison with ball bearings, preload formulas, stiffnesses of a catalog,
-//! and limits of elastic bodies.
+//! Nuts with all their balls: comparison with ball bearings, preload formulas, stiffness values of
+//! a catalog, and analytical limits for elastic bodies.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -17,15 +17,15 @@ use crate::{Check, PublishedData, ValidateError};
 const BEARING: &str = "a commercial program for ISO/TS 16281";
 const CATALOG: &str = "HIWIN catalog BS-08-2";
 const STEINMEYER: &str = "Steinmeyer, and HIWIN catalog BS-08-2, section 3.6";
-const BARS: &str = "linear bars on an elastic bed (theory 16)";
+const BARS: &str = "linear-elastic bars on an elastic foundation (theory chapter 16)";
 
-/// Steel of the catalog.
+/// Steel of the catalog nuts.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Rule for the grooves of the catalog.
+/// Assumed conformity of the catalog nuts.
 const CONFORMITY: f64 = 0.5203;
 
-/// Returns all checks of a nut.
+/// Returns all checks of nuts.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     for row in published.nut_bearings.rows::<Bearing>()? {
@@ -38,7 +38,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// A ball bearing, which is a nut with zero lead.
+/// A ball bearing, which is modeled as a nut with zero lead.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct Bearing {
@@ -56,7 +56,7 @@ struct Bearing {
 impl Bearing {
     fn checks(&self) -> Vec<Check> {
         let found = self.displacement();
-        // A rejected load gives numbers that no check accepts.
+        // If the load is rejected, the results are NaN, which fails every check.
         let [axial, x, y, tilt_x, tilt_y] = found.unwrap_or([f64::NAN; 5]);
         let rows = [
             ("axial", self.axial_um, axial / UM, "um"),
@@ -74,12 +74,12 @@ impl Bearing {
         rows.into_iter().filter_map(check).collect()
     }
 
-    /// Returns displacements and tilts. The loaded degrees of freedom are free.
+    /// Returns the displacements and tilts of the bearing. The loaded degrees of freedom are free.
     fn displacement(&self) -> Result<[f64; 5], NutError> {
         let (diameter, pitch) = (11.5 * MM, 43.5 * MM);
         let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
         let circuit = Circuit {
-            // Balls are half a spacing away from the ends of their arc, so that the first ball is
+            // The arc begins half a ball spacing before the first ball, so that the first ball lies
             // in the direction of the radial load.
             start: -PI / 7.0,
             ..one_turn(7, Flanks::Plus)
@@ -114,7 +114,7 @@ fn one_turn(balls: usize, flanks: Flanks) -> Circuit {
     Circuit { start: 0.0, arc: TAU, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// Returns a nut of 40 x 10 mm with balls of 6.35 mm and rigid bodies.
+/// Returns a nut of size 40 x 10 mm with balls of 6.35 mm and rigid bodies.
 fn rigid(circuits: Vec<Circuit>) -> BallNut {
     let (pitch, lead) = (41.336 * MM, 10.0 * MM);
     BallNut {
@@ -134,7 +134,7 @@ fn rigid(circuits: Vec<Circuit>) -> BallNut {
     }
 }
 
-/// Returns two nuts of three turns that are clamped against each other.
+/// Returns a preloaded pair of nuts with three turns each.
 fn pair() -> BallNut {
     let circuit = |body: usize, flanks: Flanks| Circuit {
         start: if body == 0 { 0.0 } else { 4.0 * TAU },
@@ -145,8 +145,8 @@ fn pair() -> BallNut {
     rigid(vec![circuit(0, Flanks::Plus), circuit(1, Flanks::Minus)])
 }
 
-/// Checks the load that unloads one nut of a pair, divided by the preload, and the load of the more
-/// heavily loaded nut.
+/// Checks two ratios for a pair: the load that unloads one of its nuts divided by the preload, and
+/// the load of the more heavily loaded nut.
 fn limit_loads() -> Vec<Check> {
     let over = |preload: f64| -> Result<[f64; 2], NutError> {
         let (nut, guided) = (pair(), Support::guided(0.0));
@@ -156,13 +156,13 @@ fn limit_loads() -> Vec<Check> {
         let busier = nut.solve(&Support::guided(preload))?.bodies[0];
         Ok([limit / preload, busier / preload])
     };
-    // The two nuts have C_a = 43 kN and are preloaded with a hundred-thousandth, a fiftieth and a
-    // tenth of C_a.
+    // The dynamic load rating C_a of each nut is 43 kN. The preloads are 0.001 %, 2 % and 10 % of
+    // C_a.
     let [light, usual, heavy] =
         [0.4, 860.0, 4300.0].map(|preload| over(preload).unwrap_or([f64::NAN; 2]));
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
     let hertz = 2.0_f64.powf(1.5);
-    let claim = "a pair of nuts opens at 2.83 times its preload";
+    let claim = "one nut of a pair unloads at 2.83 times the preload";
     let turned = "4 %: contact angles change under the preload, but the claim assumes that they are constant";
     vec![
         check("nut/limit-load-light", claim).measured(light[0], "preloads").equals(
@@ -180,17 +180,17 @@ fn limit_loads() -> Vec<Check> {
             0.04 * hertz,
             turned,
         ),
-        check("nut/busier-nut", "load of the more loaded nut if the load equals the preload")
+        check("nut/busier-nut", "load of the more heavily loaded nut if the axial load is equal to the preload")
             .measured(usual[1], "preloads")
             .equals(
                 (1.0 + 1.0 / hertz).powf(1.5),
                 0.04,
-                "the formula assumes that the remaining preload is linear in the load, which is 2 % too high",
+                "the formula assumes that the remaining preload is linear in the load; its result is 2 % too high",
             ),
     ]
 }
 
-/// A nut of the catalog, and the pair with the same balls.
+/// A row of the catalog: a single nut and the pair with the same balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct CatalogRow {
@@ -205,18 +205,17 @@ struct CatalogRow {
     pair_N_um: f64,
 }
 
-/// Stiffness of the catalog divided by the stiffness of the model, for different elastic parts.
+/// Ratios of catalog stiffness to calculated stiffness, with different elastic parts included.
 struct Ratios {
-    /// Ratios for the contacts alone, with the ring, and with the bars, at 0.3 of the rating.
+    /// Single nut at 0.3 of the load rating: contacts alone, with the ring, and with ring and bars.
     single: [f64; 3],
-    /// Ratios for contacts and ring at a preload of 0.1 of the rating, for 2, 2^1.5 and 3 times
-    /// F_p/δ_p.
+    /// Pair at a preload of 0.1 of the load rating, with contacts and ring: stiffness calculated as
+    /// 2, 2^1.5 and 3 times F_p/δ_p.
     pair: [f64; 3],
 }
 
 impl CatalogRow {
-    /// Calculates the stiffness of contacts, rings and bars, as far as the data of the catalog
-    /// permit.
+    /// Calculates the stiffness of contacts, ring and bars from the data in the catalog.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
         let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());
@@ -233,7 +232,7 @@ impl CatalogRow {
             balls_per_turn: 1.0,
             turns: 1.0,
         };
-        // The static load rating follows from the balls (D5).
+        // The number of balls is calculated from the static load rating (D5).
         let balls = self.static_load_rating_N / one.static_rating().rating;
         #[expect(
             clippy::cast_possible_truncation,
@@ -272,7 +271,7 @@ impl CatalogRow {
     }
 }
 
-/// Returns mean and standard deviation.
+/// Returns the mean and the standard deviation.
 fn spread(values: &[f64]) -> [f64; 2] {
     #[expect(clippy::cast_precision_loss, reason = "rows of a table")]
     let n = values.len() as f64;
@@ -280,7 +279,7 @@ fn spread(values: &[f64]) -> [f64; 2] {
     [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()]
 }
 
-/// Compares the stiffness that the catalog states, for single nuts and for pairs.
+/// Compares the calculated stiffness with the catalog, for single nuts and for pairs.
 fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
@@ -300,9 +299,10 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         check.details = details;
         check
     };
-    let usual = "the usual allowance on calculated stiffness, and the spread of the nuts";
-    let single = "stiffness of single nuts FSI, load over displacement at 0.3 of the rating";
-    let pair = "stiffness of pairs FDI at a preload of 0.1 of the rating";
+    let usual = "the usual reduction of calculated stiffness, and the scatter of the nuts";
+    let single =
+        "stiffness FSI of single nuts, load divided by displacement at 0.3 of the load rating";
+    let pair = "stiffness FDI of nut pairs at a preload of 0.1 of the load rating";
     let definition = rows.iter().map(|row| row.pair_N_um / row.single_N_um).collect::<Vec<_>>();
     vec![
         check("nut/stiffness-single-contacts", &format!("{single}: contacts alone"), &|r| {
@@ -324,20 +324,21 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         Check::new(
             "nut/stiffness-definition",
             CATALOG,
-            "FDI divided by FSI: two definitions of stiffness, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+            "FDI divided by FSI, which have different definitions: 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
         )
         .measured(spread(&definition)[0], "")
         .equals(
             2.0_f64.powf(1.5) * 0.1 / (0.3_f64.cbrt() * 0.1_f64.powf(2.0 / 3.0)),
             0.03,
-            "Hertz contacts alone, and stiffnesses of three digits",
+            "Hertzian contacts alone, and catalog values with three digits",
         ),
     ]
 }
 
-/// Checks the share of the first ball at the end where stiff bars load it most, divided by the
-/// share in a continuous nut. The limit is `$\mu l\coth\mu l$` if both anchors are at one end, and
-/// the mean of the curves of both ends if the anchors are at opposite ends.
+/// Checks the load share of the first ball at the end where stiff bars cause the highest load,
+/// divided by the share in a continuous nut. The analytical limit is `$\mu l\coth\mu l$` if both
+/// anchors are at the same end, and the mean of the curves for both ends if the anchors are at
+/// opposite ends.
 fn stiff_bars() -> Vec<Check> {
     let (turns, balls) = (4.0, 4000_u16);
     let nut =
@@ -348,7 +349,7 @@ fn stiff_bars() -> Vec<Check> {
     let length = (ends[1] - ends[0]) * f64::from(balls) / f64::from(balls - 1);
     let stiffness = nut.equal(load).map_or(f64::NAN, |equal| equal.stiffness);
     let at = |small: f64, screw: f64| -> Result<f64, NutError> {
-        // μ² l² = k_u l (1/EA_n + 1/EA_s), for two equal bars
+        // μ² l² = k_u l (1/EA_n + 1/EA_s) with two equal bars
         let bar = |anchor: f64| Some(Bar { stiffness: 2.0 * stiffness * length / small, anchor });
         let nut = BallNut { nut_bar: bar(ends[0]), screw_bar: bar(screw), ..nut.clone() };
         let found = nut.solve(&Support::guided(load))?;
@@ -388,9 +389,9 @@ fn stiff_bars() -> Vec<Check> {
     .note(format!("with tenfold stiffness, 1/{ratio:.1} of the difference remains"))
     .at_most(
         0.15,
-        "a tenth to first order, plus the next order and the effect of the ball spacing",
+        "one tenth to first order, plus terms of the next order and the effect of the ball spacing",
     );
-    let reason = "the stiffness of the balls is not linear, and 4000 balls are not a continuum";
+    let reason = "the contact stiffness is not constant, and 4000 balls are not a continuum";
     let [two, across] = [two, across].map(|check| check.at_most(2e-3, reason));
     vec![two, across, order]
 }

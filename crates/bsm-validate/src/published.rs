@@ -1,4 +1,4 @@
-//! The published data, which are either compiled in or read from a folder.
+//! The published data, either compiled into the program or read from a folder.
 
 use std::borrow::Cow;
 use std::fs;
@@ -17,7 +17,7 @@ pub(crate) struct File {
 }
 
 impl File {
-    /// Returns all rows of a table, which must not be empty.
+    /// Returns all rows of the table. A table without rows is an error.
     pub(crate) fn rows<T: for<'de> Deserialize<'de>>(&self) -> Result<Vec<T>, ValidateError> {
         let reader = csv::Reader::from_reader(self.text.as_bytes());
         let rows: Result<Vec<T>, _> = reader.into_deserialize().collect();
@@ -29,24 +29,24 @@ impl File {
         Ok(rows)
     }
 
-    /// Returns the lists of a file.
+    /// Parses the file as a catalog with lists of sizes.
     pub(crate) fn catalog(&self) -> Result<Catalog, ValidateError> {
         Catalog::from_json(self.text.as_bytes())
             .map_err(|error| ValidateError::of(self.name, error))
     }
 
-    /// Returns the contents of a JSON file.
+    /// Parses the file as JSON.
     pub(crate) fn json<T: for<'de> Deserialize<'de>>(&self) -> Result<T, ValidateError> {
         serde_json::from_str(&self.text)
             .map_err(|error| ValidateError::of(self.name, CaseError::Syntax(error)))
     }
 
-    /// Returns the name.
+    /// Returns the name of the file.
     pub(crate) fn name(&self) -> &'static str {
         self.name
     }
 
-    /// Returns the case of a file.
+    /// Parses the file as a case.
     pub(crate) fn case(&self) -> Result<Case, ValidateError> {
         Case::from_json(self.text.as_bytes()).map_err(|error| ValidateError::of(self.name, error))
     }
@@ -54,14 +54,14 @@ impl File {
 
 macro_rules! tables {
     ($($(#[$doc:meta])* $name:ident: $file:literal;)*) => {
-        /// Cases and tables that the checks read.
+        /// Published cases and tables with which the checks compare results.
         #[derive(Debug, Clone)]
         pub struct PublishedData {
             $($(#[$doc])* pub(crate) $name: File,)*
         }
 
         impl Default for PublishedData {
-            /// Returns the data that are compiled in.
+            /// Returns the data that are compiled into the program.
             fn default() -> Self {
                 Self {
                     $($name: File {
@@ -75,14 +75,14 @@ macro_rules! tables {
         }
 
         impl PublishedData {
-            /// Paths of all files in the folder.
+            /// Paths of all files, relative to the folder.
             pub const FILES: &[&str] = &[$($file),*];
 
-            /// Reads the data of a folder with the layout of `validation/published`.
+            /// Reads the data from a folder that has the same layout as `validation/published`.
             ///
             /// # Errors
             ///
-            /// [`ValidateError::File`] for a file that cannot be read.
+            /// [`ValidateError::File`] if a file cannot be read.
             pub fn read(folder: &Path) -> Result<Self, ValidateError> {
                 let read = |file: &str| {
                     let path = folder.join(file);
@@ -95,25 +95,25 @@ macro_rules! tables {
 }
 
 tables! {
-    /// Checks given as rows.
+    /// Checks that are defined as table rows.
     checks: "checks.csv";
-    /// Lin's own case.
+    /// The example case of Lin, Velinsky and Ravani (1994).
     lin_case: "lin1994/case.json";
-    /// Statements of Lin, Velinsky and Ravani (1994) as numbers.
+    /// Numerical claims of Lin, Velinsky and Ravani (1994).
     lin_claims: "lin1994/claims.csv";
-    /// The equations of Lin, Velinsky and Ravani (1994), solved with 40 digits.
+    /// Solutions of the equations of Lin, Velinsky and Ravani (1994), calculated with 40 digits.
     lin_reference: "lin1994/reference.csv";
-    /// Independent solutions of elastic and traction.
+    /// Independent solutions for the models `elastic` and `traction`.
     elastic_reference: "elastic-contacts/reference.csv";
-    /// Lists of the design tables.
+    /// Lists of sizes for the tables of Sobolewski (2002).
     parkon: "ratings/parkon.json";
-    /// Rows of the design tables.
+    /// Rows of the tables of Sobolewski (2002).
     rating_tables: "ratings/sobolewski.csv";
-    /// Catalog rows with known balls, and independent estimates of their grooves.
+    /// Catalog rows with known ball diameters, and independent estimates of their grooves.
     groove: "groove/public.json";
     /// Displacements of a ball bearing.
     nut_bearings: "nut/bearings.csv";
-    /// Stiffness of nuts and pairs of a catalog.
+    /// Stiffness of nuts and nut pairs in a catalog.
     nut_stiffness: "nut/stiffness.csv";
     /// A feed axis in its warm steady state.
     feed_axis: "nut/feed_axis.json";
@@ -125,13 +125,13 @@ tables! {
     dong_case: "dong2020/case.json";
     /// The trends of Dong et al. (2020), with the number of curves on which they hold.
     dong_trends: "dong2020/trends.csv";
-    /// A screw for the axes in examples of manufacturers.
+    /// A screw for the axis examples of manufacturers.
     manufacturers_case: "manufacturers/case.json";
-    /// A feed axis with the data of its catalog.
+    /// A feed axis with catalog data.
     machining_center: "manufacturers/machining_center.json";
-    /// A feed axis with the data of its catalog, with load factors and oil.
+    /// A feed axis with catalog data, load factors and oil.
     machining_center_oil: "manufacturers/machining_center_oil.json";
-    /// A vertical axis with the data of its catalog.
+    /// A vertical axis with catalog data.
     upright_axis: "manufacturers/upright_axis.json";
     /// Independent solutions of lubricated cases.
     lubrication: "lubrication/public.json";

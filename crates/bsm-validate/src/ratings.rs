@@ -1,4 +1,4 @@
-//! Load ratings and stiffness: design tables.
+//! Load ratings and stiffness: comparison with the tables of Sobolewski (2002).
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -9,13 +9,13 @@ use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
 
-const TABLES: &str = "Sobolewski (2002), by ISO/DP 9783 and 9784";
+const TABLES: &str = "Sobolewski (2002), according to ISO/DP 9783 and 9784";
 const PAPER: &str = "Sobolewski (2002)";
 
-/// Steel of the tables.
+/// Steel of the nuts in the tables.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Returns all checks of these sources.
+/// Returns all checks of load ratings and stiffness.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     let rows = published.rating_tables.rows::<Row>()?;
@@ -74,21 +74,21 @@ impl Row {
     }
 }
 
-/// Returns the stiffness of a pair under the preload of the tables \[N/um\].
+/// Returns the stiffness of a nut pair at the preload assumed in the tables \[N/um\].
 fn pair_stiffness(nut: &Nut) -> f64 {
     let preload = PRELOAD * nut.dynamic_rating().rating;
     let elasticity = nut.elasticity(&NutBody::usual(nut, NutSet::Single));
     elasticity.map_or(f64::NAN, |elasticity| elasticity.preloaded_pair(preload) * UM)
 }
 
-/// A column of the tables.
+/// A column of the tables, with the function that calculates it.
 struct Column {
     key: &'static str,
     what: &'static str,
     unit: &'static str,
     printed: fn(&Row) -> f64,
     ours: fn(&Nut) -> f64,
-    /// Absolute and relative tolerance, and their reason.
+    /// Absolute and relative tolerance, and the reason for them.
     tolerance: (f64, f64),
     reason: &'static str,
 }
@@ -116,10 +116,10 @@ const QUANTITIES: &[Column] = columns! {
     "groove-offset" groove_offset_mm ["mm"] "offset of the arc centers, eq. 1": |nut| thread(nut).nut.offset / MM;
         5e-3 + 0.0, "two printed decimals";
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
-        1.0 + 0.0, "the last printed digit, of a diameter with four";
+        1.0 + 0.0, "the last printed digit; the diameter has four digits";
     "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of a turn":
         |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn * 1e-9);
-        0.0 + 0.02, "2 %: exact Hertz contacts instead of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low";
+        0.0 + 0.02, "2 %: exact Hertzian contacts are used instead of fits that the source does not print; all five rows with conformity 0.52 are 1.5 to 1.8 % too low";
     "stiffness" preloaded_stiffness_N_um ["N/um"] "stiffness of the preloaded pair": pair_stiffness;
         0.0 + 0.012, "1.2 %: two thirds of the error of the stiffness characteristic";
     "outer-diameter" outer_diameter_mm ["mm"] "outer diameter": |nut| NutBody::usual(nut, NutSet::Single).outer / MM;
@@ -127,12 +127,12 @@ const QUANTITIES: &[Column] = columns! {
     "length" nut_length_mm ["mm"] "length of the nut": |nut| NutBody::usual(nut, NutSet::Single).length / MM;
         1e-3 + 0.0, "a whole number of leads";
     "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut, NutSet::Single).mass(nut, &thread(nut));
-        0.0 + 0.052, "the source does not state its rule; none of 360 rules is within 3.8 % of all rows";
+        0.0 + 0.052, "the source does not state its rule; none of 360 tested rules is within 3.8 % for all rows";
     "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
-        5e-3 + 0.0, "two printed digits; formula and lever arm are ours, the arm is fitted to these rows";
+        5e-3 + 0.0, "two printed digits; the formula and the lever arm are not published, and the arm is fitted to these rows";
 };
 
-/// Returns the usual thread of a nut, without play.
+/// Returns the thread of a nut without play and with the usual lands.
 fn thread(nut: &Nut) -> Thread {
     nut.thread(0.0, nut.usual_lands())
 }
@@ -142,13 +142,13 @@ impl Column {
         self.tolerance.0 + self.tolerance.1 * (self.printed)(row)
     }
 
-    /// Compares a column. The check reports the row with the largest deviation relative to its
-    /// tolerance; the details list all rows.
+    /// Compares a column of the tables. The check reports the row with the largest ratio of
+    /// deviation to tolerance; the details list all rows.
     fn check(&self, rows: &[Row]) -> Check {
         let Self { printed, ours, .. } = self;
         let off = |row: &Row| {
             let off = (ours(&row.nut()) - printed(row)).abs() / self.tolerance_of(row);
-            // A missing number counts as the largest deviation.
+            // A missing number is treated as an infinite deviation.
             if off.is_nan() { f64::INFINITY } else { off }
         };
         let worst = rows.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
@@ -156,7 +156,7 @@ impl Column {
         let line = |row: &Row| {
             let (claimed, ours) = (printed(row), ours(&row.nut()));
             let off = 100.0 * (ours / claimed - 1.0);
-            format!("{}: {claimed} printed, {ours:.5} ours, {off:+.2} %", row.name())
+            format!("{}: {claimed} printed, {ours:.5} calculated, {off:+.2} %", row.name())
         };
         let ratios = || rows.iter().map(|row| 100.0 * (ours(&row.nut()) / printed(row) - 1.0));
         let (low, high) =
@@ -169,7 +169,7 @@ impl Column {
         .measured(ours(&worst.nut()), self.unit)
         .equals(printed(worst), self.tolerance_of(worst), self.reason)
         .note(format!(
-            "worst of {} rows: {}; all are {low:+.2} to {high:+.2} % off",
+            "worst of {} rows: {}; all deviations are from {low:+.2} to {high:+.2} %",
             rows.len(),
             worst.name()
         ));
@@ -178,9 +178,8 @@ impl Column {
     }
 }
 
-/// Checks statements of the paper about contact angle and conformity: load rating and stiffness of
-/// every row fall as the contact angle decreases from 45 deg, and as the conformity increases from
-/// 0.51.
+/// Checks two statements of the paper: the load rating and the stiffness of every row decrease if
+/// the contact angle decreases from 45 deg, and if the conformity increases from 0.51.
 fn statements(rows: &[Row]) -> [Check; 2] {
     let angle = |row: &Row, i: i32| Nut {
         contact_angle: FRAC_PI_4 - f64::from(i).to_radians(),
@@ -203,7 +202,7 @@ fn statements(rows: &[Row]) -> [Check; 2] {
     let check = |key: &str, claim: &str, largest: f64| {
         Check::new(key, PAPER, claim)
             .measured(largest, "")
-            .at_most(1.0, "largest ratio of neighboring values in all rows, for both numbers")
+            .at_most(1.0, "largest ratio of consecutive values in all rows, for both quantities")
     };
     [
         check(

@@ -1,4 +1,4 @@
-//! Independent 40-digit solutions of the rigid equations.
+//! Comparison with independent solutions of the rigid equations, calculated with 40 digits.
 
 use bsm_case::Case;
 use bsm_dyn::{Problem, model::RigidWorkspace};
@@ -25,7 +25,7 @@ struct Row {
     s: f64,
 }
 
-/// Returns one check per row, with the largest deviation over its columns.
+/// Returns one check per row of the table, with the largest deviation over the columns.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut work = RigidWorkspace::default();
     let case = published.lin_case.case()?;
@@ -57,7 +57,7 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
         row.axial_load_N
     );
     let check =
-        Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved at 40 digits", claim);
+        Check::new(&name, "Lin, Velinsky and Ravani 1994, Eqs 5-9, solved with 40 digits", claim);
 
     let problem = case.problem(&bsm_dyn::Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
@@ -65,7 +65,7 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
     let (Some(efficiency), Ok(root)) = (efficiency, rigid.root(work)) else {
         return Ok(check.measured(f64::NAN, "").at_most(1.0, "the point must converge"));
     };
-    // The tolerance is half a unit of the last printed digit of a 9-digit number, or 1e-9 if that
+    // The tolerance is half a unit of the last of nine digits, or a relative error of 1e-9 if this
     // is larger.
     let deviation = |ours: f64, printed: f64| {
         let last_digit = 10.0_f64.powf(printed.abs().log10().floor() - 8.0);

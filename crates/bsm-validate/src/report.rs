@@ -1,4 +1,4 @@
-//! Checks and their results.
+//! Results of checks against published data.
 
 use bsm_case::{Answer, Content};
 use bsm_report::PROGRAM;
@@ -6,46 +6,46 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Result of a check.
+/// Verdict of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The claim holds.
+    /// The published claim holds.
     Pass,
-    /// The claim does not hold.
+    /// The published claim does not hold.
     Fail,
-    /// A number without a reference value, or a published trend that does not hold.
+    /// There is no reference value, or a published trend does not hold.
     Finding,
 }
 
-/// One published statement or number, and our result.
+/// A published statement or number, and the calculated result.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Check {
-    /// Permanent name, `<source>/<what>`.
+    /// Permanent key in the form `<source>/<what>`.
     pub key: String,
-    /// Paper and equation.
+    /// Paper and equation that make the claim.
     pub source: String,
-    /// The claim, as text.
+    /// The published claim as text.
     pub claim: String,
-    /// The claimed number, if it is one.
+    /// The published number, if the claim is a number.
     pub claimed: Option<f64>,
-    /// The measured number.
+    /// The calculated number.
     #[schemars(with = "Option<f64>")]
     pub measured: f64,
-    /// Unit of both numbers.
+    /// Unit of `claimed` and `measured`.
     pub unit: String,
-    /// The condition for `measured`, with the reason for the tolerance.
+    /// The condition that `measured` must satisfy, with the reason for the tolerance.
     pub criterion: String,
-    /// Place where the measured number occurs, or other data that belong to it.
+    /// Where the calculated number occurs, or other information about it.
     pub note: String,
-    /// Numbers behind the result, for a page that has room for them.
+    /// Detailed numbers, which are shown only on the HTML page.
     pub details: String,
-    /// The outcome.
+    /// Result of the check.
     pub verdict: Verdict,
 }
 
 impl Check {
-    /// Creates a check with the given name. It is a finding until a criterion is set.
+    /// Creates a check. It is a finding until a condition is set.
     pub(crate) fn new(key: &str, source: &str, claim: impl Into<String>) -> Self {
         Self {
             key: key.to_owned(),
@@ -61,41 +61,41 @@ impl Check {
         }
     }
 
-    /// Sets the number that we measured.
+    /// Sets the calculated number.
     pub(crate) fn measured(mut self, value: f64, unit: &str) -> Self {
         self.measured = value;
         unit.clone_into(&mut self.unit);
         self
     }
 
-    /// Sets a note.
+    /// Sets the note.
     pub(crate) fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
 
-    /// Makes the check pass if the measured number is at most `limit`, because of `reason`.
+    /// Requires that the calculated number is at most `limit`.
     pub(crate) fn at_most(self, limit: f64, reason: &str) -> Self {
         let holds = self.measured <= limit;
         self.judge(holds, format!("at most {limit:.3e}: {reason}"))
     }
 
-    /// Makes the check pass if the measured number is at least `limit`, because of `reason`.
+    /// Requires that the calculated number is at least `limit`.
     pub(crate) fn at_least(self, limit: f64, reason: &str) -> Self {
         let holds = self.measured >= limit;
         self.judge(holds, format!("at least {limit:.3e}: {reason}"))
     }
 
-    /// Makes the check pass if the measured number is within `tolerance` of the claimed number.
+    /// Requires that the calculated number differs from the claimed number by at most `tolerance`.
     pub(crate) fn equals(mut self, claimed: f64, tolerance: f64, reason: &str) -> Self {
         let holds = (self.measured - claimed).abs() <= tolerance;
         self.claimed = Some(claimed);
         self.judge(holds, format!("within {tolerance:.3e} of the claim: {reason}"))
     }
 
-    /// Makes the check pass if all of `curves` follow a published trend. If fewer curves follow the
-    /// trend, the check is a finding as long as their number equals the recorded number. Otherwise
-    /// the results have changed, and the check fails.
+    /// Requires that all `curves` follow a published trend. If only `held` curves follow it, the
+    /// check is a finding, provided that this number is the recorded number. Otherwise the results
+    /// have changed, and the check fails.
     pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few curves")]
         let [measured, claimed] = [held, curves].map(|n| n as f64);
@@ -117,26 +117,26 @@ impl Check {
     }
 }
 
-/// All checks of a run.
+/// The results of all checks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The checks in the order in which they ran.
+    /// The checks in the order in which they were run.
     pub checks: Vec<Check>,
 }
 
 impl Report {
-    /// Returns the number of checks with this result.
+    /// Returns the number of checks with the given verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
     }
 
-    /// Returns the answer of the program, which fails if a check fails.
+    /// Returns the answer of `bsm validate`. The answer counts as failed if any check fails.
     pub fn answer(&self) -> Answer {
         Answer { fails: !self.passed(), ..Answer::default() }
             .with("", Content::Json(self.to_json()))
     }
 
-    /// Returns the JSON object of the checks, with the program that made them.
+    /// Returns the results as JSON, including the name and version of the program.
     pub fn to_json(&self) -> Value {
         json!({ "program": PROGRAM, "passed": self.passed(), "checks": self.checks })
     }
@@ -151,7 +151,7 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// A perturbed number changes the verdict, and NaN never passes.
+    /// A wrong number must change the verdict, and NaN must never pass.
     #[test]
     fn checks_fail_for_wrong_numbers_and_nan() {
         let check = |measured| Check::new("k", "s", "c").measured(measured, "");

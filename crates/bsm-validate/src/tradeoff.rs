@@ -1,9 +1,9 @@
-//! Comparison of the speed and accuracy of every model and setting on a set of points.
+//! Measures the speed and accuracy of every model and setting at a set of points.
 //!
-//! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. Errors are
-//! calculated for the results that users ask for. The times are measured on this machine. The time
-//! of a point is the median over several rounds, in which the settings take turns, so that a
-//! disturbance affects all of them.
+//! The reference solution is calculated by `traction` with an accuracy of 1e-12 and a creep speed
+//! of 1e-5. Errors are determined for the outputs that users are most interested in. Times are
+//! measured on this machine. The time of a point is the median over several rounds. In each round,
+//! all settings take turns, so that a disturbance affects all of them.
 
 mod advice;
 mod clock;
@@ -26,13 +26,13 @@ pub use self::settings::Setting;
 use self::errors::Reference;
 use crate::ValidateError;
 
-/// The committed points: a hundred each in rolling, partial skid and gross skid.
+/// The points in the repository: a hundred points each with rolling, partial skid and gross skid.
 const CASES: &str = include_str!("../../../validation/golden/tradeoff/cases.csv");
 
-/// Errors of the efficiency for which a setting is recommended.
+/// Efficiency errors for which a setting is recommended.
 pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// Operating points.
+/// The operating points of a measurement.
 #[derive(Debug, Clone)]
 pub struct Points {
     chunk: Chunk,
@@ -41,20 +41,21 @@ pub struct Points {
 }
 
 impl Points {
-    /// Returns the committed points, in the ranges of `crates/bsm-validate/examples/case_set.rs`.
+    /// Returns the points in the repository. Their ranges are described in
+    /// `crates/bsm-validate/examples/case_set.rs`.
     ///
     /// # Errors
     ///
-    /// The errors of [`Points::read`]. None of them occurs for the committed table.
+    /// The errors of [`Points::read`]; none of them occurs for the table in the repository.
     pub fn committed() -> Result<Self, ValidateError> {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
 
-    /// Reads all rows of a table.
+    /// Reads all points from a table.
     ///
     /// # Errors
     ///
-    /// [`ValidateError`] if a row cannot be read, or lacks inputs of the model traction.
+    /// [`ValidateError`] if a row cannot be read or lacks an input of model `traction`.
     pub fn read(source: &mut dyn Source) -> Result<Self, ValidateError> {
         let columns = source.columns().clone();
         let none = "the table has no rows; give at least one operating point";
@@ -82,87 +83,87 @@ impl Points {
     }
 }
 
-/// Maximum number of points. More points would take minutes without more information.
+/// Maximum number of points. More points would take minutes and provide no additional information.
 const MAX_POINTS: usize = 3000;
 
-/// Accuracy of the quadrature of the reference.
+/// Quadrature accuracy of the reference solution.
 const FINE: f64 = 1e-12;
 
-/// Settings of the reference.
+/// Returns the settings of the reference solution.
 fn reference_settings() -> Settings {
     Settings { accuracy: FINE, creep: 1e-5, ..Model::Traction.into() }
 }
 
-/// Returns the reference setting as options of `bsm solve`.
+/// Returns the settings of the reference solution as options of `bsm solve`.
 pub fn reference() -> String {
     let Settings { model, accuracy, creep, .. } = reference_settings();
     format!("--model {} --accuracy {accuracy:e} --creep {creep:e}", model.name())
 }
 
-/// A setting, its errors and its times.
+/// Errors and times of a setting.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SettingResult {
-    /// The setting.
+    /// The setting that was measured.
     #[serde(flatten)]
     pub setting: Setting,
-    /// Errors over all points, then by motion of the balls, for groups that have points.
+    /// Errors for each group of points that is not empty. The group of all points comes first.
     pub errors: Vec<Errors>,
-    /// Times of a point.
+    /// Computing times per point.
     pub times: Times,
 }
 
 impl SettingResult {
-    /// Returns the errors over the points of a group, or `None` if the group has no points.
+    /// Returns the errors in a group of points, or `None` if the group has no points.
     pub fn errors_of(&self, group: Group) -> Option<&Errors> {
         self.errors.iter().find(|errors| errors.group == group)
     }
 }
 
-/// Number of points of a group.
+/// Number of points in a group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Count {
-    /// The group.
+    /// Group of points.
     pub group: Group,
-    /// Number of points.
+    /// Number of points in the group.
     pub points: usize,
 }
 
-/// The measurement.
+/// Results of the measurement of speed and accuracy.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Tradeoff {
-    /// Reference of the errors, as options of `bsm solve`.
+    /// Settings of the reference solution, as options of `bsm solve`.
     pub reference: String,
-    /// The groups that have points. The group of all points comes first.
+    /// Groups that contain points. The group of all points comes first.
     pub points: Vec<Count>,
-    /// Rows, counted from 1, that have no reference. They are not included in any result.
+    /// Rows, counted from 1, without a reference solution. They are not included in any result.
     pub without_reference: Vec<usize>,
-    /// Widest instruction set of this machine.
+    /// Widest instruction set that this machine supports.
     pub instruction_set: &'static str,
-    /// Number of threads of the columns "all cores".
+    /// Number of threads for the times with all cores.
     pub threads: usize,
-    /// All settings, beginning with the fastest models.
+    /// Results of all settings, beginning with the fastest models.
     pub settings: Vec<SettingResult>,
-    /// Recommended setting for each tolerance.
+    /// Recommended setting for each tolerance and each group of points.
     pub advice: Vec<Advice>,
 }
 
 impl Tradeoff {
-    /// Figures of the efficiency error against the time: one by one and in batches over all points,
-    /// then by motion of the balls.
+    /// Returns plots of the efficiency error against the time: for single solves and for batches
+    /// over all points, then for single solves in each regime.
     pub fn figures(&self) -> Vec<Figure> {
         pareto::figures(&self.settings)
     }
 }
 
-/// A setting and its errors, over all points and by motion of the balls.
+/// A setting and its errors in each group of points.
 pub type SettingErrors = (Setting, Vec<Errors>);
 
-/// Returns the errors of every setting over `points`, without times. The group of all points comes
-/// first.
+/// Calculates the errors of every setting over `points` without measuring times. The group of all
+/// points comes first.
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if no point has a reference.
+/// [`ValidateError`] if no point has a reference solution.
 pub fn accuracy(points: &Points) -> Result<Vec<SettingErrors>, ValidateError> {
     Ok(errors(points)?.1)
 }
@@ -179,12 +180,12 @@ fn errors(points: &Points) -> Result<(Reference, Vec<SettingErrors>), ValidateEr
     Ok((reference, measured))
 }
 
-/// Measures every setting over `points`. `progress` is called with the number of completed steps
-/// and the number of all steps.
+/// Measures errors and times of every setting over `points`. `progress` is called with the number
+/// of completed steps and the total number of steps.
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if no point has a reference or threads cannot be started.
+/// [`ValidateError`] if no point has a reference solution or if threads cannot be started.
 pub fn run(
     points: &Points,
     mut progress: impl FnMut(usize, usize),

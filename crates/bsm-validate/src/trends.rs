@@ -1,4 +1,4 @@
-//! Comparison of published trends with the curves of our sweeps.
+//! Compares published trends with calculated curves.
 
 use std::collections::BTreeSet;
 
@@ -9,57 +9,59 @@ use serde::Deserialize;
 use crate::published::File;
 use crate::{Check, ValidateError};
 
-/// A row of a table of trends.
+/// A row of a table of published trends.
 #[derive(Deserialize)]
 struct Row {
-    /// Label of the studies, and the quantity to which the trend applies.
+    /// Label of the sweeps and name of the quantity to which the trend applies.
     trend: String,
     statement: String,
-    /// Names of the curves, separated by spaces; `a/b` is the ratio of two curves.
+    /// Names of the curves, separated by spaces. `a/b` is the ratio of two curves.
     curves: String,
     claim: Claim,
-    /// Position after which a curve is said to fall less.
+    /// Position beyond which the curve is claimed to fall more slowly.
     knee: Option<f64>,
-    /// Range for which the trend is claimed.
+    /// Range of x for which the trend is claimed.
     from: Option<f64>,
     to: Option<f64>,
-    /// Number of curves on which the trend held when the finding was recorded, and total number of
+    /// Number of curves that followed the trend when the finding was recorded, and total number of
     /// curves.
     held: usize,
     of: usize,
 }
 
-/// The claimed direction of a curve.
+/// The claimed behavior of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Claim {
-    /// The curve rises.
+    /// The curve increases.
     Rises,
-    /// The curve falls.
+    /// The curve decreases.
     Falls,
-    /// The curve falls, at least twice as fast before the knee as after it.
+    /// The curve decreases, and its slope before the knee is at least twice its slope after the
+    /// knee.
     Flattens,
-    /// The ratio exceeds one.
+    /// The ratio of the two curves exceeds one.
     Exceeds,
-    /// The first curve of the ratio changes more than the second curve.
+    /// The first curve of the ratio changes more than the second one.
     Spreads,
 }
 
-/// The direction of a calculated curve.
+/// The actual behavior of a calculated curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
-    /// The curve never falls.
+    /// The curve never decreases.
     Rises,
-    /// The curve never rises.
+    /// The curve never increases.
     Falls,
     /// The curve is constant.
     Constant,
-    /// The curve has its first extremum at this position.
+    /// The curve has its first extremum at this x.
     Turns(f64),
 }
 
 impl Shape {
-    /// Returns the direction of points in the order of x. Changes below `rounding` are ignored.
+    /// Determines the behavior of a curve whose points are in ascending order of x. Changes smaller
+    /// than `rounding` are ignored.
     fn of(points: &[(f64, f64)], rounding: f64) -> Self {
         let mut shape = Self::Constant;
         let mut reached = points.first().map_or(0.0, |p| p.1);
@@ -89,7 +91,7 @@ impl Shape {
     }
 }
 
-/// Returns the mean slope of the points in a range; NaN for fewer than two points.
+/// Returns the mean slope over a range of x, or NaN if the range contains fewer than two points.
 fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
     let mut within = points.iter().filter(|(x, _)| within(*x));
     let (first, last) = (within.next(), within.last());
@@ -102,21 +104,21 @@ fn spread(points: &[(f64, f64)]) -> f64 {
     values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
 
-/// The trend of a curve.
+/// The behavior of a curve, compared with the claim.
 struct Trend {
     curve: String,
     shape: Shape,
-    /// True if the curve has the claimed direction everywhere.
+    /// True if the curve behaves as claimed over the whole range.
     holds: bool,
     first: (f64, f64),
     last: (f64, f64),
 }
 
 impl Trend {
-    /// Returns the trend of the curve as text.
+    /// Describes the behavior of the curve as text.
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
-        let holds = if self.holds { "holds" } else { "does not" };
+        let holds = if self.holds { "holds" } else { "does not hold" };
         let (from, to) = (short(first.0), short(last.0));
         let does = match self.shape {
             Shape::Rises => format!("rises from {from} to {to}"),
@@ -136,7 +138,7 @@ fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a Course
 }
 
 impl Row {
-    /// Returns the trends of the curves of a study.
+    /// Returns the behavior of all curves of a study to which this row applies.
     fn trends(&self, study: &Study) -> Vec<Trend> {
         let one = |name: &str| match name.split_once('/') {
             None => named(study, name).filter_map(|course| self.trend(course)).collect::<Vec<_>>(),
@@ -148,8 +150,8 @@ impl Row {
         self.curves.split(' ').flat_map(one).collect()
     }
 
-    /// Returns a curve divided by another curve or, if the claim concerns changes, the change of a
-    /// curve divided by the change of the other curve.
+    /// Divides a curve by another curve. For a claim about changes, divides the change of the first
+    /// curve by the change of the second.
     fn ratio(&self, above: &Course, below: &Course) -> Course {
         let (mut label, mut points) = (format!("{} over {}", above.label, below.label), Vec::new());
         if self.claim == Claim::Spreads {
@@ -163,8 +165,8 @@ impl Row {
         Course { name: String::new(), label, points, rounding: 0.0 }
     }
 
-    /// Returns the trend of a curve in the range of the claim. Points that are not finite are
-    /// omitted.
+    /// Determines the behavior of a curve in the claimed range. Points with NaN or infinite values
+    /// are left out.
     fn trend(&self, course: &Course) -> Option<Trend> {
         let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
         let rounding = course.rounding;
@@ -188,10 +190,11 @@ impl Row {
     }
 }
 
-/// Returns a check for each trend of a table. A check fails if the table lacks one of its curves.
+/// Returns a check for each trend in a table. If the table lacks a curve of a study, the check
+/// fails.
 ///
-/// * `studies`: studies, each with the label that precedes the trends, and the text that
-///   distinguishes studies with the same label.
+/// * `studies`: sweeps, each with the label that the trends refer to, and with a text that
+///   distinguishes sweeps with the same label.
 pub(crate) fn checks(
     source: &str,
     key: &str,
@@ -245,15 +248,15 @@ mod tests {
         assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);
         assert_eq!(shape(&[1.0, 1.0 + 1e-12, 1.0 - 1e-12]), Shape::Constant);
         assert_eq!(shape(&[1.0, 2.0, 3.0, 2.5, 4.0]), Shape::Turns(2.0));
-        // Rounding errors do not count as an extremum, and small changes that add up are not
+        // Rounding errors must not count as extrema, and small changes that add up must not be
         // ignored.
         assert_eq!(shape(&[1.0, 2.0, 2.0 - 1e-10, 3.0]), Shape::Rises);
         let slow: Vec<_> = (0..30).map(|i| f64::from(i) * 5e-10).collect();
         assert_eq!(shape(&slow), Shape::Rises);
     }
 
-    /// A trend holds everywhere or not at all. Points that are missing or outside of the range are
-    /// ignored.
+    /// A trend must fail if a single point violates it. Missing points and points outside the range
+    /// are ignored.
     #[test]
     fn a_trend_fails_if_one_point_violates_it() {
         let course = |name: &str, values: &[f64]| Course {
@@ -278,7 +281,8 @@ mod tests {
         assert_eq!(trend(",rises,,1,", &[3.0, 1.0, 2.0]), Some(true));
         assert_eq!(trend(",falls,,,", &[1.0, 1.0]), Some(false));
         assert_eq!(trend(",falls,,,", &[f64::NAN]), None);
-        // The slopes on both sides of the third point are −2 and −0.5 first, and −1 and −1 second.
+        // The mean slopes before and after the third point are −2 and −0.5 for the first curve, and
+        // −1 and −1 for the second.
         assert_eq!(trend(",flattens,2,,", &[6.0, 4.0, 2.0, 1.5, 1.0]), Some(true));
         assert_eq!(trend(",flattens,2,,", &[6.0, 5.0, 4.0, 3.0, 2.0]), Some(false));
         assert_eq!(trend(",flattens,2,,", &[1.0, 2.0, 3.0, 2.0]), Some(false));

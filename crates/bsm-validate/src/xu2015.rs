@@ -1,4 +1,4 @@
-//! Trends of Xu and Tang (2015), and identities of the slips.
+//! Trends of Xu and Tang (2015), and identities between different forms of slip.
 
 use bsm_case::{Case, OutputName, Settings, output, slip};
 use bsm_dyn::{
@@ -12,10 +12,10 @@ use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Xu and Tang 2015";
 
-/// Contact angles at nut and screw of Tables 2 and 3 \[deg\].
+/// Contact angles at nut and screw in Tables 2 and 3 \[deg\].
 const ANGLES: [f64; 2] = [50.0, 40.0];
 
-/// Returns all checks of this source.
+/// Returns all checks of this paper.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let case = published.xu_case.case()?;
     let rolling = |control| study(published, Model::RacewayControl, control);
@@ -36,7 +36,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the case with the contact angles in motion of the paper.
+/// Returns the case with the contact angles in motion that the paper states.
 fn running(case: Case) -> Case {
     Case {
         nut_running_contact_angle_deg: Some(ANGLES[0]),
@@ -45,7 +45,7 @@ fn running(case: Case) -> Case {
     }
 }
 
-/// Returns the sweeps of the paper, calculated by a model.
+/// Performs the sweeps of the paper with a model.
 pub(crate) fn study(
     published: &PublishedData,
     model: Model,
@@ -57,7 +57,7 @@ pub(crate) fn study(
     Ok(Study::slip(&case, &settings, &solution)?)
 }
 
-/// Evaluates the formulas as printed, for the case of Tables 1 to 3.
+/// Evaluates the formulas of the paper as printed, for the case in Tables 1 to 3.
 fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     let settings: Settings = Model::RacewayControl.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
@@ -68,7 +68,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
     let angles = ANGLES.map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
-    // These are Eqs 1 and 2 as printed; the nut is at rest.
+    // Eqs 1 and 2 as printed, with the nut at rest.
     let ((sin_a, cos_a), [nut, screw]) = (helix.lead_angle.sin_cos(), angles);
     let (d, w, speed) = (helix.radius / cos_a, ball.motion.omega, drive.screw_speed);
     let printed = [
@@ -85,7 +85,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
-    // This is Eq 3 with the axial displacement alone, which is the same at both raceways.
+    // Eq 3 with only the axial displacement, which is the same at both raceways.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
@@ -115,7 +115,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         check("eqs-1-2", "Eqs 1-2", "differential slip as printed equals the slip at the contact center")
             .measured(worst, "relative")
             .note(format!("{:.4} m/s at the nut, {:.4} at the screw, 50 and 40 deg", exact[0], exact[1]))
-            .at_most(1e-11, "rounding of speeds of a hundred times the slip"),
+            .at_most(1e-11, "rounding errors of speeds that are a hundred times the slip"),
         check("eq-3", "Eq 3", "contact angles from the distances between the centers of the grooves")
             .measured(off, "of the length")
             .note("with the axial displacement in (f) and without it in (e); as printed, both equations give the approaches again")
@@ -123,7 +123,8 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ])
 }
 
-/// Compares differential slip and spin of the traction model with the field of slip velocities.
+/// Compares the differential slip and the spin that model `traction` reports with the field of slip
+/// velocities.
 fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let settings: Settings = Model::Traction.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
@@ -144,7 +145,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             let state = solution.contact(site);
             let touch =
                 ContactSite { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
-            // The model states the slip speed in its own units and axes.
+            // This slip speed is taken from the solution of the model, not from the slip report.
             let own = state.and_then(|contact| contact.slip).map_or(f64::NAN, |slip| slip.speed);
             let contact = ball.contact(&touch);
             let tangent = BallFrame::<f64>::tangent();
@@ -154,7 +155,8 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
                 ball.relative_to(site).slip_velocity(helix.arc_length_per_radian(), &point)
             };
             value = value.max((own / number(slip) - 1.0).abs());
-            // The field of a rigid motion is linear, so that a wide step has no truncation error.
+            // The velocity field of a rigid motion is linear, so a large step causes no truncation
+            // error.
             let difference = (at(1e-3) - at(-1e-3)).dot(&tangent) / 2e-3;
             slope = slope.max((difference / number(spin) - 1.0).abs());
         }
@@ -169,13 +171,13 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             "field-value",
             "differential slip equals the slip velocity field at the contact center",
             value,
-            "rounding of speeds of a hundred times the slip",
+            "rounding errors of speeds that are a hundred times the slip",
         ),
         check(
             "field-slope",
-            "spin is the derivative of that field across the groove",
+            "spin equals the derivative of the slip velocity field across the groove",
             slope,
-            "rounding error of speeds of a hundred times the spin over a millimeter",
+            "rounding errors of speeds that are a hundred times the spin times a millimeter",
         ),
     ])
 }

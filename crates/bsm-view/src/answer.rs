@@ -1,5 +1,5 @@
-//! Answers to the requests of the page: the output of the commands with `--json`, plus the data of
-//! the pictures.
+//! Answers to the requests of the page. They contain the output of the commands with `--json` and
+//! the data for the graphics.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -23,13 +23,13 @@ pub(crate) const MAX_POINTS: usize = 40_000;
 /// The reason why a request is refused.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// The request violates a rule. The message is the same as on the command line.
+    /// The request contains invalid input. The message is the same as on the command line.
     #[error("{0}")]
     Input(String),
-    /// The route does not exist.
+    /// The server has no such route.
     #[error("unknown route `{0}`")]
     Route(String),
-    /// The calculation was stopped.
+    /// The calculation was stopped because it took too long.
     #[error(
         "stopped after {0} s, because this point takes too long for the page; the command line has no such limit"
     )]
@@ -40,7 +40,7 @@ pub enum Refusal {
     /// Too many stopped calculations are still running.
     #[error("too many stopped calculations are still running; wait, or start bsm view again")]
     Busy,
-    /// The system cannot start another thread.
+    /// The operating system cannot start another thread.
     #[error("cannot start a thread: {0}; close other programs, or try again")]
     Thread(std::io::Error),
 }
@@ -51,7 +51,7 @@ impl From<CaseError> for Refusal {
     }
 }
 
-/// A case with its settings, and the rest of the request.
+/// The case, the settings and all other members of a request.
 pub(crate) struct Request {
     pub(crate) case: Case,
     pub(crate) settings: Settings,
@@ -59,18 +59,18 @@ pub(crate) struct Request {
 }
 
 impl Request {
-    /// Returns the request with a groove, which is estimated if it is not given in full.
+    /// Returns the request with a complete groove. Missing groove inputs are estimated.
     pub(crate) fn with_groove(self) -> Result<Self, Refusal> {
         Ok(Self { case: self.case.with_groove()?, ..self })
     }
 
-    /// Reads the body of a request.
+    /// Parses the body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
         let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
         let case =
             rest.remove("case").ok_or_else(|| Refusal::Input("case is missing".to_owned()))?;
         let case = Case::from_json(case.to_string().as_bytes())?;
-        // The settings have the format that `solve --json` prints.
+        // The settings have the same format as in the output of `bsm solve --json`.
         let settings = Settings::from_json(rest.get("settings").unwrap_or(&Value::Null))?;
         Ok(Self { case, settings, rest })
     }
@@ -78,7 +78,7 @@ impl Request {
 
 /// Calculates the answer to a request.
 ///
-/// * `stop`: stops the calculation of a map as soon as it is true.
+/// * `stop`: stops the calculation of a map when it becomes true.
 pub(crate) fn answer(
     route: &str,
     body: &[u8],
@@ -101,10 +101,10 @@ pub(crate) fn answer(
     }
 }
 
-/// Returns the results for one point: `solve` without the parts of the torque, `slip` and
+/// Returns all results for one point: `solve` without the torque contributions, `slip` and
 /// `ellipses`.
 ///
-/// * `points`: number of points of the fields per semi-axis.
+/// * `points`: number of points per semi-axis of the contact ellipses.
 pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
     Ok(Map::from_iter([
         ("solve".to_owned(), solved(request, false)?),
@@ -113,21 +113,21 @@ pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>
     ]))
 }
 
-/// Returns the answer, or the error message if there is no answer.
+/// Returns the answer, or an object with the error message if there is no answer.
 pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
-/// Returns the output of `bsm solve --json`, extended by the rows of the printed table and the
-/// cross section of the grooves.
+/// Returns the output of `bsm solve --json`, the rows of the printed table, and the cross section
+/// of the grooves.
 fn solve(request: &Request) -> Result<Value, Refusal> {
     solved(request, request.rest.get("parts") != Some(&Value::Bool(false)))
 }
 
-/// Returns the output of `bsm solve --json`, optionally without the parts of the torque.
+/// Returns the same data as [`solve`], optionally without the torque contributions.
 ///
-/// * `parts`: true to include the parts of the torque, which require the equilibrium of a preloaded
-///   nut.
+/// * `parts`: true to include the torque contributions, which require the equilibrium of a
+///   preloaded nut.
 pub(crate) fn solved(
     Request { case, settings, rest }: &Request,
     parts: bool,
@@ -194,14 +194,14 @@ pub(crate) fn solved(
     Ok(Value::Object(report))
 }
 
-/// Returns the output of `bsm solve --model all --json`, including the omitted models and the
-/// reasons for their omission.
+/// Returns the output of `bsm solve --model all --json`, including the models that were omitted and
+/// the reasons.
 pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
     Ok(comparison(case)?.to_json())
 }
 
 /// Returns the solution whose motion is analyzed. It is the solution that the page shows, so that
-/// the losses agree.
+/// all losses agree.
 fn moving(case: &Case, settings: &Settings) -> Result<MotionAnswer, CaseError> {
     let solution = case.problem(settings)?.solve(&mut ModelWorkspace::default());
     Ok(MotionAnswer { settings: *settings, solution })
@@ -216,14 +216,13 @@ fn slip(request: &Request) -> Result<Value, Refusal> {
     Ok(over_grooves(&request.case, FEW_DRAWS, answer)?.to_json())
 }
 
-/// Returns the fields over the contact ellipses.
+/// Returns the pressure, slip and friction over the contact ellipses.
 fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(&request.case, &request.settings)?;
     Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
 }
 
-/// Returns the output of `bsm nut --json`, extended by the table of balls and the load-displacement
-/// curve.
+/// Returns the output of `bsm nut --json`, the table of balls, and the load-displacement curve.
 pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
@@ -237,16 +236,16 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
     Ok(answer)
 }
 
-/// Returns the warm steady states as a function of the speed, for a picture. The friction of all
-/// balls is calculated with the fastest method.
+/// Returns the warm steady states as a function of the speed, for a plot. Friction is calculated
+/// with one coefficient per contact, because this is the fastest method.
 pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
     Ok(WarmBranch::of(case, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
 }
 
-/// Returns the output of `bsm axis --json`, extended by the numbers as text and, if requested, by
-/// the axis sheet.
+/// Returns the output of `bsm axis --json`, the formatted numbers and, if requested, the axis
+/// sheet.
 pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
@@ -262,7 +261,7 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
     Ok(answer)
 }
 
-/// Returns the numbers of an answer: title, label, unit and text of each number.
+/// Returns the title, label, unit and formatted value of each number in an answer.
 fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
         let Quantity { title, about, .. } = row.quantity;
@@ -271,7 +270,7 @@ fn shown(answer: &Answer) -> Value {
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }
 
-/// Returns the columns of a table by name. Missing numbers are null.
+/// Returns the columns of a table as an object. Missing numbers are null.
 fn columns(table: &Columns) -> Value {
     let column = |(place, head): (usize, &&Output)| {
         (head.name.to_owned(), table.rows.iter().map(|row| row[place]).collect())
@@ -279,8 +278,8 @@ fn columns(table: &Columns) -> Value {
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
 
-/// Returns the results of `bsm sweep` over `vary` with the outputs `columns`, column by column.
-/// Models and statuses are indices into lists of names.
+/// Returns the results of `bsm sweep`, column by column. `vary` contains the axes, and `columns`
+/// contains the outputs. Models and statuses are indices into lists of names.
 fn sweep(
     Request { case, settings, rest }: &Request,
     workers: &Workers<'_>,

@@ -1,5 +1,5 @@
-//! The data of the page's form: inputs by group, with their units and rules, and the names of all
-//! choices.
+//! Data for the input form of the page: grouped inputs with their units and permitted values, and
+//! the names of all choices.
 
 use bsm_case::units::{label, other_units};
 use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Settings, input_schema, output_schema};
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::answer::MAX_POINTS;
 
-/// Returns the schemas of case and result, and the other data that the form needs.
+/// Returns the schemas of cases and results, and all other data that the form needs.
 pub(crate) fn schema() -> Value {
     let mut groups = Vec::new();
     for input in INPUTS {

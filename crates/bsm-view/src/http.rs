@@ -1,17 +1,17 @@
-//! The part of HTTP/1.1 that the page needs: one request per connection, with limits for its size
-//! and its duration, and one response.
+//! The subset of HTTP/1.1 that the page needs: one request per connection, with limits on its size
+//! and duration, and one response.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
-/// Maximum size of the head of a request \[B\].
+/// Maximum size of the request line and headers \[B\].
 const MAX_HEAD: usize = 16 << 10;
 
-/// Maximum number of lines of the head of a request.
+/// Maximum number of header lines in a request.
 const MAX_HEAD_LINES: usize = 64;
 
-/// Maximum size of the body of a request \[B\].
+/// Maximum size of a request body \[B\].
 const MAX_BODY: usize = 1 << 20;
 
 /// Time limits for a client to send its request, to receive the response, and to close the
@@ -20,21 +20,21 @@ const TO_SEND: Duration = Duration::from_secs(5);
 const TO_TAKE: Duration = Duration::from_secs(30);
 const TO_CLOSE: Duration = Duration::from_secs(1);
 
-/// HTTP status and message of a rejected request.
+/// HTTP status and message for a rejected request.
 pub(crate) type HttpRefusal = (u16, String);
 
-/// A connection whose reads and writes end at a deadline.
+/// A connection with a deadline for reading and writing.
 pub(crate) struct Connection<'a> {
     stream: &'a TcpStream,
     until: Instant,
 }
 
-/// The head of a request.
+/// The request line and headers of a request.
 pub(crate) struct Head {
     pub(crate) method: String,
     pub(crate) target: String,
     lines: Vec<(String, String)>,
-    /// The beginning of the body, which arrived together with the head.
+    /// Beginning of the body, which arrived together with the headers.
     rest: Vec<u8>,
 }
 
@@ -43,13 +43,13 @@ impl<'a> Connection<'a> {
         Self { stream, until: Instant::now() + TO_SEND }
     }
 
-    /// Returns the time until the deadline.
+    /// Returns the time that is left until the deadline.
     fn left(&self) -> io::Result<Duration> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(left) }
     }
 
-    /// Reads the head of the request.
+    /// Reads the request line and headers.
     pub(crate) fn head(&mut self) -> Result<Head, HttpRefusal> {
         let mut bytes = Vec::new();
         loop {
@@ -76,7 +76,7 @@ impl<'a> Connection<'a> {
         }
     }
 
-    /// Reads the body of the request.
+    /// Reads the request body.
     pub(crate) fn body(&mut self, head: &Head) -> Result<Vec<u8>, HttpRefusal> {
         if head.line("Transfer-Encoding").is_some() {
             return Err((
@@ -118,8 +118,8 @@ impl<'a> Connection<'a> {
         if self.write_all(answer.as_bytes()).is_ok()
             && self.stream.shutdown(Shutdown::Write).is_ok()
         {
-            // If the connection were closed with unread bytes, the system would discard data that
-            // is not sent yet.
+            // If the connection were closed before all received bytes are read, the operating
+            // system would discard data that have not been sent yet.
             self.until = Instant::now() + TO_CLOSE;
             let _ = io::copy(&mut self, &mut io::sink());
         }
@@ -158,7 +158,7 @@ impl Head {
         }
     }
 
-    /// Returns the value of the first header line with this name.
+    /// Returns the value of the first header with the given name.
     pub(crate) fn line(&self, name: &str) -> Option<&str> {
         let (_, value) = self.lines.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
         Some(value)
@@ -174,7 +174,7 @@ fn unread(error: &io::Error) -> HttpRefusal {
     }
 }
 
-/// Returns the reason phrase of a status.
+/// Returns the reason phrase of an HTTP status.
 fn phrase(status: u16) -> &'static str {
     match status {
         200 => "OK",

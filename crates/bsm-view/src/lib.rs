@@ -1,9 +1,9 @@
-//! The page of `bsm view`, which shows one screw in the browser: live from a server on this
-//! machine, or as one file.
+//! The page of `bsm view`, which shows a screw in the browser. The page is either connected to a
+//! server on this machine or saved as a single file.
 //!
 //! [`Server`] provides the page with the same numbers and messages as the commands. [`saved`]
-//! returns the same page with all results calculated in advance. The page itself is in `page/`: one
-//! HTML file, plain JavaScript modules, and the libraries in `page/vendor`.
+//! returns the same page with all results calculated in advance. The sources of the page are in
+//! `page/`: an HTML file, plain JavaScript modules, and the libraries in `page/vendor`.
 
 mod answer;
 mod form;

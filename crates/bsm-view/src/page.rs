@@ -1,5 +1,5 @@
-//! The page as one HTML file. The file contains all modules, libraries and data, and sends requests
-//! only to its own server.
+//! The page as a single HTML file. The file contains all modules, libraries and data, and sends
+//! requests only to its own server.
 
 use bsm_report::STYLE;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 const HTML: &str = include_str!("../page/index.html");
 const CSS: &str = include_str!("../page/page.css");
 
-/// The modules, with the names under which they import each other.
+/// JavaScript modules, with the names under which they import each other.
 const MODULES: [(&str, &str); 16] = [
     ("three", include_str!("../page/vendor/three.js")),
     ("bsm/app", include_str!("../page/app.js")),
@@ -28,20 +28,20 @@ const MODULES: [(&str, &str); 16] = [
     ("bsm/save", include_str!("../page/save.js")),
 ];
 
-/// Characters that must be escaped in a `data:` address within a JSON text within HTML.
+/// Characters that must be percent-encoded in a `data:` URL inside JSON inside HTML.
 const ESCAPED: &AsciiSet = &CONTROLS.add(b'%').add(b'#').add(b'"').add(b'\\').add(b'<').add(b'&');
 
-/// Returns the page with its data.
+/// Returns the HTML page with its start data.
 pub(crate) fn html(start: &Value) -> String {
     let address = |text: &str| {
         json!(format!("data:text/javascript;charset=utf-8,{}", utf8_percent_encode(text, ESCAPED)))
     };
     let imports: Map<_, _> =
         MODULES.iter().map(|(name, text)| ((*name).to_owned(), address(text))).collect();
-    // A script must not contain an end tag.
+    // The data must not contain an end tag, because it would end the script element.
     let data = start.to_string().replace('<', "\\u003c");
-    // Each placeholder occurs once. The start data are inserted last, because they may contain the
-    // text of a placeholder.
+    // Each placeholder occurs once. The start data are inserted last, because they may contain text
+    // that looks like a placeholder.
     HTML.replacen("@STYLE@", &format!("{STYLE}{CSS}"), 1)
         .replacen("@CONNECT@", if start["live"] == true { "'self'" } else { "'none'" }, 1)
         .replacen("@IMPORTS@", &json!({ "imports": imports }).to_string(), 1)

@@ -1,4 +1,5 @@
-//! The list of running calculations. A newer request of a page cancels its earlier requests.
+//! The running calculations of the server. A newer request from a page cancels the earlier requests
+//! of this page.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -8,10 +9,10 @@ use serde_json::Value;
 
 use crate::Refusal;
 
-/// An answer, or the reason why there is none.
+/// The answer to a request, or the reason why there is none.
 type AnswerResult = Result<Value, Refusal>;
 
-/// Identifies a request: the name of the page, and a number that increases with every change on the
+/// Identifies a request: the id of the page, and a number that increases with every change on the
 /// page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Turn {
@@ -20,19 +21,19 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// Reads `name/number`.
+    /// Parses the form `page/number`.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let (page, number) = text.split_once('/')?;
         Some(Self { page: page.to_owned(), number: number.parse().ok()? })
     }
 
-    /// Returns true if this is an earlier request of the same page.
+    /// Returns true if this request precedes another request of the same page.
     fn is_before(&self, other: &Self) -> bool {
         self.page == other.page && self.number < other.number
     }
 }
 
-/// A calculation that has begun.
+/// A calculation that has been started.
 struct Entry {
     turn: Option<Turn>,
     stop: Arc<AtomicBool>,
@@ -41,33 +42,34 @@ struct Entry {
 
 type Entries = Arc<Mutex<Vec<Entry>>>;
 
-/// The calculations that have not ended, including stopped calculations.
+/// All calculations that have not ended yet, including stopped ones.
 pub(crate) struct Running {
     entries: Entries,
     most: usize,
 }
 
-/// A calculation that is running. It ends when this value is dropped.
+/// A running calculation. Dropping this value removes it from the list.
 pub(crate) struct RunningAnswer {
     entries: Entries,
     stop: Arc<AtomicBool>,
 }
 
 fn lock(entries: &Entries) -> MutexGuard<'_, Vec<Entry>> {
-    // A panic while the lock is held leaves no inconsistent state.
+    // The lock can be used after a panic, because the state is never inconsistent while the lock is
+    // held.
     entries.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Running {
-    /// Creates the list with a maximum number of simultaneous calculations.
+    /// Creates an empty list that allows at most `most` simultaneous calculations.
     pub(crate) fn most(most: usize) -> Self {
         Self { entries: Entries::default(), most }
     }
 
-    /// Starts a calculation. Calculations for earlier requests of the same page are stopped, and
-    /// these requests are answered at once.
+    /// Registers a new calculation. Calculations for earlier requests of the same page are stopped,
+    /// and these requests are answered immediately.
     ///
-    /// Returns the calculation, and the receiver of its answer.
+    /// Returns the calculation and a receiver for its answer.
     pub(crate) fn begin(
         &self,
         turn: Option<Turn>,
@@ -95,12 +97,12 @@ impl Running {
 }
 
 impl RunningAnswer {
-    /// Returns a flag that becomes true as soon as the answer is no longer needed.
+    /// Returns a flag that becomes true when the answer is no longer needed.
     pub(crate) fn stop(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop)
     }
 
-    /// Delivers the answer.
+    /// Ends the calculation and delivers its answer.
     pub(crate) fn end(self, found: AnswerResult) {
         if let Some(entry) = self.taken() {
             // The client may already have disconnected.
@@ -133,8 +135,8 @@ mod tests {
         turn
     }
 
-    /// A newer request stops only earlier requests of the same page. A waiting request is answered
-    /// before its calculation has ended.
+    /// A newer request must stop only earlier requests of the same page. A waiting request must be
+    /// answered before its calculation has ended.
     #[test]
     fn a_newer_request_stops_earlier_requests_of_its_page() {
         let running = Running::most(4);
@@ -147,15 +149,15 @@ mod tests {
         assert_eq!(stopped, [true, false, false, false]);
         assert!(matches!(old_answer.try_recv(), Ok(Err(Refusal::Overtaken))));
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Empty)));
-        // A late request is rejected without a calculation.
+        // A request that arrives late must be rejected without a calculation.
         assert!(matches!(running.begin(Some(turn("a", 1))), Err(Refusal::Overtaken)));
-        // A stopped calculation counts until it ends.
+        // A stopped calculation occupies its slot until it ends.
         assert!(matches!(running.begin(None), Err(Refusal::Busy)));
         drop(old);
         assert!(running.begin(Some(turn("a", 2))).is_ok());
         new.end(Ok(Value::Null));
         assert!(matches!(new_answer.try_recv(), Ok(Ok(Value::Null))));
-        // A calculation that ends without an answer is detected.
+        // A calculation that ends without an answer must be detected.
         drop(other);
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Disconnected)));
     }

@@ -1,4 +1,4 @@
-//! The page as one file, with the answers at the points of a small grid.
+//! The page as a single file that contains the answers for a small grid of points.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,16 +11,17 @@ use crate::answer::{Request, answer, axis, compare, nut, or_message, point, solv
 use crate::form::schema;
 use crate::page;
 
-/// Number of points of each slider.
+/// Number of positions of each slider.
 const STOPS: u32 = 9;
 
-/// Number of cells on each side of the map.
+/// Number of cells of the map in each direction.
 const CELLS: u32 = 60;
 
-/// Number of points of the fields per semi-axis, for all slider stops except the case itself.
+/// Number of points per semi-axis of the contact ellipses at all slider positions except the case
+/// itself.
 const COARSE: u32 = 6;
 
-/// Outputs that the map can show.
+/// Outputs that the map of the page can show.
 const COLUMNS: [&str; 8] = [
     "efficiency",
     "ball_torque_Nm",
@@ -32,15 +33,16 @@ const COLUMNS: [&str; 8] = [
     "onset_number",
 ];
 
-/// Returns the page of a case as one file that needs no server.
+/// Returns the page for a case as a single HTML file that needs no server.
 ///
-/// Sliders and map vary speed and load by one decade to each side.
+/// The sliders and the map vary the speed and the load from a tenth to ten times the values of the
+/// case.
 ///
-/// * `beside`: other cases, whose results are included.
+/// * `beside`: further cases, whose results are included for comparison.
 ///
 /// # Errors
 ///
-/// [`Refusal::Input`] if the case cannot be solved at all.
+/// [`Refusal::Input`] if the case cannot be solved.
 pub fn saved(
     case: &Case,
     beside: &[Case],
@@ -105,8 +107,7 @@ pub fn saved(
     })))
 }
 
-/// Returns the answer of a slider stop in short form, without the data that are the same at all
-/// stops.
+/// Removes data from the answer for a slider position that are the same at all positions.
 fn stop(mut point: Value) -> Value {
     if let Some(solved) = point.get_mut("solve").and_then(Value::as_object_mut) {
         solved.remove("section");
@@ -115,19 +116,20 @@ fn stop(mut point: Value) -> Value {
     brief(point)
 }
 
-/// Returns a range of two decades around an input of a case, which must be positive.
+/// Returns the range from a tenth to ten times an input of the case, or `None` if the input is
+/// missing or not positive.
 fn around(case: &Case, name: &str) -> Option<[f64; 2]> {
     let value = case.to_json().get(name)?.as_f64().filter(|value| *value > 0.0)?;
     Some([value / 10.0, value * 10.0])
 }
 
-/// Returns `count` values from `low` to `high` in geometric progression.
+/// Returns `count` values in geometric progression from `low` to `high`.
 fn spread([low, high]: [f64; 2], count: u32) -> Vec<f64> {
     let part = |i: u32| f64::from(i) / f64::from(count - 1);
     (0..count).map(|i| low * (high / low).powf(part(i))).collect()
 }
 
-/// Rounds the numbers of lists to four digits, which is sufficient for drawing.
+/// Rounds all numbers in lists to five digits, which is sufficient for drawing.
 fn brief(value: Value) -> Value {
     let short = |value: &Value| match value.as_f64() {
         Some(x) if !value.is_u64() => {

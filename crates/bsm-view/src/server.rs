@@ -1,9 +1,10 @@
-//! The server of the page. It accepts only requests from this machine that contain its token.
+//! The server of the page. It accepts only requests from this machine that contain the server's
+//! token.
 //!
-//! The requests `POST /solve`, `/slip`, `/ellipses`, `/point` (all three together), `/compare`,
-//! `/nut`, `/warm`, `/axis`, `/sweep` and `/schema` have the body
-//! `{"case": {..}, "settings": {..}}` and the token in the header `X-Bsm-Token`. The responses
-//! equal the output of the commands with `--json`, plus the data of the pictures.
+//! The requests `POST /solve`, `/slip`, `/ellipses`, `/point` (which combines the first three),
+//! `/compare`, `/nut`, `/warm`, `/axis`, `/sweep` and `/schema` have the body `{"case": {..},
+//! "settings": {..}}`, and the token in the header `X-Bsm-Token`. The responses contain the output
+//! of the commands with `--json` and the data for the graphics.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -25,43 +26,43 @@ use crate::http::{Connection, Head, HttpRefusal};
 use crate::page;
 use crate::running::{Running, Turn};
 
-/// Time limits for an answer. The second limit applies to the warm states as a function of the
-/// speed, for which no other panel waits.
+/// Time limits for an answer. The second limit applies to warm states as a function of the speed,
+/// because no other panel of the page waits for them.
 const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
-/// Maximum number of calculations that are running, including calculations that were stopped. A
-/// page waits for at most half as many answers. Beyond the maximum, no calculation is started.
+/// Maximum number of running calculations, including stopped ones. Beyond this number, no
+/// calculation is started. A page waits for at most half as many answers.
 const MAX_RUNNING: usize = 16;
 
-/// Pause after the system could not accept a connection because it had no resources.
+/// Pause after the operating system could not accept a connection because of missing resources.
 const NO_ROOM: Duration = Duration::from_millis(50);
 
 /// Stack size of a solver thread \[B\]. Debug builds keep every intermediate result on the stack.
 const STACK: usize = 16 << 20;
 
-/// A function that saves a case, given as the text of its file.
+/// A function that saves the text of a case file.
 pub type Save = Box<dyn Fn(&str) -> Result<(), String> + Send + Sync>;
 
-/// The reason why the server cannot start.
+/// The reason why the server cannot be started.
 #[derive(Debug, Error)]
 pub enum ViewError {
-    /// The address is not available.
+    /// The port is not available.
     #[error("cannot listen on 127.0.0.1:{port}: {source}")]
     Listen {
-        /// The requested port; 0 for any free port.
+        /// The requested port; 0 means any free port.
         port: u16,
-        /// The error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The system provides no random numbers for a token.
+    /// The operating system provides no random numbers for the token.
     #[error("cannot create a random token: {0}")]
     Random(String),
-    /// The system cannot start threads.
+    /// Threads cannot be started.
     #[error("cannot start a thread: {0}")]
     Thread(#[from] io::Error),
 }
 
-/// A server for one case.
+/// A server that shows one case.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -69,7 +70,7 @@ pub struct Server {
     shared: Arc<ServerState>,
 }
 
-/// Data that all requests share.
+/// Data that all requests use.
 struct ServerState {
     token: String,
     hosts: [String; 2],
@@ -81,22 +82,22 @@ struct ServerState {
     running: Running,
 }
 
-/// Stop flag of the solver threads. It is never set, because the threads end with the program.
+/// Stop flag of the solver threads, which is never set because the threads end with the program.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Server {
-    /// Starts to listen on 127.0.0.1.
+    /// Creates a server that listens on 127.0.0.1.
     ///
-    /// * `port`: the port; 0 for any free port.
-    /// * `beside`: other cases, which the page compares with its own case.
-    /// * `settings`: initial settings, as [`bsm_case::Settings::to_json`] writes them.
-    /// * `save`: function of the button "Save case". If it is missing, the browser downloads the
+    /// * `port`: port number; 0 means any free port.
+    /// * `beside`: further cases, which the page compares with `case`.
+    /// * `settings`: initial model settings of the page.
+    /// * `save`: function for the button "Save case". If it is `None`, the browser downloads the
     ///   case.
     ///
     /// # Errors
     ///
-    /// [`ViewError`] if the port is not available, or if the system provides no random numbers or
-    /// threads.
+    /// [`ViewError`] if the port is not available, or if the operating system provides no random
+    /// numbers or threads.
     pub fn start(
         port: u16,
         case: &Case,
@@ -115,7 +116,8 @@ impl Server {
         let shared = ServerState {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
-            // The page shows the given inputs, and every answer estimates the other inputs.
+            // The page shows only the given inputs. Missing groove inputs are estimated again for
+            // every answer.
             case: case.without_estimates().to_json(),
             beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
             settings: settings.to_json(),
@@ -126,13 +128,13 @@ impl Server {
         Ok(Self { listener, address, ended: AtomicBool::new(false), shared: Arc::new(shared) })
     }
 
-    /// Returns the address of the page, with its token.
+    /// Returns the URL of the page, including its token.
     pub fn address(&self) -> String {
         format!("http://{}/?token={}", self.address, self.shared.token)
     }
 
-    /// Serves until the program ends. Each connection has its own thread, so that a slow client
-    /// does not delay others.
+    /// Answers requests until the program ends or [`stop`](Self::stop) is called. Each connection
+    /// has its own thread, so that a slow client does not delay other clients.
     pub fn serve(&self) {
         while !self.ended.load(Ordering::Relaxed) {
             let Ok((stream, _)) = self.listener.accept() else {
@@ -148,23 +150,23 @@ impl Server {
         }
     }
 
-    /// Ends [`serve`](Self::serve).
+    /// Ends the loop in [`serve`](Self::serve).
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
-        // This connection wakes the loop.
+        // This connection wakes the loop, which is waiting for connections.
         let _ = TcpStream::connect(self.address);
     }
 }
 
-/// A response: status, type and body.
+/// A response: status, content type and body.
 type Reply = (u16, &'static str, String);
 
-/// Returns a rejection in the form that the page reads.
+/// Returns a rejection as JSON, in the form that the page expects.
 fn refused(status: u16, text: &str) -> Reply {
     (status, "application/json", json!({ "error": text }).to_string())
 }
 
-/// Sends a response.
+/// Sends a response and closes the connection.
 fn respond(connection: Connection<'_>, (status, kind, body): &Reply, began: Instant) {
     let timing = format!("total;dur={:.2}", 1e3 * began.elapsed().as_secs_f64());
     let lines = [
@@ -180,7 +182,7 @@ fn respond(connection: Connection<'_>, (status, kind, body): &Reply, began: Inst
 }
 
 impl ServerState {
-    /// Answers the request of a connection.
+    /// Reads the request of a connection and answers it.
     fn serve(self: &Arc<Self>, stream: &TcpStream) {
         let mut connection = Connection::new(stream);
         let head = connection.head();
@@ -254,7 +256,8 @@ impl ServerState {
         }
     }
 
-    /// Returns an answer, unless the calculation takes too long or a newer request replaces it.
+    /// Calculates an answer. Fails if the calculation takes too long or a newer request replaces
+    /// this one.
     fn answer(
         self: &Arc<Self>,
         turn: Option<Turn>,
@@ -283,14 +286,14 @@ impl ServerState {
         }
     }
 
-    /// Writes the case to the path of `-o`.
+    /// Saves the case to the file that was given with `-o`.
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
             let text = "cannot save the case, because bsm view was started without -o CASE.json";
             return Err(Refusal::Input(text.to_owned()));
         };
         let Request { case, settings, .. } = Request::read(body)?;
-        // A saved file can be opened again.
+        // Only a case that can be opened again is saved.
         case.with_groove()?.problem(&settings)?;
         let text = serde_json::to_string_pretty(&case.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
@@ -298,7 +301,8 @@ impl ServerState {
     }
 }
 
-/// Returns true if two texts are equal, in a time that does not depend on where they differ.
+/// Returns true if two texts are equal. The time does not depend on where they differ, so that it
+/// reveals nothing about the token.
 fn same(one: &str, other: &str) -> bool {
     let differ = one.bytes().zip(other.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
     one.len() == other.len() && differ == 0

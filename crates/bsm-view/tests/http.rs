@@ -1,4 +1,4 @@
-//! Tests of the server: who has access, and what it answers.
+//! Tests of the server: which requests it accepts and how it answers.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -13,7 +13,7 @@ use bsm_case::{Case, Settings};
 use bsm_view::{Save, Server};
 use serde_json::{Value, json};
 
-/// A server that stops at the end of its test.
+/// A server that is stopped at the end of the test.
 struct TestServer {
     server: Arc<Server>,
     thread: Option<thread::JoinHandle<()>>,
@@ -33,13 +33,12 @@ impl TestServer {
         Self { server, thread, port, token: token.to_owned() }
     }
 
-    /// Sends a request exactly as given, and returns the status and the body of the response.
+    /// Sends a request exactly as given and returns the status and body of the response.
     fn send(&self, head: &str, body: &str) -> (u16, String) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let length = body.len();
         let request = format!("{head}\r\nContent-Length: {length}\r\n\r\n{body}");
-        // Errors are ignored, because the server may reject the request before it has read all of
-        // it.
+        // Errors are ignored, because the server may reject a request before it has read all of it.
         let _ = stream.write_all(request.as_bytes());
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -99,8 +98,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
         (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", &token[..31]), 403),
         (format!("GET / HTTP/1.1\r\n{host}"), 403),
         (format!("GET /?token=wrong HTTP/1.1\r\n{host}"), 403),
-        // DNS rebinding is an attack in which the host name of another site resolves to this
-        // address.
+        // In a DNS rebinding attack, the host name of another site resolves to this address.
         (format!("POST /solve HTTP/1.1\r\nHost: evil.example:{port}\r\nX-Bsm-Token: {token}"), 403),
         (format!("POST /solve HTTP/1.1\r\nX-Bsm-Token: {token}\r\nHost: 127.0.0.1:1"), 403),
         (
@@ -159,7 +157,7 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
 }
 
 #[test]
-fn answers_match_the_commands() {
+fn server_answers_match_the_commands() {
     let served = TestServer::start(None);
     let (status, solved) = served.post("solve", &example_request());
     assert_eq!(status, 200, "{solved}");
@@ -175,7 +173,8 @@ fn answers_match_the_commands() {
     let (status, map) = served.post("sweep", &request);
     assert_eq!(status, 200, "{map}");
     assert_eq!(map["axes"][1]["values"], json!([8000.0, 9000.0]));
-    // The third point is the case itself. Rows of a sweep and single solves agree to 1e-10.
+    // The third point of the map is the case itself. Rows of a sweep agree with single solves to
+    // within 1e-10.
     let [point, solved] = [&map["columns"]["efficiency"][2], &solved["efficiency"]];
     let [point, solved] = [point, solved].map(|value| value.as_f64().expect("a number"));
     assert!((point - solved).abs() < 1e-10, "{point} {solved}");
@@ -183,8 +182,8 @@ fn answers_match_the_commands() {
         let (status, answer) = served.post(route, &example_request());
         assert!(status == 200 && answer.get("error").is_none(), "{route}: {answer}");
     }
-    // The request that the page sends after every change returns everything about a point, except
-    // for the parts of the torque.
+    // After every change, the page requests `point`, which must return all results of a point
+    // except for the torque contributions.
     let (_, point) = served.post("point", &example_request());
     let mut request = example_request();
     request["parts"] = json!(false);
@@ -209,10 +208,10 @@ fn answers_match_the_commands() {
     assert!(sized(false).get("sheet").is_none());
 }
 
-/// The picture of a lubricated contact shows the same friction as the model: the integral of
-/// friction times sliding speed equals the sliding power of the point.
+/// For a lubricated contact, the friction that the page draws must be that of the model: the
+/// integral of friction times sliding speed must equal the sliding power.
 #[test]
-fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
+fn drawn_friction_matches_the_power_loss_of_the_model() {
     let served = TestServer::start(None);
     let oil = json!({ "case": example_case("feed_drive_oil.json").to_json() });
     let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));
@@ -238,12 +237,13 @@ fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
         balls = number(&solved["inputs"]["loaded_balls"]);
     }
     let sliding = number(&solved["sliding_power_W"]);
-    // A grid of 49 points per side over an ellipse with a kink has an error of a few percent.
+    // The integrand has a kink on the ellipse, so that a grid of 49 points per side has an error of
+    // a few percent.
     assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
 }
 
-/// Returns a map that takes minutes on one core: forty thousand points of a lubricated ball with
-/// the highest accuracy.
+/// Returns the request for a map that takes minutes on one core: forty thousand points of a
+/// lubricated ball with the highest accuracy.
 fn long_map() -> Value {
     json!({
         "case": example_case("feed_drive_oil.json").to_json(),
@@ -259,13 +259,13 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     let (status, answer) = served.post("sweep", &long_map());
     let text = answer["error"].as_str().expect("words");
     assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
-    // The threads are available again.
+    // The solver threads must be available again.
     let (status, answer) = served.post("solve", &example_request());
     assert_eq!(status, 200, "{answer}");
 }
 
-/// On the page, a map once continued for 2 s after a slider had moved, and the new numbers had to
-/// wait.
+/// Regression test: after a slider was moved, the calculation of a map continued for 2 s, and the
+/// new results had to wait.
 #[test]
 fn a_newer_request_of_a_page_ends_the_previous_one() {
     let served = TestServer::start(None);
@@ -274,8 +274,8 @@ fn a_newer_request_of_a_page_ends_the_previous_one() {
     };
     thread::scope(|scope| {
         let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &long_map().to_string()));
-        // Until the map has started, a newer request has nothing to stop, so the loop sends
-        // several.
+        // Until the map has been started, a newer request has nothing to stop, so the loop sends
+        // several requests.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
             let (status, answer) =
@@ -304,14 +304,14 @@ fn cases_are_saved_only_if_saving_is_enabled() {
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
     assert_eq!(Case::from_json(text.as_bytes()).expect("a case"), case());
-    // A case without inputs once replaced the saved case.
+    // Regression test: a case without inputs replaced the saved case.
     let (status, answer) = served.post("save", &json!({ "case": {} }));
     assert!(status == 400 && answer["error"].is_string(), "{status} {answer}");
     assert_eq!(*kept.lock().expect("a text"), text);
 }
 
-/// A request of this length once ended the program even without a token, and a header of 100 MB was
-/// read completely.
+/// Regression test: a request whose header declared an excessive length ended the program even
+/// without a token, and a header of 100 MB was read completely.
 #[test]
 fn oversized_requests_are_rejected() {
     let served = TestServer::start(None);
@@ -336,7 +336,8 @@ fn oversized_requests_are_rejected() {
     assert_eq!(served.post("solve", &example_request()).0, 200);
 }
 
-/// Eight clients that sent no body, or did not read their answers, once blocked all other clients.
+/// Regression test: eight clients that sent no request body or did not read their responses blocked
+/// all other clients.
 #[test]
 fn slow_clients_do_not_delay_other_clients() {
     let served = TestServer::start(None);
@@ -353,7 +354,7 @@ fn slow_clients_do_not_delay_other_clients() {
     let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
     assert_eq!(served.post("solve", &example_request()).0, 200);
     for mut stream in [silent, begun].into_iter().flatten() {
-        // After a timeout, the server answers slow clients and disconnects them.
+        // After a timeout, the server must answer and disconnect slow clients.
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("text");
         assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");
@@ -361,7 +362,8 @@ fn slow_clients_do_not_delay_other_clients() {
     drop(deaf);
 }
 
-/// The page sends requests only to its own server, and the text of a case cannot end a script.
+/// The page must send requests only to its own server, and the text of a case must not be able to
+/// end a script element.
 #[test]
 fn the_page_is_self_contained() {
     let mut case = case();

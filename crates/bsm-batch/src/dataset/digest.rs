@@ -1,14 +1,14 @@
-//! SHA-256 as text in files.
+//! SHA-256 hashes in hexadecimal form.
 
 use std::fmt::Write as _;
 use std::io::{self, Read};
 
 use sha2::{Digest, Sha256};
 
-/// Number of bytes that are read at a time.
+/// Number of bytes that are read and hashed at a time.
 const BLOCK: usize = 1 << 18;
 
-/// Returns a hash in lower-case hexadecimal digits.
+/// Returns a hash as lowercase hexadecimal digits.
 pub(crate) fn hex(hash: Sha256) -> String {
     hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
         // Writing to a string cannot fail.
@@ -17,13 +17,13 @@ pub(crate) fn hex(hash: Sha256) -> String {
     })
 }
 
-/// Returns the hash of bytes.
+/// Returns the hash of a byte string.
 pub(crate) fn of_bytes(bytes: &[u8]) -> String {
     hex(Sha256::new_with_prefix(bytes))
 }
 
-/// Returns the hash and the number of all bytes of a reader, or `None` if `stopped` returns true
-/// before the end.
+/// Reads all bytes of a reader and returns their hash and number, or `None` if `stopped` returns
+/// true before the end.
 pub(crate) fn of_reader(
     reader: &mut impl Read,
     stopped: impl Fn() -> bool,
@@ -49,7 +49,7 @@ pub(crate) fn of_reader(
 mod tests {
     use super::*;
 
-    /// Test vector of FIPS 180-2, appendix B.1.
+    /// The expected hash is the test vector in appendix B.1 of FIPS 180-2.
     #[test]
     fn the_hash_of_abc_matches_fips_180() {
         let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";

@@ -1,33 +1,33 @@
-//! Errors of a folder of parts.
+//! Errors of dataset folders.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::TableError;
 
-/// The reason why a folder cannot be created, continued or finished.
+/// The reason why a dataset cannot be created, continued or finished.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// Error of the disk.
+    /// A file operation failed.
     #[error("cannot {doing} {}: {error}", path.display())]
     Io {
-        /// The operation.
+        /// The operation that failed.
         doing: &'static str,
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Error of the operating system.
         error: io::Error,
     },
     /// The points cannot be read.
     #[error(transparent)]
     Read(TableError),
-    /// A part cannot be written.
+    /// A part file cannot be written.
     #[error("cannot write {}: {error}", path.display())]
     Write {
-        /// The part.
+        /// The part file.
         path: PathBuf,
-        /// The reason.
+        /// The reason why the part cannot be written.
         error: TableError,
     },
     /// A thread cannot be started.
@@ -36,29 +36,29 @@ pub enum DatasetError {
     /// The run was stopped.
     #[error("stopped")]
     Stopped,
-    /// The folder contains a run that was begun before.
+    /// The folder already contains the plan of an earlier run.
     #[error("{} holds the parts of {} task", folder.display(), if *same { "this" } else { "another" })]
     Begun {
-        /// The folder.
+        /// The dataset folder.
         folder: PathBuf,
-        /// True if the plan of the folder is the given plan.
+        /// True if the plan in the folder is identical to the given plan.
         same: bool,
     },
-    /// The file in place of the plan is not a plan.
+    /// The plan file does not contain a valid plan.
     #[error("{} is not the plan of this task: {why}", path.display())]
     NotAPlan {
-        /// The file.
+        /// The plan file.
         path: PathBuf,
-        /// The reason.
+        /// The reason why the plan is invalid.
         why: String,
     },
-    /// A file in place of a part does not belong to this plan.
+    /// Some part files are damaged or do not belong to this plan.
     #[error("{}", first_few(.0))]
     Damaged(Vec<(PathBuf, PartDefect)>),
-    /// Parts or points do not belong to the plan.
+    /// Some parts or points do not belong to the plan.
     #[error("{0}")]
     NotOfThePlan(String),
-    /// The request cannot be fulfilled.
+    /// The request cannot be carried out.
     #[error("{0}")]
     Refused(String),
 }
@@ -70,17 +70,17 @@ pub enum PartDefect {
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The entry is not a file.
+    /// The entry is a folder or another entry that is not a file.
     #[error("is {0}, not a file")]
     NotAFile(&'static str),
-    /// The plan has no such part.
+    /// The plan contains no part with this file name.
     #[error("the plan has no part with this name")]
     NotInThePlan,
     /// The file is empty.
     #[error("is empty")]
     Empty,
-    /// The file has no footer, or its footer is not the footer of a part.
-    #[error("is truncated, changed, or not a part of bsm, because its footer is invalid")]
+    /// The file has no valid footer of a part.
+    #[error("has an invalid footer: it is truncated, changed, or not a part file of bsm")]
     Footer,
     /// The file is a part of another plan.
     #[error("is a part of another plan")]
@@ -88,11 +88,11 @@ pub enum PartDefect {
         /// The id of the other plan.
         String,
     ),
-    /// The file is another part of the plan.
+    /// The file is a copy of another part of the same plan.
     #[error("is a copy of part {0}")]
     OtherPart(String),
-    /// The bytes before the footer do not agree with the hash in the footer.
-    #[error("has been changed, because its bytes do not match the SHA-256 of its footer")]
+    /// The bytes before the footer do not match the hash in the footer.
+    #[error("has been changed: its bytes do not match the SHA-256 in its footer")]
     Changed,
 }
 
@@ -102,7 +102,7 @@ impl DatasetError {
     }
 }
 
-/// Lists the first few defects.
+/// Lists the first few damaged files.
 fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));

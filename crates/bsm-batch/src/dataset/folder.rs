@@ -1,4 +1,4 @@
-//! The layout of a folder, and how its files are created and removed.
+//! Folder layout of a dataset, and the creation and removal of its files.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -9,29 +9,29 @@ use tempfile::NamedTempFile;
 use super::DatasetError;
 use super::part::kind;
 
-/// Name of the file with the plan.
+/// Name of the plan file.
 const PLAN: &str = "plan.json";
-/// Name of the folder with the finished parts.
+/// Name of the folder that contains the finished parts.
 const DATA: &str = "data";
-/// Name of the folder with the unfinished files.
+/// Name of the folder that contains temporary files.
 const UNFINISHED: &str = "tmp";
-/// Name of the file with the list of the parts.
+/// Name of the file that lists the parts.
 const LIST: &str = "parts.parquet";
-/// File that older versions wrote instead of a plan.
+/// Name of the file that older versions wrote instead of a plan.
 const OLD_PLAN: &str = "parts.json";
 
-/// Number of random letters at the end of the name of a temporary file.
+/// Number of random letters at the end of a temporary file name.
 const RANDOM_LETTERS: usize = 8;
 
-/// Number of letters of the plan id in the name of a temporary file.
+/// Number of letters of the plan id in a temporary file name.
 const ID_LETTERS: usize = 12;
 
-/// Function that creates a temporary file. It registers the file first, so that an interrupt
-/// removes it.
+/// A function that creates a temporary file. The function registers the file before creating it, so
+/// that the file is removed if the program is interrupted.
 pub type MakeTemporary =
     fn(&mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile>;
 
-/// A folder of parts.
+/// The folder of a dataset.
 #[derive(Debug)]
 pub(super) struct Folder {
     pub(super) path: PathBuf,
@@ -43,22 +43,23 @@ impl Folder {
         Self { path: path.to_owned(), make }
     }
 
-    /// Returns the path of the plan.
+    /// Returns the path of the plan file.
     pub(super) fn plan(&self) -> PathBuf {
         self.path.join(PLAN)
     }
 
-    /// Returns the path of a finished part.
+    /// Returns the path of a part file.
     pub(super) fn part(&self, number: u64) -> PathBuf {
         self.path.join(DATA).join(format!("part-{number:06}.parquet"))
     }
 
-    /// Returns the path of the list of the parts.
+    /// Returns the path of the file that lists the parts.
     pub(super) fn list(&self) -> PathBuf {
         self.path.join(LIST)
     }
 
-    /// Returns the entries among the parts, or none if their folder does not exist.
+    /// Returns the entries of the data folder; the result is empty if the data folder does not
+    /// exist.
     pub(super) fn data(&self) -> Result<Vec<fs::DirEntry>, DatasetError> {
         match entries(&self.path.join(DATA)) {
             Err(DatasetError::Io { error, .. }) if error.kind() == ErrorKind::NotFound => {
@@ -68,9 +69,10 @@ impl Folder {
         }
     }
 
-    /// Reads the text of the plan. An entry that cannot be a plan is not read.
+    /// Reads the text of the plan file. An entry that cannot be a plan, such as a folder, is
+    /// rejected without reading it.
     pub(super) fn read_plan(&self) -> Result<String, DatasetError> {
-        /// Maximum length of a plan \[B\], which is sufficient for axes with a million values.
+        /// Maximum length of a plan file \[B\]. This is enough for axes with a million values.
         const MAX_PLAN_BYTES: u64 = 64 << 20;
         let path = self.plan();
         let unreadable = |error| DatasetError::io("read", &path, error);
@@ -88,9 +90,10 @@ impl Folder {
         String::from_utf8(text).map_err(|_| not_a_plan("it is damaged".to_owned()))
     }
 
-    /// Creates the folder, unless it contains other files.
+    /// Creates the folder. An existing folder with other content is rejected.
     pub(super) fn begin(&self) -> Result<(), DatasetError> {
-        // Removes a separator at the end, which would follow a symbolic link.
+        // Remove a trailing path separator, because it would make `is_symlink` follow a symbolic
+        // link.
         let named: PathBuf = self.path.components().collect();
         if named.is_symlink() && !named.exists() {
             let path = self.path.display();
@@ -101,12 +104,13 @@ impl Folder {
             .map_err(|e| DatasetError::io("make folder", &self.path, e))?;
         if self.path.join(OLD_PLAN).exists() {
             return Err(DatasetError::Refused(format!(
-                "{} holds the parts of an older version of bsm ({OLD_PLAN}), which this one cannot continue; take \
+                "{} holds the parts of an older version of bsm ({OLD_PLAN}), which this version cannot continue; use \
                  another folder",
                 self.path.display()
             )));
         }
-        // A run that was killed at its very beginning leaves empty folders and temporary files.
+        // Empty subfolders and temporary files are accepted, because a run that was killed right
+        // after its start leaves them behind.
         for entry in entries(&self.path)? {
             let name = entry.file_name();
             let is_folder = entry.file_type().is_ok_and(|found| found.is_dir());
@@ -120,14 +124,14 @@ impl Folder {
             };
             if !own {
                 let path = self.path.display();
-                let what = format!("{path} is a folder with other content");
+                let what = format!("{path} is a folder that contains other files");
                 return Err(DatasetError::Refused(what));
             }
         }
         self.make_folders()
     }
 
-    /// Creates the subfolders.
+    /// Creates the subfolders for parts and temporary files.
     pub(super) fn make_folders(&self) -> Result<(), DatasetError> {
         for name in [UNFINISHED, DATA] {
             let path = self.path.join(name);
@@ -136,7 +140,8 @@ impl Folder {
         Ok(())
     }
 
-    /// Creates a temporary file of a plan. It is removed unless it gets its final name.
+    /// Creates a temporary file for a plan. The file is removed automatically unless it is renamed
+    /// to its final name.
     pub(super) fn unfinished(
         &self,
         name: &Path,
@@ -147,7 +152,8 @@ impl Folder {
         let prefix = format!("{stem}.{}.", &plan[..ID_LETTERS]);
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM_LETTERS);
-        // Temporary files are private by default, but the umask applies to results.
+        // Temporary files are created with private permissions by default, but results should have
+        // the permissions that the umask specifies.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         (self.make)(&mut || builder.tempfile_in(&folder))
@@ -169,15 +175,15 @@ impl Folder {
     }
 }
 
-/// Gives a complete file its final name, in a way that survives a loss of power.
+/// Renames a complete file to its final name. The file survives a power failure.
 ///
-/// * `replace`: true to replace an existing file of that name, which is an error otherwise.
+/// * `replace`: true to replace an existing file with that name; otherwise such a file is an error.
 pub(super) fn complete(file: NamedTempFile, name: &Path, replace: bool) -> io::Result<()> {
     file.as_file().sync_all()?;
     if replace { file.persist(name) } else { file.persist_noclobber(name) }.map_err(|e| e.error)?;
     match name.parent() {
         Some(folder) if cfg!(unix) => File::open(folder)?.sync_all(),
-        // Other systems cannot open folders.
+        // Other operating systems cannot open folders.
         _ => Ok(()),
     }
 }
@@ -188,8 +194,8 @@ fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>, DatasetError> {
         .map_err(|e| DatasetError::io("read folder", folder, e))
 }
 
-/// Returns the plan id in the name of a temporary file, if the name has the form that
-/// [`Folder::unfinished`] creates.
+/// Returns the plan id in the name of a temporary file, or `None` if [`Folder::unfinished`] cannot
+/// have created the name.
 fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let name = entry.file_name().into_string().ok()?;
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };

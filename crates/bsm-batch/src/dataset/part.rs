@@ -1,9 +1,9 @@
-//! A part: a Parquet file that can verify itself.
+//! Part files: Parquet files that verify themselves.
 //!
-//! The footer of a part states the plan and the number of the part. It contains two hashes: one of
-//! all bytes before the footer, and one of the footer itself with zeros in place of this hash.
-//! Every changed bit of the file is therefore detected, and there is no separate log that could be
-//! lost or become inconsistent.
+//! The footer of a part states its plan and its part number. It also contains two hashes: one of
+//! all bytes before the footer, and one of the footer itself, calculated with zeros in place of
+//! this second hash. Every changed bit of the file is therefore detected, and no separate log is
+//! needed that could be lost or become inconsistent.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -30,16 +30,18 @@ const DATA_BYTES: &str = "bsm.data_bytes";
 const DATA_SHA256: &str = "bsm.data_sha256";
 const FOOTER_SHA256: &str = "bsm.footer_sha256";
 
-/// Placeholder for the hash of the footer while the hash is calculated.
+/// Placeholder for the hash of the footer while this hash is calculated.
 const ZEROS: [u8; 64] = [b'0'; 64];
 
-/// Number of bytes at the end of a Parquet file for the length of the footer and the magic letters.
+/// Number of bytes at the end of a Parquet file that contain the length of the footer and the magic
+/// number.
 const TAIL: usize = 8;
 
-/// Maximum length of a footer \[B\]: fifty times the footer of the largest part with all outputs.
+/// Maximum length of a footer \[B\], about fifty times the footer of the largest possible part with
+/// all outputs.
 const MAX_FOOTER_BYTES: u64 = 64 << 20;
 
-/// The plan and the part that a file should contain.
+/// Expected plan, number and row range of a part file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PartRange<'a> {
     /// Id of the plan.
@@ -50,7 +52,7 @@ pub(super) struct PartRange<'a> {
 }
 
 impl PartRange<'_> {
-    /// Rejects points whose number differs from the plan.
+    /// Rejects a part whose number of rows differs from the plan.
     pub(super) fn check(&self, count: Count) -> Result<(), DatasetError> {
         let Self { number, rows, .. } = *self;
         let found = count.rows;
@@ -66,11 +68,11 @@ impl PartRange<'_> {
 /// A finished part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// Index of the part, from 0.
+    /// Index of the part, counted from 0.
     pub number: u64,
-    /// Index of the first row of the part, from 0.
+    /// Index of the first row of the part, counted from 0.
     pub first_row: u64,
-    /// Number of rows.
+    /// Number of rows of the part.
     pub rows: u64,
     /// Number of rows without a result.
     pub failed: u64,
@@ -78,11 +80,12 @@ pub struct Part {
     pub several: u64,
     /// Number of bytes before the footer.
     pub data_bytes: u64,
-    /// Hash of these bytes.
+    /// SHA-256 hash of the bytes before the footer.
     pub data_sha256: String,
 }
 
-/// A writer that hashes all bytes and holds back the footer until the footer contains its hash.
+/// A writer that hashes all bytes before the footer. The footer is held back until its own hash has
+/// been inserted.
 #[derive(Debug)]
 pub(super) struct HashingWriter<W> {
     out: W,
@@ -114,7 +117,7 @@ impl<W: Write> Write for HashingWriter<W> {
     }
 }
 
-/// Writes the end of a part and returns the writer.
+/// Writes the footer of a part with its hashes, and returns the underlying writer.
 pub(super) fn write_footer<W: Write + Send>(
     table: TableSink<HashingWriter<W>>,
     range: PartRange<'_>,
@@ -149,8 +152,8 @@ pub(super) fn write_footer<W: Write + Send>(
     Ok((out, part))
 }
 
-/// Position of the hash in a footer: after its key, the type of the field and its length, in
-/// Thrift's compact protocol.
+/// Returns the position of the hash in a footer. In Thrift's compact protocol, the hash follows its
+/// key, the field type and the length.
 fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
     const FIELD: [u8; 2] = [0x18, 64];
     let key = FOOTER_SHA256.as_bytes();
@@ -158,7 +161,7 @@ fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
     (footer.get(at..at + 2)? == FIELD).then_some(at + 2..at + 2 + ZEROS.len())
 }
 
-/// Returns the part at a path, if it is the expected part.
+/// Verifies a part file and returns the part.
 ///
 /// * `deep`: true to verify all bytes, false to verify only the footer.
 ///
@@ -190,9 +193,9 @@ pub(super) fn verify(
     Ok(Some(part))
 }
 
-/// Returns the expected part if a footer with its tail proves that the file contains it.
+/// Verifies a footer and returns the part that it describes.
 ///
-/// * `len`: length of the file.
+/// * `len`: length of the part file.
 fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part, PartDefect> {
     // The footer is verified before its contents are used.
     let hash_place = place_of_hash(&footer).ok_or(PartDefect::Footer)?;
@@ -228,15 +231,15 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
     Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
 }
 
-/// Returns the length of the footer of a Parquet file including its tail, from the last bytes of
-/// the file, or `None` if these bytes are not a tail.
+/// Returns the length of the footer of a Parquet file including its tail, or `None` if `tail` (the
+/// last bytes of the file) is invalid.
 fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
     let [a, b, c, d, letters @ ..] = tail;
     let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
     (letters == *b"PAR1" && footer <= MAX_FOOTER_BYTES).then_some(footer + TAIL as u64)
 }
 
-/// Returns the footer of a file with its tail, or `None` if the file has no footer.
+/// Reads the footer of a Parquet file including its tail; returns `None` if the file has no footer.
 fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     let Some(at_tail) = len.checked_sub(TAIL as u64) else { return Ok(None) };
     let mut tail = [0; TAIL];
@@ -251,7 +254,8 @@ fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() as u64 == rest).then_some(bytes))
 }
 
-/// Returns the parts as a Parquet table, which is the file `parts.parquet` of a folder.
+/// Returns the list of parts as a Parquet table, which becomes the file `parts.parquet` of a
+/// dataset.
 ///
 /// # Errors
 ///
@@ -275,7 +279,7 @@ pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableEr
     Ok(writer.into_inner()?)
 }
 
-/// Describes an entry that is not a file.
+/// Returns a description of an entry that is not a file, such as "a folder".
 pub(super) fn kind(found: &fs::Metadata) -> &'static str {
     if found.is_dir() {
         "a folder"

@@ -1,5 +1,5 @@
-//! The plan of a folder. It contains everything that determines the bytes of the parts, and nothing
-//! else.
+//! The plan of a dataset. It contains everything that determines the bytes of the parts, and
+//! nothing else.
 
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
@@ -14,24 +14,25 @@ use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
-/// Revision of the results. It increases by one when a number changes, so that parts of two
-/// revisions are not mixed.
+/// Revision number of the results. It is incremented whenever a calculated number changes, so that
+/// parts with different results are never mixed.
 pub const RESULTS: u32 = 90;
 
-/// Revision of the format of the plan and of the parts, whose bytes follow from the plan.
+/// Revision number of the file format of the plan and the parts. The plan must determine every byte
+/// of the parts.
 const FORMAT: u32 = 6;
 
-/// Maximum number of parts of a folder.
+/// Maximum number of parts of a dataset.
 pub const MAX_PARTS: u64 = 100_000;
 
-/// Planned content of a folder.
+/// The plan of a dataset.
 #[derive(Debug, Clone)]
 pub struct Plan {
     written: PlanFile,
     text: String,
 }
 
-/// A plan as stored in its file. The keys have the order of the fields.
+/// Contents of a plan file. The order of the fields is the order of the keys in the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
@@ -43,18 +44,18 @@ struct PlanFile {
     columns: Vec<String>,
     rows: u64,
     rows_per_part: NonZeroU64,
-    /// SHA-256 of the text with an empty value in this place, which is the id of the plan.
+    /// Id of the plan: the SHA-256 hash of the text of the file in which this value is empty.
     #[serde(default)]
     sha256: String,
 }
 
 impl PlanFile {
-    /// Returns the text of the file.
+    /// Returns the text of the plan file.
     fn text(&self) -> serde_json::Result<String> {
         Ok(serde_json::to_string(self)? + "\n")
     }
 
-    /// Fills in the hash of the text.
+    /// Calculates the hash of the text and fills it in.
     fn sealed(mut self) -> serde_json::Result<Self> {
         self.sha256.clear();
         self.sha256 = digest::of_bytes(self.text()?.as_bytes());
@@ -62,12 +63,12 @@ impl PlanFile {
     }
 }
 
-/// Nominal cost of a plan.
+/// Estimated cost of a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Time on one core \[s\].
+    /// Computation time on one core \[s\].
     pub core_seconds: f64,
-    /// Upper bound of the size of all parts \[B\]. Repeated values take less.
+    /// Upper bound of the total size of all parts \[B\]. Repeated values take less space.
     pub bytes: f64,
 }
 
@@ -87,10 +88,9 @@ impl Program {
 }
 
 impl Plan {
-    /// Creates the plan of a task for points.
+    /// Creates a plan for solving points.
     ///
-    /// * `rows_per_part`: number of rows of a part. Defaults to a number that follows from the
-    ///   task.
+    /// * `rows_per_part`: number of rows per part. The default depends on the task.
     ///
     /// # Errors
     ///
@@ -130,18 +130,18 @@ impl Plan {
         Ok(Self { text: written.text().map_err(unwritable)?, written })
     }
 
-    /// Reads a plan.
+    /// Parses the text of a plan file.
     ///
     /// # Errors
     ///
-    /// The reason as text: the text is not a plan, belongs to another program version, or has been
-    /// changed.
+    /// Returns the reason as text if the text is not a plan, belongs to another program version, or
+    /// has been changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let written: PlanFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let (found, this) = (&written.program, Program::this());
         if (written.format, found) != (FORMAT, &this) {
             return Err(format!(
-                "it is of {} {} with results {} in form {}, this is {} {} with results {} in form {FORMAT}",
+                "it was made by {} {} (results {}, format {}), but this is {} {} (results {}, format {FORMAT})",
                 found.name,
                 found.version,
                 found.results,
@@ -154,18 +154,16 @@ impl Plan {
         let written = written.sealed().map_err(|e| e.to_string())?;
         let as_written = written.text().map_err(|e| e.to_string())?;
         if as_written != text {
-            return Err(
-                "it has been changed, because its text does not match its SHA-256".to_owned()
-            );
+            return Err("it has been changed: its text does not match its SHA-256".to_owned());
         }
         Ok(Self { written, text: as_written })
     }
 
-    /// Returns the task.
+    /// Returns the task of the plan.
     ///
     /// # Errors
     ///
-    /// Unknown names in the plan, as text.
+    /// Returns the reason as text if the plan contains unknown names.
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
         let base = Case::from_json(&base).map_err(|e| e.to_string())?;
@@ -175,13 +173,14 @@ impl Plan {
         Ok(Task::new(base, settings, outputs))
     }
 
-    /// Returns the points. For a table, checks that it is the table of the plan.
+    /// Returns the points of the plan. If the points come from a table, checks that the table has
+    /// not changed since the plan was made.
     ///
-    /// * `table`: returns the path for the name of a table.
+    /// * `table`: returns the path of the table with the given name.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the points are invalid, or if the table is missing or different.
+    /// [`DatasetError`] if the points are invalid, or if the table is missing or has changed.
     pub fn points(
         &self,
         table: impl FnOnce(&str) -> PathBuf,
@@ -190,7 +189,7 @@ impl Plan {
         self.written.points.read(table, workers)
     }
 
-    /// Returns the nominal cost.
+    /// Estimates the computation time and the size of the dataset.
     ///
     /// # Errors
     ///
@@ -198,7 +197,7 @@ impl Plan {
     pub fn estimate(&self) -> Result<Estimate, String> {
         /// Size of the footer of a part \[B\].
         const FOOTER: f64 = 1500.0;
-        /// Size of the entry of a column in the footer \[B\].
+        /// Size of a column entry in the footer \[B\].
         const COLUMN: f64 = 150.0;
         let task = self.task()?;
         let [rows, parts] = [self.rows(), self.parts()].map(approximate);
@@ -211,40 +210,39 @@ impl Plan {
             _ => 8.0,
         };
         let outputs = task.outputs.iter().map(bytes).sum::<f64>();
-        // With `auto`, each row states the reason for its model.
+        // With `auto`, each row contains the reason why its model was chosen.
         let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
         let data = rows * (words + outputs + inputs.iter().sum::<f64>());
         let core_seconds = rows * seconds(task.settings.model);
         Ok(Estimate { core_seconds, bytes: data + parts * (FOOTER + COLUMN * columns) })
     }
 
-    /// Returns the text of the file.
+    /// Returns the text of the plan file.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Returns the SHA-256 in the file.
+    /// Returns the id of the plan, which is its SHA-256 hash.
     pub fn id(&self) -> &str {
         &self.written.sha256
     }
 
-    /// Returns the number of all rows.
+    /// Returns the total number of rows.
     pub fn rows(&self) -> u64 {
         self.written.rows
     }
 
-    /// Returns the number of rows of a part. The last part may have fewer.
+    /// Returns the number of rows per part. The last part may have fewer rows.
     pub fn rows_per_part(&self) -> u64 {
         self.written.rows_per_part.get()
     }
 
-    /// Returns the number of parts, which is at least one: a table without rows is a part without
-    /// rows.
+    /// Returns the number of parts. A table without rows still has one part.
     pub fn parts(&self) -> u64 {
         self.rows().div_ceil(self.rows_per_part()).max(1)
     }
 
-    /// Returns the range of a part, which must be in the plan.
+    /// Returns the row range of a part, or an error if the plan contains no such part.
     pub(super) fn range(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
@@ -260,8 +258,8 @@ impl Plan {
         PartRange { plan: self.id(), number, first_row, rows }
     }
 
-    /// Returns the keys whose values differ in the text of another plan, with both values if they
-    /// are short. Returns `None` if the text is not a plan.
+    /// Lists the keys whose values differ from the text of another plan. Short values are included.
+    /// Returns `None` if the other text is not a plan.
     pub fn differences(&self, other: &str) -> Option<String> {
         // The hash differs whenever any other key differs.
         const HASH: &str = "sha256";
@@ -285,10 +283,10 @@ impl Plan {
 }
 
 impl Task {
-    /// Returns the description of the origin of a table of answers: program, points, case,
-    /// settings, and columns with their units.
+    /// Describes the origin of a results table: program, points, case, settings, and columns with
+    /// their units.
     ///
-    /// * `points`: see [`Points::about`].
+    /// * `points`: description of the points from [`Points::about`].
     /// * `columns`: columns of the points.
     pub fn about(&self, points: &Value, columns: &Columns) -> Value {
         let column = |Heading { name, unit, about, .. }: Heading<'_>| {
@@ -305,14 +303,14 @@ impl Task {
     }
 }
 
-/// Converts a count to a number for display.
+/// Converts a count to a floating-point number for an estimate.
 #[expect(clippy::cast_precision_loss, reason = "for an estimate")]
 fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Returns the nominal time of a row with one output, solved and written on one core \[s\], for
-/// rolling balls.
+/// Returns the estimated time for solving and writing a row with one output on one core \[s\]. The
+/// balls are assumed to roll without gross sliding.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
         ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,
@@ -325,14 +323,15 @@ fn seconds(model: ModelChoice) -> f64 {
     1e-6 * microseconds
 }
 
-/// Returns the number of rows of a part: the largest power of two that takes a few seconds, so that
-/// a killed run loses only a few seconds of work. The number is doubled until the number of parts
-/// is within its limit.
+/// Returns the default number of rows per part. It is the largest power of two for which a part
+/// takes only a few seconds, so that a killed run loses little work. The number is doubled until
+/// the number of parts does not exceed its limit.
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Maximum number of rows before doubling. If a point takes a hundred times its nominal time,
-    /// as in model `rigid` at strong inertia, a part takes less than an hour.
+    /// Maximum number of rows before doubling. With this limit, a part takes less than an hour even
+    /// if each point takes a hundred times its estimated time, as in model `rigid` with large
+    /// inertia forces.
     const MAX_ROWS: u32 = 1 << 20;
-    /// Maximum nominal time of a part on one core \[s\].
+    /// Maximum estimated time of a part on one core \[s\].
     const MAX_SECONDS: f64 = 5.0;
 
     let mut count = MAX_ROWS;

@@ -1,4 +1,4 @@
-//! Points of a grid or a table, which can be generated repeatedly.
+//! Points from a grid, a random generator or a table. They can be generated or read repeatedly.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -19,23 +19,23 @@ use crate::{
 /// Points that can be generated or read repeatedly.
 #[derive(Debug, Clone)]
 pub enum Points {
-    /// A grid.
+    /// The points of a grid.
     Grid(Grid),
     /// Random points.
     Draws(Draws),
-    /// A table.
+    /// The rows of a table.
     Table {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Columns to copy.
+        /// Names of the columns to copy.
         keep: Vec<String>,
-        /// Format of the table.
+        /// Separators, decimal sign and column names of the table.
         table_format: TableFormat,
     },
 }
 
 impl Points {
-    /// Returns all rows, starting from the first row.
+    /// Returns a source of rows that starts at the first row.
     ///
     /// # Errors
     ///
@@ -54,8 +54,8 @@ impl Points {
         }
     }
 
-    /// Returns the description of the points for a plan, and their number. For a table, the file is
-    /// read to its end to calculate the hash, and the rows are counted if no footer states their
+    /// Returns the description of the points in a plan, and the number of points. A table file is
+    /// read to its end to calculate its hash. Its rows are counted unless a footer states their
     /// number.
     pub(super) fn written(
         &self,
@@ -83,8 +83,8 @@ impl Points {
         Ok((PointsEntry::Table(table), rows))
     }
 
-    /// Returns the description of the points for the metadata of a table. A pipe has no name and is
-    /// not hashed.
+    /// Returns a description of the points for the metadata of a table. A pipe has no name, and its
+    /// contents are not hashed.
     ///
     /// # Errors
     ///
@@ -105,7 +105,7 @@ impl Points {
     }
 }
 
-/// Reports that a plan does not name valid points.
+/// Reports that the points in a plan are invalid.
 pub(super) fn invalid_points(why: impl Display) -> DatasetError {
     DatasetError::Refused(format!("the points of the plan: {why}"))
 }
@@ -119,7 +119,7 @@ fn written_draws(draws: &Draws) -> PointsEntry {
     PointsEntry::Random(DrawsEntry { seed: draws.seed(), count: draws.count(), of })
 }
 
-/// Returns the SHA-256 hash of a file, and its length.
+/// Returns the SHA-256 hash and the length of a file.
 ///
 /// # Errors
 ///
@@ -129,7 +129,7 @@ pub fn sha256(path: &Path) -> io::Result<(String, u64)> {
     hash.ok_or_else(|| io::Error::other("never stopped"))
 }
 
-/// Returns name, SHA-256 and length of a table.
+/// Returns the name, SHA-256 hash and length of a table file.
 fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), DatasetError> {
     let unreadable = |error: io::Error| DatasetError::io("read", path, error);
     let found = path.metadata().map_err(unreadable)?;
@@ -165,20 +165,21 @@ pub(super) struct DrawsEntry {
 }
 
 impl PointsEntry {
-    /// Returns the nominal size of each input in a row of a part \[B\].
+    /// Returns the estimated size of each input in a row of a part \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// Size of a number \[B\].
+        /// Uncompressed size of a number \[B\].
         const NUMBER: f64 = 8.0;
-        /// Assumed number of columns of a table.
+        /// Assumed number of input columns of a table.
         const COLUMNS: usize = 4;
-        /// Size of a number that Snappy finds again in its window of 64 kB \[B\]. Measured: 0.4 to
-        /// 0.5 B.
+        /// Compressed size of a number that repeats within Snappy's window of 64 kB \[B\].
+        /// Measured: 0.4 to 0.5 B.
         const REPEATED: f64 = 0.5;
-        /// Number of values of the innermost axis for which the axis repeats several times within
-        /// this window.
+        /// Maximum number of values on the innermost axis. With at most this number, the values of
+        /// the axis are assumed to repeat within the window.
         const REPEATING: usize = 1 << 14;
         match self {
-            // Outer axes have runs of equal values, and the innermost axis repeats.
+            // Outer axes have runs of equal values, and the values of the innermost axis repeat
+            // periodically.
             Self::Grid(axes) => {
                 let bytes = |(range, text): (usize, &String)| match Axis::parse(text) {
                     Ok(axis) if range == 0 && axis.len() > REPEATING => NUMBER,
@@ -191,10 +192,10 @@ impl PointsEntry {
         }
     }
 
-    /// Returns the points. A table is searched at a path and must be the table for which the plan
-    /// was made.
+    /// Returns the points. If they come from a table, the table file must be the one for which the
+    /// plan was made.
     ///
-    /// * `table`: returns the path for the name of the table.
+    /// * `table`: returns the path of the table with the given name.
     pub(super) fn read(
         &self,
         table: impl FnOnce(&str) -> PathBuf,
@@ -209,7 +210,7 @@ impl PointsEntry {
                 let path = table(&written.name);
                 let (keep, table_format) = (written.keep.clone(), written.table_format.clone());
                 let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
-                // A table with another length is rejected without reading it to its end.
+                // A file with a different length is rejected without calculating its hash.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
                     return Err(DatasetError::Refused(format!(
                         "{} is not the table of points of the plan ({}), because its contents differ",

@@ -1,23 +1,25 @@
-//! Compares results of the batch with results of the model.
+//! Compares the results of a table with the results of single solves.
 
 use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record, output};
 use bsm_dyn::{Ball, Status};
 
-/// Outputs that describe the path to a root, not the root itself.
-const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
+/// Outputs that describe the iteration instead of the solution. They are not compared.
+const ITERATION_OUTPUTS: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
-/// Outputs that bound an error. They are at least 1e-9 and ten times a difference of efficiencies.
-/// Each efficiency is known to 1e-12 at a root with a residual of this size, so the bounds are
-/// known to one per cent.
+/// Error bounds among the outputs. A bound is at least 1e-9 and equals ten times a difference
+/// between two efficiencies. If the residual is this small, each efficiency is accurate to 1e-12,
+/// so the bound is accurate to one percent.
 const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 
-/// Returns the absolute tolerance of an output, in addition to a tolerance relative to its size.
+/// Returns the absolute tolerance of an output. It is added to a tolerance that is relative to the
+/// value.
 ///
-/// Newton's method of the model stops at 1e-13 of the load, or at 1e-12 of the inertia forces if
-/// these are smaller, and rounding of the loads leaves about 1e-16. A result that depends on
-/// inertia, which is `iota` of the load, is only known to this accuracy.
-fn result_scatter(unit: &str, case: &Case) -> f64 {
+/// Newton's method stops at a residual of 1e-13 times the load, or of 1e-12 times the inertia
+/// forces if these are smaller. Rounding errors of the loads are about 1e-16. `iota` is the ratio
+/// of inertia forces to load; results that depend on inertia are accurate only to the corresponding
+/// tolerance.
+fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     let value = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);
     let pitch = 0.5e-3 * value(InputKey::pitch_circle_diameter_mm);
@@ -31,21 +33,22 @@ fn result_scatter(unit: &str, case: &Case) -> f64 {
     let scatter = match unit {
         "N" => 1e-13 * load,
         "deg" => 1e-10 * 90.0,
-        // Slip is a difference of speeds of this magnitude.
+        // Slip is a difference between speeds of this magnitude.
         "rad/s" => motion * speed * pitch / ball,
         "m/s" => motion * speed * pitch,
-        // Displacement is a difference of lengths of up to 1 mm.
+        // Displacement is a difference between lengths of up to 1 mm.
         "um" => 1e-11,
-        // Lost power is a difference of powers of this magnitude.
+        // The power loss is a difference between powers of this magnitude.
         "W" => 1e-12 * axial * pitch * speed,
         _ => 0.0,
     };
-    // The value is NaN, and therefore 0, if inputs are missing.
+    // If inputs are missing, the scatter is NaN, and the result is 0.
     scatter.max(0.0)
 }
 
-/// Compares the answer of a row: the status must agree, and every output within 1e-10 of its size
-/// plus its absolute tolerance. Returns true if the row converged.
+/// Compares the results of a table row with a single solve. The status must be the same, and every
+/// output must agree to within 1e-10 of its value plus its absolute tolerance. Returns true if the
+/// row converged.
 pub(crate) fn assert_alike(
     what: &dyn Fn() -> String,
     (answers, row): (&Answers, usize),
@@ -55,7 +58,7 @@ pub(crate) fn assert_alike(
     let status = answers.verdicts[row].status;
     assert_eq!(status, expected.status(), "{}", what());
     for (output, column) in outputs.iter().zip(&answers.columns) {
-        if OF_THE_WAY.contains(&output.name) {
+        if ITERATION_OUTPUTS.contains(&output.name) {
             continue;
         }
         let found = (!column[row].is_nan()).then_some(column[row]);
@@ -65,9 +68,9 @@ pub(crate) fn assert_alike(
         let (Some(found), Some(known)) = (found, known) else { continue };
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
         // Near a spin pole, a table and a single solve approach the root of the quadrature rule
-        // from two sides. They agree within 1e-4 of their stated error.
+        // from different sides. They agree to within 1e-4 of their error bound.
         let stated = expected.number(output!(loss_error_bound)).unwrap_or(0.0).max(0.0);
-        let tolerance = (part + 1e-4 * stated) * known.abs() + result_scatter(unit, case);
+        let tolerance = (part + 1e-4 * stated) * known.abs() + absolute_tolerance(unit, case);
         let difference = (found - known).abs();
         assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());
     }

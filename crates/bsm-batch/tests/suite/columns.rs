@@ -1,4 +1,4 @@
-//! Numbers of the analyses as columns of tables.
+//! Tests of results of analyses as table columns.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
 use bsm_case::{
@@ -12,14 +12,14 @@ const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/fe
 
 const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-/// Returns the example as a nut of three turns, with one input removed.
+/// Returns an example case for a nut with three loaded turns. The given input is removed.
 fn dong_case(without: &str) -> Case {
     let mut case = Case::from_json(DONG).expect("an example");
     case.loaded_turns = Some(3.0);
     let mut json = case.to_json();
-    // The analysis of the nut needs these inputs.
+    // The nut analysis needs these inputs.
     json["loaded_turns"] = 2.into();
-    // The analysis of the axis needs these inputs.
+    // The axis analysis needs these inputs.
     json["axis_heat_transfer_W_K"] = 50.into();
     json["accuracy_grade"] = 5.into();
     json["stroke_mm"] = 500.into();
@@ -41,8 +41,8 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
     Answers::select(Some(&names)).expect("outputs")
 }
 
-/// Returns all numbers of all analyses of a dry screw except for its warm state. The loss of the
-/// ball returns and the modified life need a lubricant.
+/// Returns all numeric outputs of the analyses of a dry screw, except for the warm state, the loss
+/// in the ball returns and the modified life. The last two need a lubricant.
 fn all_columns() -> Vec<&'static Output> {
     let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
     let columns = kinds.flat_map(AnalysisKind::columns);
@@ -68,11 +68,11 @@ fn has_same_bits(a: f64, b: Option<f64>) -> bool {
     a.to_bits() == b.unwrap_or(f64::NAN).to_bits()
 }
 
-/// A column is bit-identical to the output of the command of its analysis for the case of the row,
-/// even if a kernel solves the other columns. With columns of slip or jamming, `auto` chooses one
-/// model for all columns.
+/// For the case of each row, a column must be bit-identical to the result of the corresponding
+/// analysis command, even if a kernel solves the other columns. If slip or jamming columns are
+/// requested, `auto` must choose one model for all columns.
 #[test]
-fn columns_match_the_numbers_of_the_analyses() {
+fn table_columns_match_the_results_of_the_analyses() {
     let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
     let mut base = dong_case("");
     base.ball_gap_mm = Some(0.5);
@@ -117,15 +117,15 @@ fn columns_match_the_numbers_of_the_analyses() {
                 numbers_seen += usize::from(expected.is_some());
             }
         }
-        // There are six rows of about sixty numbers.
+        // There are six rows with about sixty numbers each.
         assert!(numbers_seen > 300, "{settings:?}: {numbers_seen}");
     }
 }
 
-/// `auto` used to choose the model of each row by the error of the efficiency. The wedge jumped
-/// from 0.004 to 5.3 deg between two loads, which falsely indicated a jam.
+/// Regression test: `auto` used to choose the model of each row from the error of the efficiency.
+/// Between two loads, the wedge angle jumped from 0.004 to 5.3 deg, which falsely indicated a jam.
 #[test]
-fn columns_of_a_motion_have_one_model() {
+fn motion_columns_use_one_model_for_all_rows() {
     let grid = grid(&["axial_load_N=2000:24000:12"]);
     let base = Case { friction_coefficient: Some(0.06), ..dong_case("") };
     let wanted = outputs(&["efficiency", "wedge_angle_deg", "published_margin"]);
@@ -134,16 +134,16 @@ fn columns_of_a_motion_have_one_model() {
     assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
-        // The load doubles in the first step, and the margin, which grows slightly faster, more
-        // than doubles.
+        // The load doubles in the first step. The margin grows slightly faster than the load, so it
+        // more than doubles.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }
 
-/// A review found that rows of a vertical axis lacked the results of a fall, because only the axis
-/// sheet calculated the effect of the weight.
+/// Regression test: rows of a vertical axis had no results for a falling axis, because only the
+/// axis sheet included the effect of the weight.
 #[test]
-fn rows_of_a_vertical_axis_have_the_fall_speed_of_the_axis_sheet() {
+fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
     let mut base = Case::from_json(AXIS).expect("a case");
     base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
     let grid = grid(&["axial_load_N=100,5000"]);
@@ -163,10 +163,11 @@ fn rows_of_a_vertical_axis_have_the_fall_speed_of_the_axis_sheet() {
     }
 }
 
-/// Next to columns of the warm state, the warm numbers of a nut agree with it within the tolerance
-/// of the search. A row above the fold has no solution, whichever column is requested.
+/// If a table has warm-state columns, the warm results of the nut must agree with them to within
+/// the tolerance of the search for the warm state. A row above the fold must have no solution,
+/// regardless of the requested columns.
 #[test]
-fn all_columns_of_a_warm_row_use_the_same_state() {
+fn all_columns_of_a_row_use_the_same_warm_state() {
     let grid = grid(&["screw_speed_rpm=500,1500"]);
     let mut base = Case::from_json(FEED_AXIS).expect("a case");
     base.apply(&["preload_arrangement=X", "nut_conductance_W_K=20"]).expect("settings");
@@ -180,8 +181,8 @@ fn all_columns_of_a_warm_row_use_the_same_state() {
     };
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
-    // A review found that the warm case of a row was rejected because of a conductance that its
-    // axis no longer used, and that its axis was not the warm axis.
+    // Regression test: the warm case of a row was rejected because of a conductance that its axis
+    // no longer used, and the results of the axis were not those of the warm axis.
     let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
@@ -195,9 +196,10 @@ fn all_columns_of_a_warm_row_use_the_same_state() {
     assert!(has_same_bits(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
-/// A column of a nut without balls used to be solved and rejected row by row.
+/// Regression test: for a nut without balls, a nut column used to be solved and rejected separately
+/// in each row.
 #[test]
-fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
+fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);
     let wanted = outputs(&["friction_torque_Nm"]);
     let base = dong_case("loaded_turns");
@@ -209,8 +211,8 @@ fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
     );
 }
 
-/// Other columns stay bit-identical if numbers of analyses, which no kernel calculates, are
-/// requested.
+/// Results of analyses are never calculated by a kernel. Requesting them must leave all other
+/// columns bit-identical.
 #[test]
 fn columns_of_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
@@ -235,9 +237,10 @@ fn columns_of_analyses_do_not_change_other_columns() {
     }
 }
 
-/// A column that no row can fill is rejected before any work, with the missing inputs.
+/// A column that cannot be calculated in any row must be rejected before any row is solved. The
+/// error lists the missing inputs.
 #[test]
-fn columns_that_no_row_can_fill_are_rejected() {
+fn columns_that_cannot_be_calculated_in_any_row_are_rejected() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
     for (without, model, column, words) in [
         ("return_angle_deg", "auto", "step_thrust_N", "because return_angle_deg is missing"),
@@ -259,14 +262,14 @@ fn columns_that_no_row_can_fill_are_rejected() {
             Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
         assert!(error.contains(words), "{column}: {error}");
     }
-    // One of two alternative inputs is sufficient.
+    // One of the two alternative inputs is enough.
     let columns = outputs(&["ball_return_margin"]);
     Task::over_grid(dong_case("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");
 }
 
-/// An output that needs no motion needs no operating point either. A row with missing inputs
-/// reports these inputs.
+/// An output that does not depend on the motion must not require an operating point. A row in which
+/// required inputs are missing must report them.
 #[test]
 fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");
@@ -283,11 +286,11 @@ fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     assert!(words.contains("friction_coefficient is required"), "{words}");
 }
 
-/// Columns of the warm state depend on the conductances of each row. An X pair at 1000 rpm without
-/// load agrees with the table of an independent solution, in whole newtons. A column of a single
-/// ball uses the lubricant temperature of the warm state.
+/// Warm-state columns must depend on the conductances of each row. For an X arrangement at 1000 rpm
+/// without load, the results agree with the table of an independent solution to whole newtons. A
+/// column for a single ball must use the lubricant temperature of the warm state.
 #[test]
-fn columns_of_the_warm_state_follow_the_conductances() {
+fn warm_state_columns_depend_on_the_conductances_of_the_row() {
     let axis = include_str!("../../../../validation/published/nut/feed_axis.json");
     let mut base = Case::from_json(axis.as_bytes()).expect("a case");
     let cycle = r#"cycle=[{"share": 1, "screw_speed_rpm": 1000, "force_N": 0}]"#;
@@ -303,7 +306,7 @@ fn columns_of_the_warm_state_follow_the_conductances() {
         assert!((preload - expected).abs() < 0.6, "{preload}, not {expected}");
         assert!(nut > 20.0 && oil > nut, "{nut} {oil}");
     }
-    // The row is above its fold at 874 rpm, so it has no state.
+    // The speed of this row is above the fold at 874 rpm, so the row has no warm state.
     let one = self::grid(&["nut_conductance_W_K=40"]);
     let task = Task::over_grid(base, settings, outputs(&names[..1]), None, &one).expect("a task");
     let answers = solve(&task, &one);
@@ -311,14 +314,14 @@ fn columns_of_the_warm_state_follow_the_conductances() {
     assert!(answers.columns[0][0].is_nan());
 }
 
-/// If pushes of the balls exceed the range of the model, a row has the numbers that remain valid,
-/// and the reason for missing numbers.
+/// If pushes between balls exceed the range of the model, a row must contain the results that are
+/// still valid, and a message with the reason why other results are missing.
 #[test]
-fn a_row_states_why_pushes_prevent_a_torque() {
+fn row_message_explains_why_ball_pushes_prevent_a_torque() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");
-    // A push of 6 N acts on balls with loads of up to 190 N.
+    // The ball loads are up to 190 N; a push of 6 N is too large.
     let grid = grid(&["return_push_N=0:6:2"]);
     let outputs = outputs(&["friction_torque_Nm", "needed_gap_mm", "max_contact_load_N"]);
     let task = Task::over_grid(base, Settings::default(), outputs, None, &grid).expect("a task");
@@ -333,8 +336,8 @@ fn a_row_states_why_pushes_prevent_a_torque() {
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
 
-/// A table may have a column `model`, and its inputs are read nevertheless. The outputs follow the
-/// answer columns, and some of them have the name of an input.
+/// A table may have a column named `model`; its inputs must still be read. Outputs follow the
+/// status columns, and some of them have the same name as an input.
 #[test]
 fn columns_of_earlier_results_are_ignored() {
     let inputs = |names: &[&str]| {

@@ -1,4 +1,4 @@
-//! Tests datasets that are split into part files. Their bytes must not depend on the number of
+//! Tests of datasets that are split into part files. Their bytes must not depend on the number of
 //! processes or interruptions, and only verified parts may count as complete.
 
 use std::collections::BTreeMap;
@@ -42,8 +42,8 @@ fn task(model: Model) -> Task {
     Task::new(base, Settings::from(model), outputs)
 }
 
-/// Returns a grid of loads and friction coefficients. With the last coefficient the screw is
-/// self-locking, so a third of the rows fails.
+/// Returns a grid of loads and friction coefficients. The screw is self-locking at the last
+/// coefficient, so that a third of the rows have no solution.
 fn grid() -> Grid {
     let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
     Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
@@ -58,7 +58,7 @@ fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
     dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
-/// Returns all files below a folder.
+/// Returns the relative paths and contents of all files in a folder and its subfolders.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -80,7 +80,7 @@ fn temporary_folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// Returns the rows of a table as the values of its columns.
+/// Reads all rows of a table and returns their values.
 fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
     let mut rows = Vec::new();
     while let Some(chunk) = source.next(size).expect("a table") {
@@ -92,7 +92,7 @@ fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
 }
 
 #[test]
-fn bytes_depend_on_the_plan_only() {
+fn part_bytes_depend_only_on_the_plan() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
     let first = temporary_folder();
     let count = fill(first.path(), &task, &points, 1);
@@ -109,7 +109,7 @@ fn bytes_depend_on_the_plan_only() {
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
-    // Parts can be solved in any order. Existing parts are found and counted.
+    // Solves the parts in another order. Existing parts are found and counted.
     let other = temporary_folder();
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
@@ -118,7 +118,7 @@ fn bytes_depend_on_the_plan_only() {
         let part = &solved.expect("solved")[&number];
         assert_eq!((part.number, part.first_row, part.rows), (number, number * 50, rows));
     }
-    // A dataset can be opened from its folder alone.
+    // A dataset can be opened if only its folder is known.
     let parts = Dataset::open(other.path(), make).expect("a folder");
     let task = parts.plan().task().expect("a task");
     let points = parts.points(None, &workers).expect("a grid");
@@ -134,7 +134,8 @@ fn bytes_depend_on_the_plan_only() {
     assert!(files(other.path()) == expected);
 }
 
-/// The parts together contain the rows of a single file, and they are ordinary Parquet files.
+/// All parts together must contain the same rows as a single file, and each part must be an
+/// ordinary Parquet file.
 #[test]
 fn parts_contain_the_rows_of_a_single_file() {
     let (task, folder) = (task(Model::Rigid), temporary_folder());
@@ -174,7 +175,7 @@ fn parts_contain_the_rows_of_a_single_file() {
     assert_eq!(parts.len(), 240);
 }
 
-/// A change of any byte of a part is detected: in the data, footer, hashes and tail.
+/// Every changed byte must be detected, whether it is in the data, the footer, a hash or the tail.
 #[test]
 fn every_changed_byte_of_a_part_is_detected() {
     let (task, points, folder) =
@@ -201,7 +202,7 @@ fn every_changed_byte_of_a_part_is_detected() {
     assert_eq!(damaged(&[&good[..], b"PAR1"].concat()), 1);
 }
 
-/// An audit found that a part was skipped as soon as a file with its name existed.
+/// Regression test: a part used to be skipped if any file with its name existed.
 #[test]
 fn a_damaged_part_stops_the_run_and_is_kept() {
     let (task, points, folder) =
@@ -214,7 +215,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
     assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
-    // A file that appears while its part is being solved is not overwritten either.
+    // A file that appears while the part is being solved must not be overwritten, either.
     fs::remove_file(parts.part_file(2)).expect("there");
     let mut appear = |_: Event<'_>| fs::write(parts.part_file(2), b"mine").expect("writable");
     let error = parts.run_parts(&task, &points, [2], false, &workers, &mut appear);
@@ -223,7 +224,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
 }
 
-/// Concurrent processes need no lock.
+/// Concurrent processes do not need a lock.
 #[test]
 fn three_concurrent_processes_write_identical_parts() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
@@ -240,14 +241,14 @@ fn three_concurrent_processes_write_identical_parts() {
     assert!(files(raced.path()) == files(alone.path()));
 }
 
-/// The run stops while a chunk of the slowest model is being solved.
+/// The run is stopped while a chunk is being solved with the slowest model.
 #[test]
-fn a_stop_takes_effect_within_a_chunk() {
+fn stopping_takes_effect_within_a_chunk() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder) = (task(Model::Traction), temporary_folder());
-    // One part takes a few seconds, so that none is finished before the stop.
+    // A part takes a few seconds, so that no part is finished before the run is stopped.
     let plan = plan(&task, &points, 1 << 20);
     let asked = thread::scope(|scope| {
         let asked = scope.spawn(|| {
@@ -262,18 +263,19 @@ fn a_stop_takes_effect_within_a_chunk() {
         assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
         asked.join().expect("no panic")
     });
-    // A chunk takes a few milliseconds. The limit allows for a busy machine.
+    // A chunk takes a few milliseconds. The limit leaves a margin for a busy machine.
     assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
 }
 
-/// Rows of a Parquet table are skipped by row groups. The remaining rows equal the rows of a
-/// complete read.
+/// Complete row groups of a Parquet table are skipped without reading them. The remaining rows must
+/// be the same as if the whole table had been read.
 #[test]
 fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
-    // The table has more rows than a row group, and their number is not a multiple of a chunk.
+    // The table has more rows than a row group, and the number of rows is not a multiple of the
+    // chunk size.
     let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
     let grid = Grid::new(axes).expect("a grid");
     let mut source = GridSource::new(grid.clone());
@@ -305,9 +307,9 @@ fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     }
 }
 
-/// The program runs its commands on the workers. If there is only one worker, a command that waits
-/// for a worker must not block it. The table has more rows than a chunk, and an axis with more
-/// values than a dictionary holds.
+/// The program runs its commands on the worker threads. With a single worker, a command that waits
+/// for a worker must not deadlock. The table has more rows than a chunk, and one axis has more
+/// values than a dictionary can hold.
 #[test]
 fn a_table_solved_on_a_single_worker_is_bit_identical() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
@@ -328,9 +330,9 @@ fn a_table_solved_on_a_single_worker_is_bit_identical() {
     }
 }
 
-/// A table without rows is one part without rows, which readers can open.
+/// A table without rows must produce one part without rows, which Parquet readers can open.
 #[test]
-fn a_table_without_rows_is_one_part() {
+fn table_without_rows_becomes_one_part() {
     let folder = temporary_folder();
     let path = folder.path().join("points.csv");
     fs::write(&path, "axial_load_N\n").expect("writable");
@@ -347,11 +349,11 @@ fn a_table_without_rows_is_one_part() {
     assert!(part.next(10).expect("Parquet").is_none());
 }
 
-/// A part that is solved in memory has the columns, types and values of its file.
+/// A part that is solved in memory must have the same columns, types and values as the part file.
 #[test]
 fn a_part_in_memory_equals_the_part_in_the_folder() {
     let (points, folder) = (Points::Grid(grid()), temporary_folder());
-    // The outputs are a text, a flag, a count and a number.
+    // The outputs include a text, a boolean, a count and a number.
     let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let task = Task { outputs, ..task(Model::RacewayControl) };
@@ -372,10 +374,10 @@ fn a_part_in_memory_equals_the_part_in_the_folder() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
-/// An audit found that `--repair` overwrote good parts after the plan had been replaced by another
-/// one.
+/// Regression test: `--repair` used to overwrite good parts if the plan file had been replaced by
+/// another plan.
 #[test]
-fn parts_that_agree_on_another_plan_are_not_overwritten() {
+fn parts_of_another_plan_are_not_overwritten() {
     let (points, [mine, yours]) = (Points::Grid(grid()), [temporary_folder(), temporary_folder()]);
     fill(mine.path(), &task(Model::ClosedForm), &points, 1);
     fill(yours.path(), &task(Model::QuasiStatic), &points, 1);
@@ -391,22 +393,23 @@ fn parts_that_agree_on_another_plan_are_not_overwritten() {
     let refused = repair(&task(Model::QuasiStatic));
     assert!(matches!(refused, Err(DatasetError::NotOfThePlan(_))), "{refused:?}");
     assert!(files(mine.path()) == before);
-    // With its own plan the folder is intact. A single part of the other plan counts as damage.
+    // With its own plan, the folder is intact again. A single part of the other plan counts as
+    // damage.
     fs::write(&plan, own).expect("writable");
     let [from, to] = [&yours, &mine].map(|f| f.path().join("data/part-000001.parquet"));
     fs::copy(from, to).expect("writable");
     assert_eq!(repair(&task(Model::ClosedForm)).expect("repaired"), 3);
 }
 
-/// An audit found that a superfluous part was ignored.
+/// Regression test: a part file that is not in the plan used to be ignored.
 #[test]
-fn a_part_outside_the_plan_is_reported() {
+fn part_file_that_is_not_in_the_plan_is_reported() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
     parts.check_names().expect("the parts of the plan");
-    // Programs that read the folder also read copies under any other name.
+    // Programs that read the folder would also read such copies, whatever their names.
     for name in ["part-000003.parquet", "part-2.parquet", "other.parquet", "PART-000002.PARQUET"] {
         let path = folder.path().join("data").join(name);
         fs::copy(parts.part_file(2), &path).expect("writable");
@@ -418,15 +421,15 @@ fn a_part_outside_the_plan_is_reported() {
     fs::create_dir(&within).expect("a folder");
     assert!(parts.check_names().is_err_and(|why| why.to_string().contains("data/sub")));
     fs::remove_dir(within).expect("removable");
-    // These entries are hidden from such programs or are not Parquet files.
+    // Other programs ignore these entries, because they are hidden or are not Parquet files.
     for name in [".part-000002.parquet", "notes.txt"] {
         fs::write(folder.path().join("data").join(name), "mine").expect("writable");
     }
     parts.check_names().expect("the parts of the plan");
 }
 
-/// `parts.parquet` used to be kept if it belonged to another folder, or if a part was lost after
-/// `parts.parquet` had been written.
+/// Regression test: `parts.parquet` used to be kept if it belonged to another folder or if a part
+/// was lost after `parts.parquet` had been written.
 #[test]
 fn repair_renews_or_removes_the_list_of_parts() {
     let (task, points, folder) =
@@ -443,7 +446,7 @@ fn repair_renews_or_removes_the_list_of_parts() {
     assert_eq!(fs::read(&list).expect("left"), b"of another folder");
     run(0..3, true);
     assert!(files(folder.path()) == expected);
-    // A list is only valid if all parts exist.
+    // The list of parts is valid only if all parts exist.
     fs::remove_file(parts.part_file(2)).expect("removable");
     run(0..2, true);
     assert!(!list.exists());
@@ -451,7 +454,7 @@ fn repair_renews_or_removes_the_list_of_parts() {
     assert!(!list.exists());
 }
 
-/// The random points are solved in parts, in a folder that is opened from its plan alone.
+/// The random points are solved in parts, after the dataset has been opened from its folder alone.
 #[test]
 fn random_points_do_not_depend_on_the_part_size() {
     let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
@@ -475,9 +478,9 @@ fn random_points_do_not_depend_on_the_part_size() {
     assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
 }
 
-/// A folder for a table can only be continued with the same table.
+/// A dataset whose points come from a table can be continued only with the same table.
 #[test]
-fn parts_of_a_table_need_the_table_of_the_plan() {
+fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     let folder = temporary_folder();
     let (path, map) = (folder.path().join("points.parquet"), folder.path().join("map"));
     let write = |loads: &str| {
@@ -498,7 +501,7 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     for number in [1, 2] {
         fs::remove_file(parts.part_file(number)).expect("removable");
     }
-    // The table may be in the parent folder under its name, or anywhere else.
+    // The table may be in the parent folder under its original name, or at any other path.
     let beside = parts.points(None, &workers).expect("the table");
     parts.run_parts(&task, &beside, [2], false, &workers, &mut |_| {}).expect("solved");
     let moved = folder.path().join("other.parquet");
@@ -512,9 +515,9 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     assert!(said.contains("is not the table of points of the plan"), "{said}");
 }
 
-/// Damage is only repaired on request, and it does not prevent the other parts from being solved.
+/// Damaged parts are replaced only on request. They do not prevent other parts from being solved.
 #[test]
-fn damaged_parts_are_replaced_on_demand() {
+fn damaged_parts_are_replaced_only_on_request() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
@@ -540,9 +543,9 @@ fn damaged_parts_are_replaced_on_demand() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
-/// The estimated size of a plan is an upper bound, which is at most twice the actual size.
+/// The estimated size of a dataset must be an upper bound and at most twice the actual size.
 #[test]
-fn the_estimated_size_bounds_the_size_of_the_parts() {
+fn estimated_size_is_an_upper_bound_for_the_parts() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
@@ -558,9 +561,10 @@ fn the_estimated_size_bounds_the_size_of_the_parts() {
     assert!(found < bytes && bytes < 2.0 * found, "{found} {bytes}");
 }
 
-/// A plan of 1e12 points is created, opened and worked on in the time and memory of one part.
+/// A plan with 1e12 points can be created and opened, and one of its parts can be solved. This must
+/// not take more time and memory than a single part needs.
 #[test]
-fn a_part_of_a_plan_of_1e12_points_takes_less_than_ten_seconds() {
+fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
     // The plan has 59 604 parts of 2^24 rows and a last part of 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
@@ -576,6 +580,6 @@ fn a_part_of_a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
     let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
     assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
-    // The test takes 0.1 s. The limit allows for a busy machine.
+    // The test takes 0.1 s. The limit leaves a margin for a busy machine.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
 }

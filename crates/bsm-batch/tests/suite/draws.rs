@@ -1,4 +1,4 @@
-//! Random points: their distributions, and rows that depend only on seed, input and row number.
+//! Tests of random points: distributions of the inputs, and independence of the rows.
 
 use std::ops::Range;
 
@@ -15,7 +15,8 @@ fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
     values
 }
 
-/// A row has the same numbers alone, in any chunk, and after skipping any number of rows.
+/// A row must contain the same numbers if it is generated alone, in any chunk, or after skipping
+/// any number of rows.
 #[test]
 fn a_row_depends_only_on_seed_input_and_number() {
     let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
@@ -36,8 +37,8 @@ fn a_row_depends_only_on_seed_input_and_number() {
     assert!(source.next(1).expect("never fails").is_none());
 }
 
-/// Guards the numbers themselves, because a folder that one build began may be continued by another
-/// build.
+/// The expected numbers are fixed, because one build of the program may continue a dataset that
+/// another build began.
 #[test]
 fn random_numbers_do_not_change_between_builds() {
     let draws = draws(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);
@@ -46,9 +47,10 @@ fn random_numbers_do_not_change_between_builds() {
     assert_eq!(format!("{found:?}"), expected);
 }
 
-/// Mean and standard deviation of 20 000 draws are within five standard errors: 5 σ/√N for the
-/// mean, and 5 σ/√(2N) for the standard deviation of a normal distribution, or less for a uniform
-/// distribution. Two inputs are uncorrelated within 5/√N.
+/// The mean and standard deviation of 20 000 random values must be within five standard errors,
+/// which are 5 σ/√N for the mean and, for the standard deviation, 5 σ/√(2N) for a normal
+/// distribution and less for a uniform distribution. The correlation of two inputs must be less
+/// than 5/√N.
 #[test]
 fn draws_have_the_requested_distributions() {
     let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
@@ -65,12 +67,13 @@ fn draws_have_the_requested_distributions() {
     let (normal, deviation, b) = standard(&columns[1]);
     assert!(columns[0].iter().all(|x| (3.0..5.0).contains(x)));
     assert!((uniform - 4.0).abs() < 0.02, "{uniform}");
-    // The range has a width of 2, so the standard deviation is 2/√12.
+    // The uniform distribution has a width of 2, so its standard deviation is 2/√12.
     assert!((spread - 0.577_35).abs() < 0.015, "{spread}");
     assert!((normal - 0.1).abs() < 3.6e-4 && (deviation - 0.01).abs() < 2.5e-4, "{normal}");
     let product: Vec<_> = a.iter().zip(&b).map(|(a, b)| a * b).collect();
     assert!(mean(&product).abs() < 0.036);
-    // 68.3 % of a normal distribution are within one standard deviation: 5 √(0.683·0.317/N).
+    // In a normal distribution, 68.3 % of all values are within one standard deviation. The
+    // tolerance is 5 √(0.683·0.317/N).
     let within = b.iter().filter(|x| x.abs() < 1.0).map(|_| 1.0).sum::<f64>() / 2e4;
     assert!((within - 0.6827).abs() < 0.017, "{within}");
 }

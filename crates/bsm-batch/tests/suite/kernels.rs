@@ -1,4 +1,4 @@
-//! Comparison of the kernels with the models at seeded random points.
+//! Compares the kernels with the models at random points with fixed seeds.
 
 use crate::alike;
 
@@ -37,8 +37,8 @@ const INPUTS: [&str; 16] = [
     "ball_poisson_ratio",
 ];
 
-/// Returns points within and slightly beyond practical ranges: screw drive, nut drive and both, in
-/// both directions.
+/// Returns points within and slightly beyond practical ranges. The screw, the nut or both are
+/// driven, in both directions.
 fn points(count: usize) -> (Chunk, Columns) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut elastic = ChaCha8Rng::seed_from_u64(7);
@@ -97,14 +97,15 @@ fn all_outputs() -> Vec<&'static Output> {
     Answers::select(None).expect("all outputs")
 }
 
-/// Compares every output of every point within 1e-10 of its size plus its absolute tolerance.
+/// Compares every output at every point. Outputs must agree to within 1e-10 of their value plus an
+/// absolute tolerance.
 fn compare_kernel_with_model(settings: &Settings, count: usize) {
-    compare_kernel_with_model_on(settings, &Case::default(), &INPUTS, &points(count));
+    compare_kernel_with_model_at(settings, &Case::default(), &INPUTS, &points(count));
 }
 
-/// Does the same as [`compare_kernel_with_model`] for other points. If the kernel left all rows to
-/// the model, the model would be compared with itself.
-fn compare_kernel_with_model_on(
+/// Same as [`compare_kernel_with_model`], but for the given points. The kernel must solve some rows
+/// itself; otherwise the model would be compared with itself.
+fn compare_kernel_with_model_at(
     settings: &Settings,
     base: &Case,
     names: &[&str],
@@ -114,7 +115,7 @@ fn compare_kernel_with_model_on(
     assert!(of_kernel > 0, "the kernel solves none of the rows that converge");
 }
 
-/// Compares every output of every point, and returns the number of rows with a result of the kernel.
+/// Compares every output at every point, and returns the number of rows that the kernel has solved.
 fn assert_rows(
     settings: &Settings,
     base: &Case,
@@ -156,8 +157,8 @@ fn rigid_kernel_matches_its_model() {
     compare_kernel_with_model(&Model::Rigid.into(), campaign(20_000));
 }
 
-/// The controlling raceway is decided by the model or given. The kernel solves five of six points.
-/// The other points have inertia forces as large as the load.
+/// The controlling raceway is either given or determined by the model. The kernel solves five of
+/// six points. At the other points, the inertia forces are as large as the load.
 #[test]
 fn raceway_control_kernel_matches_its_model() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
@@ -165,8 +166,9 @@ fn raceway_control_kernel_matches_its_model() {
     }
 }
 
-/// Friction is calculated at every point of the contacts or as one coefficient per contact, for a
-/// lubricant at the temperature of the row. All losses outside the contacts are present.
+/// Friction is calculated either at every point of the contacts or with one coefficient per
+/// contact. The lubricant has the temperature of the row. All losses outside the contacts are
+/// included.
 #[test]
 fn lubricated_raceway_control_kernel_matches_its_model() {
     const COUNT: usize = 3000;
@@ -184,7 +186,7 @@ fn lubricated_raceway_control_kernel_matches_its_model() {
     let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
     for friction in [RacewayFriction::Local, RacewayFriction::PerContact] {
         let settings = Settings { friction, ..Model::RacewayControl.into() };
-        compare_kernel_with_model_on(&settings, &base, &names, &(chunk.clone(), columns.clone()));
+        compare_kernel_with_model_at(&settings, &base, &names, &(chunk.clone(), columns.clone()));
     }
 }
 
@@ -193,9 +195,9 @@ fn elastic_kernel_matches_its_model() {
     compare_kernel_with_model(&Model::Elastic.into(), 4000);
 }
 
-/// The points of `validation/hard` include points with several roots.
+/// The points in `validation/hard` include points with several solutions.
 #[test]
-fn hard_points_have_the_same_root_in_tables_and_alone() {
+fn hard_points_have_the_same_root_in_tables_and_single_solves() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard/solved");
     let case = |entry: Result<fs::DirEntry, _>| Case::read(&entry.expect("entry").path());
     let cases: Vec<_> = fs::read_dir(folder).expect("cases").map(case).collect();
@@ -212,19 +214,19 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance is the same as for other rows.
+        // The tolerance is the same as for ordinary rows.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
 }
 
-/// The chosen model, its error bound and the reason agree with the values of a single point.
+/// The chosen model, its error bound and the stated reason must be the same as in a single solve.
 #[test]
-fn auto_makes_the_same_choice_in_a_kernel() {
+fn auto_chooses_the_same_model_in_a_kernel() {
     for tolerance in [1e-1, 1e-2] {
         compare_kernel_with_model(&Settings { tolerance, ..auto_settings() }, campaign(1000));
     }
-    // At this tolerance only model traction is accurate enough, which has no kernel.
+    // At this tolerance, only model `traction` is accurate enough, and it has no kernel.
     let accurate = Settings { tolerance: 1e-6, ..auto_settings() };
     let points = points(campaign(1000));
     assert_eq!(assert_rows(&accurate, &Case::default(), &INPUTS, &points), 0);
@@ -234,24 +236,24 @@ fn auto_settings() -> Settings {
     Settings { model: ModelChoice::Auto, ..Model::Traction.into() }
 }
 
-/// Returns the settings of all models and of `auto`.
+/// Returns settings for each model and for `auto`.
 fn all_settings() -> impl Iterator<Item = Settings> {
     Model::ALL.into_iter().map(Settings::from).chain([auto_settings()])
 }
 
-/// Returns a sufficient number of points for a model. In a test build, a point of `traction` takes
-/// as long as a hundred points of another model.
+/// Returns a suitable number of points for a model. In a test build, solving a point with
+/// `traction` takes as long as solving a hundred points with another model.
 fn sufficient_points(settings: &Settings, count: usize) -> (Chunk, Columns) {
     let is_slow = matches!(settings.model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction));
     points(if is_slow { count / 16 } else { count })
 }
 
-/// Returns rows `first` to `last` of a chunk.
+/// Returns rows `first` to `last - 1` of a chunk.
 fn rows_of_chunk(chunk: &Chunk, first: usize, last: usize) -> Chunk {
     Chunk { first: first as u64 + 1, ..chunk.select(&(first..last).collect::<Vec<_>>()) }
 }
 
-/// Returns status and bits of all outputs, row by row.
+/// Returns the status and the bits of all outputs for each row.
 fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     let rows = answers.verdicts.iter().enumerate();
     rows.map(|(row, verdict)| {
@@ -261,12 +263,11 @@ fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     .collect()
 }
 
-/// Results are bit-identical on every instruction set, in chunks of any size, and on any number of
-/// threads.
+/// Results must be bit-identical for every instruction set, chunk size and number of threads.
 #[test]
 fn results_depend_only_on_the_point() {
     for settings in all_settings() {
-        // There are more rows than two threads take at a time.
+        // The table has more rows than two threads take at a time.
         let (model, (chunk, columns)) =
             (settings.model, sufficient_points(&settings, campaign(10_000)));
         let task = Task::new(Case::default(), settings, all_outputs());
@@ -291,7 +292,7 @@ fn results_depend_only_on_the_point() {
     }
 }
 
-/// Returns for each row whether the kernel solves it. The kernel leaves other rows to the model.
+/// Returns, for each row, whether the kernel solves it. All other rows are left to the model.
 fn solved_by_kernel(
     settings: &Settings,
     base: &Case,
@@ -315,9 +316,9 @@ fn solved_by_kernel(
     done
 }
 
-/// Returns the number of rows with a root that the kernel leaves to the model, and the number of
-/// all rows with a root.
-fn left_to_the_model(
+/// Returns two counts: rows with a solution that the kernel does not find, and all rows with a
+/// solution.
+fn count_rows_left_to_the_model(
     settings: &Settings,
     base: &Case,
     (chunk, columns): (&Chunk, &Columns),
@@ -333,8 +334,8 @@ fn left_to_the_model(
     (left, with_root)
 }
 
-/// The speed of tables depends on this: almost no point that has a root is left to Newton's method
-/// of the model.
+/// The speed of tables depends on this property: at nearly all points that have a solution, the
+/// kernel must find it without using Newton's method of the model.
 #[test]
 fn kernels_solve_nearly_all_points_that_have_a_root() {
     const COUNT: usize = 10_000;
@@ -353,16 +354,18 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
     let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
     let row = |_| ranges.each_ref().map(|(_, range)| Cell::Number(rng.random_range(range.clone())));
     let chunk = Chunk::of_rows(&columns, (0..COUNT).map(row));
-    let (left, solved) = left_to_the_model(&Model::Rigid.into(), &base, (&chunk, &columns));
+    let (left, solved) =
+        count_rows_left_to_the_model(&Model::Rigid.into(), &base, (&chunk, &columns));
     assert!(solved > COUNT / 2, "{solved}");
     assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
 }
 
-/// Outputs without memory of the caller are returned as values, and only if some values exist.
+/// If the caller provides no memory for an output, its values are returned separately, and only if
+/// there are any.
 #[test]
-fn outputs_without_memory_are_returned_as_values() {
+fn outputs_without_a_buffer_are_returned_separately() {
     for settings in all_settings() {
-        // There are more rows than one stride.
+        // The table has more rows than a thread takes at a time.
         let (model, (chunk, columns)) =
             (settings.model, sufficient_points(&settings, campaign(20_000)));
         let task = Task::new(Case::default(), settings, all_outputs());
@@ -390,9 +393,9 @@ fn outputs_without_memory_are_returned_as_values() {
     }
 }
 
-/// An output does not depend on which other outputs are requested.
+/// An output must not depend on which other outputs are requested.
 #[test]
-fn columns_do_not_depend_on_the_selection() {
+fn columns_do_not_depend_on_other_requested_outputs() {
     let (base, everything) = (Case::default(), all_outputs());
     for settings in all_settings() {
         let (model, (chunk, columns)) =
@@ -407,8 +410,8 @@ fn columns_do_not_depend_on_the_selection() {
     }
 }
 
-/// Rows that violate a rule, lack a value, or contain text keep their position among ordinary rows
-/// and report an error. Leads replace lead angles.
+/// Rows with an invalid value, a missing value or text must keep their position among ordinary rows
+/// and report an error. A lead in a row replaces the lead angle of the base case.
 #[test]
 fn invalid_rows_keep_their_position_and_are_reported() {
     let base = Case::from_json(
@@ -433,7 +436,7 @@ fn invalid_rows_keep_their_position_and_are_reported() {
         ([Cell::Missing, number(30.0), number(0.0)], "invalid_input", "ball_diameter_mm"),
         ([number(8.74), number(30.0), number(2000.0)], "invalid_input", "nut_speed_rpm"),
         ([number(8.74), number(30.0), Cell::Missing], "converged", ""),
-        // Without a lead in the row, the lead angle of the base case applies.
+        // In a row without a lead, the lead angle of the base case is used.
         ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
         ([number(8.74), number(10.0), number(0.0)], "no_solution", "rolls on the nut"),
     ];

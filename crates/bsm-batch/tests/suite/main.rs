@@ -1,4 +1,4 @@
-//! Tests of tables, folders of parts, and kernels compared with their models.
+//! Tests of tables, datasets and kernels.
 
 mod alike;
 mod arrow_column;
@@ -12,6 +12,7 @@ mod plan;
 mod rows;
 mod text;
 
-// Private modules are tested directly. The library itself is compiled once, without these tests.
+// Private modules are included and tested directly. The library itself is compiled once, without
+// these tests.
 #[path = "../../src/dataset/digest.rs"]
 mod digest;

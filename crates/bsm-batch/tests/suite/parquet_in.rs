@@ -1,5 +1,6 @@
-//! Parquet tables written by other programs. The usual codecs are read and checksums are verified.
-//! Unsupported tables, and tables that would need unlimited memory, are rejected with a message.
+//! Tests of Parquet tables written by other programs. The usual codecs must be read and checksums
+//! verified. Unsupported tables, and tables that would need unlimited memory, must be rejected with
+//! a message.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-/// Numbers of the first input, and texts of the first copied column.
+/// Numbers of the first input column and texts of the first copied column.
 type Rows = (Vec<f64>, Vec<String>);
 
 fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
@@ -87,10 +88,10 @@ fn column(numbers: Vec<f64>) -> ArrayRef {
     Arc::new(Float64Array::from(numbers))
 }
 
-/// An audit found that tables of pandas and Polars with Zstandard, gzip or LZ4 were reported as
-/// "not a Parquet table".
+/// Regression test: tables that pandas and Polars had compressed with Zstandard, gzip or LZ4 were
+/// reported as "not a Parquet table".
 #[test]
-fn every_usual_codec_is_read() {
+fn all_common_codecs_are_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
     for codec in codecs() {
         let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));
@@ -104,14 +105,14 @@ fn every_usual_codec_is_read() {
     }
 }
 
-/// An audit found the message "Disabled feature at compile time".
+/// Regression test: the message used to be "Disabled feature at compile time".
 #[test]
-fn unsupported_codecs_are_rejected_with_a_remedy() {
+fn unsupported_codecs_are_rejected_with_advice() {
     let brotli =
         chunk_of(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
     assert_eq!(
         error_text(read(brotli, &[])),
-        "the Parquet table is written with Brotli compression, which is not read here; write it \
+        "the Parquet table uses Brotli compression, which is not supported; write it \
          without encryption, and with Snappy, Zstandard, gzip, LZ4 or no compression"
     );
     let mut encrypted = parquet_table(
@@ -121,13 +122,10 @@ fn unsupported_codecs_are_rejected_with_a_remedy() {
     let end = encrypted.len() - 4;
     encrypted[end..].copy_from_slice(b"PARE");
     let encrypted = error_text(read(encrypted, &[]));
-    assert!(
-        encrypted.contains("is written with encryption, which is not read here"),
-        "{encrypted}"
-    );
+    assert!(encrypted.contains("uses encryption, which is not supported"), "{encrypted}");
 }
 
-/// An audit found unclear errors for copied columns with structures or maps.
+/// Regression test: copied columns with structures or maps used to cause unclear errors.
 #[test]
 fn copied_structures_maps_and_lists_are_rejected() {
     let list = ListArray::from_iter_primitive::<Int32Type, _, _>([Some([Some(1), None])]);
@@ -145,12 +143,13 @@ fn copied_structures_maps_and_lists_are_rejected() {
         assert_eq!(
             error_text(read(table, &["id"])),
             "the cells of column `id` are lists, maps or structures, which cannot be copied; \
-             leave it out, or take it apart"
+             omit the column, or split it"
         );
     }
 }
 
-/// Parquet has no durations, so an input of 8000 s used to be read as 8000 N.
+/// Regression test: Parquet stores durations as plain integers, so an input of 8000 s was read as
+/// 8000 N.
 #[test]
 fn durations_are_rejected_as_numbers() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
@@ -162,7 +161,7 @@ fn durations_are_rejected_as_numbers() {
     );
 }
 
-/// An audit found that copied ids and dates became texts.
+/// Regression test: copied ids and dates used to become text.
 #[test]
 fn copied_columns_keep_their_types() {
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![Some(1 << 60), None, Some(-7)]));
@@ -211,15 +210,14 @@ fn copied_columns_keep_their_types() {
     assert!(rows.contains(second), "{rows}");
 }
 
-/// An audit found that a flipped bit silently changed numbers. The file was written by pyarrow
-/// 26.0.1: `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet",
-/// compression="none", use_dictionary=False, write_statistics=False, store_schema=False,
-/// write_page_checksum=True)`.
+/// Regression test: a flipped bit silently changed numbers. The file was written by pyarrow 26.0.1
+/// with `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet", compression="none",
+/// use_dictionary=False, write_statistics=False, store_schema=False, write_page_checksum=True)`.
 #[test]
 fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     const TABLE: &[u8] = include_bytes!("checksums.parquet");
-    // The data of the page follow its header, which is 25 bytes long and begins after the magic
-    // letters: levels of 6 bytes and three numbers.
+    // The page data consist of 6 bytes of levels and three numbers. They follow the page header,
+    // which is 25 bytes long and begins after the magic number.
     const PAGE: std::ops::Range<usize> = 29..59;
     assert_eq!(read(TABLE.to_vec(), &[]).expect("a table").0, [5.0, 6.0, 7.0]);
     assert_eq!(TABLE[PAGE.end - 8..PAGE.end], 7.0_f64.to_le_bytes());
@@ -231,7 +229,7 @@ fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     }
 }
 
-/// Encodes an integer in Thrift's compact protocol, in the field that follows the previous field.
+/// Encodes an integer field that directly follows the previous field, in Thrift's compact protocol.
 fn integer_field(value: u32) -> Vec<u8> {
     let mut rest = u64::from(value) << 1;
     let mut bytes = vec![0x15];
@@ -243,10 +241,10 @@ fn integer_field(value: u32) -> Vec<u8> {
     bytes
 }
 
-/// Creates the header of a page of plain numbers without data. It declares its length and its
-/// length in the file.
+/// Creates the header of a data page with plain numbers. The header declares the given unpacked
+/// length and compressed length.
 fn data_page(length: u32, compressed: u32) -> Vec<u8> {
-    // The header has kind 0, followed by a structure: 3 values, plain encoding, run-length encoded
+    // The header contains page type 0 and a structure: 3 values, plain encoding, run-length encoded
     // levels.
     let head =
         [integer_field(0), integer_field(length), integer_field(compressed), vec![0x2c]].concat();
@@ -256,14 +254,14 @@ fn data_page(length: u32, compressed: u32) -> Vec<u8> {
     [head, values, vec![0; 24]].concat()
 }
 
-/// Creates the header of a dictionary of plain numbers.
+/// Creates the header of a dictionary page with plain numbers.
 fn dictionary(length: u32, values: u32) -> Vec<u8> {
     let head = [integer_field(2), integer_field(length), integer_field(24), vec![0x4c]].concat();
     [head, integer_field(values), integer_field(0), vec![0, 0], vec![0; 24], data_page(24, 24)]
         .concat()
 }
 
-/// Creates a file with these pages in its only column.
+/// Creates a Parquet file whose only column consists of the given pages.
 fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     let number = Type::primitive_type_builder(name, Physical::DOUBLE)
         .with_repetition(Repetition::REQUIRED)
@@ -297,7 +295,7 @@ fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     writer.into_inner().expect("a footer")
 }
 
-/// An audit found that a file of 2 kB took 291 MB of memory. The test covers every codec, and
+/// Regression test: reading a file of 2 kB took 291 MB of memory. The test covers every codec and
 /// uncompressed dictionaries.
 #[test]
 fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
@@ -312,13 +310,13 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         let table = chunk_of(codec, "lead_mm", bomb);
         assert!(table.len() < 2000);
         let mut said = String::new();
-        // The footer and the texts take a few kB.
+        // The footer and the text take a few kB.
         let memory = measure(|| said = error_text(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
-        assert!(said.starts_with("not a Parquet table: a page announces "), "{said}");
-        assert!(said.contains(" kB, but a file of 1 kB is read with at most 33"), "{said}");
+        assert!(said.starts_with("not a Parquet table: a page declares "), "{said}");
+        assert!(said.contains(" kB, but in a file of 1 kB, at most 33"), "{said}");
     }
-    // The pages themselves are valid.
+    // The pages themselves are valid if they declare the correct lengths.
     let whole = data_page(24, 24);
     assert_eq!(
         read(chunk_of(Compression::UNCOMPRESSED, "lead_mm", &whole), &[]).expect("a table").0,
@@ -326,8 +324,8 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
     );
 }
 
-/// A million rows with mostly constant inputs are compressed a thousandfold, but they are not a
-/// decompression bomb.
+/// A large table whose inputs are mostly constant is compressed by a factor of more than 500, but
+/// it must not be mistaken for a decompression bomb.
 #[test]
 fn a_highly_compressible_table_is_read() {
     const ROWS: usize = 200_000;

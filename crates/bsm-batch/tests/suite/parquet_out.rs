@@ -1,4 +1,4 @@
-//! Parquet tables that are written: values, statistics and size.
+//! Tests of the Parquet tables that the program writes: values, statistics and size.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -24,8 +24,8 @@ fn read(table: Vec<u8>) -> (Arc<ParquetMetaData>, Vec<RecordBatch>) {
     (metadata, batches.map(|batch| batch.expect("rows")).collect())
 }
 
-/// Returns a value as in real tables: constant, in runs, repeated like an axis of a grid, one of a
-/// few values, or different in every row.
+/// Returns a value of one of five kinds that occur in real tables: constant, constant over a run of
+/// rows, periodic like a grid axis, one of a few values, or different in every row.
 fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     const FEW: [f64; 5] = [0.0, -0.0, f64::NAN, 1e300, -2.5];
     match kind {
@@ -37,7 +37,7 @@ fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     }
 }
 
-/// The kind of value changes between writes. NaN is an empty cell.
+/// The kind of value changes between writes. NaN represents an empty cell.
 #[test]
 fn numbers_round_trip_through_parquet() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
@@ -74,7 +74,8 @@ fn numbers_round_trip_through_parquet() {
     }
 }
 
-/// Both texts of a row are the same in almost all rows. Inputs that repeat take about half a byte.
+/// Text columns whose text is nearly the same in all rows must take almost no space, and repeated
+/// input values must take less than one byte per row.
 #[test]
 fn repeated_texts_and_inputs_take_almost_no_space() {
     let base = include_bytes!("../../../../examples/feed_drive.json");

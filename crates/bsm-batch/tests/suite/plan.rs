@@ -1,4 +1,4 @@
-//! The plan of a folder: its text, its id, and the number of rows of a part.
+//! Tests of the plan of a dataset: its text, its id, and the number of rows per part.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::sync::atomic::AtomicBool;
@@ -62,9 +62,9 @@ fn a_plan_is_one_line_of_canonical_json() {
         (plan.text().replace("}\n", "}"), "has been changed"),
         (plan.text().replace("load_N\":0.1", "load_N\":0.2"), "has been changed"),
         (text(""), "has been changed"),
-        (plan.text().replace("\"format\":6", "\"format\":4"), "in form 4"),
+        (plan.text().replace("\"format\":6", "\"format\":4"), "format 4"),
         (plan.text().replace(",\"rows\":33", ""), "missing field `rows`"),
-        (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it is of msb"),
+        (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it was made by msb"),
         (String::new(), "EOF"),
     ] {
         let said = Plan::from_text(&text).expect_err("another text");
@@ -72,10 +72,10 @@ fn a_plan_is_one_line_of_canonical_json() {
     }
 }
 
-/// Every setting that affects the results changes the id and is named as the difference. The
-/// description of a case and outputs that are only shown do not change the id.
+/// Every setting that affects the results must change the id and be named as the difference. The
+/// description of a case and outputs that are only displayed must not change the id.
 #[test]
-fn the_id_changes_with_every_setting_that_affects_the_bytes() {
+fn plan_id_changes_with_every_setting_that_affects_results() {
     let points = grid(&["lead_mm=5:10:11"]);
     let first = plan(&task(), &points, 16);
     let with = |change: fn(&mut Task)| {
@@ -119,7 +119,7 @@ fn draws(of: &str, count: u64) -> Points {
     Points::Draws(Draws::new(7, count, of).expect("draws"))
 }
 
-/// Random points are the same after the plan is written and read.
+/// Random points must be unchanged after the plan is written and read.
 #[test]
 fn a_plan_of_random_points_round_trips() {
     let plan = plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16);
@@ -131,10 +131,11 @@ fn a_plan_of_random_points_round_trips() {
     assert_eq!(made.expect("a plan").text(), plan.text());
 }
 
-/// A part takes a few seconds on one core, for any number of rows. Beyond 100 000 parts, a part
-/// contains less than 1/50 000 of the rows.
+/// A part takes a few seconds on one core, regardless of the number of rows. If there would be more
+/// than 100 000 parts, the size of the parts is doubled, so that a part has less than 1/50 000 of
+/// the rows.
 #[test]
-fn part_sizes_follow_from_rows_and_model() {
+fn part_size_depends_on_row_count_and_model() {
     for (rows, model, parts, power) in [
         (0, ModelChoice::Auto, 0, 18),
         (1_000_000, Model::Rigid.into(), 1, 20),

@@ -1,4 +1,4 @@
-//! A row of a table has the same meaning as `bsm solve --set` with the values of the row.
+//! A table row must give the same result as `bsm solve --set` with the values of the row.
 
 use crate::alike;
 
@@ -18,7 +18,7 @@ fn drive() -> Case {
     Case::from_json(DRIVE.as_bytes()).expect("an example")
 }
 
-/// A table with rows of cells.
+/// A table of input cells.
 struct Table {
     keys: Vec<InputKey>,
     rows: Vec<Vec<Cell<'static>>>,
@@ -35,7 +35,7 @@ impl Table {
         task.solve(&chunk, &columns)
     }
 
-    /// Returns the cells of a row as values of `--set`.
+    /// Returns the cells of a row as arguments of `--set`.
     fn assignments(&self, row: usize) -> Vec<String> {
         let word = |(key, cell): (&InputKey, &Cell)| match cell {
             Cell::Number(value) => Some(format!("{}={value}", key.name())),
@@ -45,7 +45,7 @@ impl Table {
         self.keys.iter().zip(&self.rows[row]).filter_map(word).collect()
     }
 
-    /// Compares every row with a single solve, and counts the rows that converged.
+    /// Compares every row with a single solve and counts the converged rows.
     fn assert_solved(&self, base: &Case, settings: &Settings, seen: &mut Tally) {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
@@ -54,7 +54,10 @@ impl Table {
             let what = || format!("{} {words:?} on {base:?}", settings.model.name());
             let mut case = base.clone();
             let asked = case.apply(&words).and_then(|()| {
-                assert_eq!(format!("{case:?}"), format!("{:?}", self.by_hand(base, row)));
+                assert_eq!(
+                    format!("{case:?}"),
+                    format!("{:?}", self.case_built_by_hand(base, row))
+                );
                 case.problem(settings)
             });
             let expected = match asked {
@@ -69,8 +72,8 @@ impl Table {
         }
     }
 
-    /// Builds the case of a row without the rule that is being tested.
-    fn by_hand(&self, base: &Case, row: usize) -> Case {
+    /// Builds the case of a row independently of the code under test.
+    fn case_built_by_hand(&self, base: &Case, row: usize) -> Case {
         let mut case = base.clone();
         let cells = || self.keys.iter().zip(&self.rows[row]);
         let leads = [InputKey::lead_angle_deg, InputKey::lead_mm];
@@ -86,13 +89,14 @@ impl Table {
     }
 }
 
-/// Counts of a campaign.
+/// Row counts of a test campaign.
 #[derive(Default)]
 struct Tally {
     work: ModelWorkspace,
     converged: Vec<(ModelChoice, usize)>,
     unsolved: usize,
-    /// Number of invalid rows whose messages contain each text.
+    /// Message fragments of invalid rows, each with the number of rows whose message contains the
+    /// fragment.
     invalid: [(&'static str, usize); 6],
 }
 
@@ -116,8 +120,8 @@ impl Tally {
     }
 }
 
-/// An audit found that, with one column for the lead and one for the lead angle, a row without one
-/// of them was solved with the value of the base case.
+/// Regression test: in a table with a column for the lead and a column for the lead angle, a row
+/// with only one of them was solved with the value of the base case.
 #[test]
 fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
     let table = Table {
@@ -137,12 +141,13 @@ fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
         }
     }
     let answers = table.solve(&drive(), &Model::RacewayControl.into());
-    // `bsm solve --set lead_angle_deg=6 --model raceway-control` prints these digits.
+    // The expected digits are those that `bsm solve --set lead_angle_deg=6 --model raceway-control`
+    // prints.
     assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
 }
 
-/// A row with both values is treated like a case with both: it is rejected if they disagree, and
-/// solved if they agree.
+/// A row with both values must be treated like a case with both values: it is solved if they agree,
+/// and rejected otherwise.
 #[test]
 fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     let agreeing = 41.5 * std::f64::consts::PI * 6.0_f64.to_radians().tan();
@@ -162,7 +167,7 @@ fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     }
 }
 
-/// The library checks the solver settings.
+/// The library itself must check the solver settings.
 #[test]
 fn settings_out_of_range_are_rejected_in_every_model() {
     let table = Table {
@@ -187,8 +192,9 @@ fn model_choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
-/// Returns one of a few practical values, so that rows contain invalid combinations: equal speeds,
-/// leads that agree, drives in which both parts turn, balls that do not fit, and no friction.
+/// Returns one of a few practical values. Because there are only a few, rows also contain special
+/// combinations: equal speeds, leads that agree, drives in which both parts turn, balls that do not
+/// fit, and zero friction.
 fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
@@ -213,7 +219,7 @@ fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     *values.choose(rng).expect("some values")
 }
 
-/// Inputs of the models, and one input that no model needs.
+/// Inputs that models use, and one input that no model uses.
 const KEYS: [InputKey; 19] = [
     InputKey::lead_angle_deg,
     InputKey::lead_mm,
@@ -260,9 +266,9 @@ fn random_model_choice(rng: &mut impl Rng) -> ModelChoice {
     }
 }
 
-/// The random tables have random base cases, columns that replace each other, missing values,
-/// values that violate a rule or are outside the range of a model, and inputs whose presence
-/// changes the choice of the model from row to row.
+/// Compares rows of random tables with single solves. The base cases are random. The tables include
+/// columns that replace each other, missing values, values that are not permitted or outside the
+/// range of a model, and inputs whose presence changes the model from row to row.
 #[test]
 fn rows_of_ten_thousand_tables_match_single_solves() {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
@@ -271,8 +277,8 @@ fn rows_of_ten_thousand_tables_match_single_solves() {
     for _ in 0..10_000 {
         let rng = &mut rng;
         let settings = Settings { model: random_model_choice(rng), ..Settings::default() };
-        // With the conformities, `auto` considers raceway control and sometimes solves traction,
-        // which is slow. They are therefore rarely given.
+        // If the conformities are given, `auto` considers raceway control and sometimes uses
+        // `traction`, which is slow. Conformities are therefore rarely included.
         let grooves = settings.model != ModelChoice::Auto || rng.random_bool(0.1);
         let possible = KEYS.into_iter().filter(|key| {
             grooves || ![InputKey::nut_conformity, InputKey::screw_conformity].contains(key)
@@ -285,14 +291,15 @@ fn rows_of_ten_thousand_tables_match_single_solves() {
                 base[*key] = Some(value(*key, rng));
             }
         }
-        // Two values in the base case rarely agree.
+        // Two random leads in the base case rarely agree, so usually only one of the two inputs is
+        // kept.
         match rng.random_range(0..10) {
             0..4 => base.lead_mm = None,
             4..8 => base.lead_angle_deg = None,
             _ => {}
         }
         keys.shuffle(rng);
-        // Leads are the inputs that replace each other, so they are often among the columns.
+        // The lead and the lead angle replace each other, so they are often chosen as columns.
         keys.truncate(rng.random_range(1..6));
         for lead in [InputKey::lead_angle_deg, InputKey::lead_mm] {
             if !keys.contains(&lead) && rng.random_bool(0.4) {
@@ -306,13 +313,13 @@ fn rows_of_ten_thousand_tables_match_single_solves() {
     }
     let converged: usize = seen.converged.iter().map(|(_, count)| count).sum();
     let counts = format!("{:?}, {} unsolved, {:?}", seen.converged, seen.unsolved, seen.invalid);
-    // The campaign contains all models, and every kind of rejection sufficiently often.
+    // All models and every kind of rejection must occur often enough.
     assert!(converged > 8000 && seen.converged.len() == Model::ALL.len(), "{counts}");
     assert!(seen.unsolved > 100 && seen.invalid.iter().all(|(_, count)| *count > 100), "{counts}");
 }
 
 /// Returns the name of an input in a random unit.
-fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
+fn name_in_random_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
     let name = key.name();
     let mut all = vec![(name.to_owned(), UnitChange::NONE)];
     for (unit, _) in other_units(name) {
@@ -326,13 +333,13 @@ fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
     all.swap_remove(place)
 }
 
-/// Compares random rows over all inputs with several forms, in all units, with `bsm solve --set`
-/// for the same names and values. Returns the number of rows, and the number of rows with two forms
-/// of one quantity.
+/// Compares random rows over all inputs, in several forms and in all units, with `bsm solve --set`
+/// for the same names and values. Returns the number of rows and the number of rows in which one
+/// quantity is given in two forms.
 #[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
 fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
-    // Each of these quantities has two forms, of which only one may be given.
+    // Each of these quantities can be given in two forms, but only one of them may be given.
     const TWO_FORMS: [[K; 2]; 4] = [
         [K::screw_speed_rpm, K::feed_m_min],
         [K::contact_angle_deg, K::groove_bottom_distance_mm],
@@ -374,7 +381,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
             base.apply(&[&oil[..], &more].concat()).expect("inputs");
         }
         let settings = match rng.random_range(0..100) {
-            // Model `traction` integrates friction and takes a thousand times as long.
+            // Model `traction` integrates friction over the contacts and takes a thousand times as
+            // long as other models.
             0..2 if is_wet => Settings::from(Model::Traction),
             _ if is_wet => {
                 Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() }
@@ -397,7 +405,7 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
         }
         keys.shuffle(rng);
         keys.truncate(rng.random_range(1..6));
-        let names: Vec<_> = keys.iter().map(|(key, _)| in_a_unit(*key, rng)).collect();
+        let names: Vec<_> = keys.iter().map(|(key, _)| name_in_random_unit(*key, rng)).collect();
         let heads: Vec<_> = names.iter().map(|(name, _)| &name[..]).collect();
         let mut text = heads.join(",") + "\n";
         let mut cells = Vec::new();
@@ -407,7 +415,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
                 .zip(&names)
                 .map(|((_, value), (_, change))| {
                     let value = change.back(value * rng.random_range(0.9..1.1));
-                    // Only some numbers are valid grades, so random values are rarely valid here.
+                    // Only certain integers are valid viscosity grades. Large values are rounded,
+                    // so that some of them are valid.
                     let value = if value > 85.0 && *change == UnitChange::NONE {
                         value.round()
                     } else {
@@ -416,7 +425,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
                     if rng.random_bool(0.25) { String::new() } else { value.to_string() }
                 })
                 .collect();
-            // A row with a single empty cell would be a blank line.
+            // If its single cell is empty, the row is written with quotes, because it would
+            // otherwise be a blank line.
             let line =
                 if row.len() == 1 && row[0].is_empty() { "\"\"".to_owned() } else { row.join(",") };
             text.push_str(&line);
@@ -457,7 +467,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     (count, twice)
 }
 
-/// An audit found that the feed rate was ignored if speed and feed rate were given in two columns.
+/// Regression test: the feed rate was ignored if the speed and the feed rate were given in two
+/// columns.
 #[test]
 fn rows_with_two_forms_of_one_quantity_are_rejected() {
     let (rows, twice) = compare_alternative_forms(3706, 500);

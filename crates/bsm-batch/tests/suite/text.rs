@@ -1,4 +1,5 @@
-//! Text tables. Each line is one row, and ambiguous input is rejected with its line number.
+//! Tests of text tables. Each line must be read as one row, and ambiguous input must be rejected
+//! with its line number.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -12,12 +13,12 @@ use bsm_batch::{
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, model::RacewayFriction};
 
-/// Copied texts and inputs of every row.
+/// Copied texts and input cells of each row.
 type Rows = Vec<(Vec<String>, Vec<Cell<'static>>)>;
 
 fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
     let mut rows = Rows::new();
-    // Chunks have two rows, because results must not depend on chunk boundaries.
+    // Chunks have two rows here, because results must not depend on chunk boundaries.
     while let Some(chunk) = source.next(2)? {
         assert_eq!(chunk.first, rows.len() as u64 + 1);
         for row in 0..chunk.len {
@@ -46,7 +47,7 @@ fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
     rows(&mut JsonSource::new(table, &owned_names(kept), &TableFormat::default())?)
 }
 
-/// Returns the numbers of a table with one input and no copied column.
+/// Returns the numbers of a table with one input column and no copied columns.
 fn numbers(rows: Result<Rows, TableError>) -> Vec<f64> {
     let number = |cells: &[Cell]| match cells {
         [Cell::Number(value)] => *value,
@@ -56,39 +57,40 @@ fn numbers(rows: Result<Rows, TableError>) -> Vec<f64> {
     rows.expect("a table").iter().map(|(_, cells)| number(cells)).collect()
 }
 
-fn why(rows: Result<Rows, TableError>) -> String {
+fn error_text(rows: Result<Rows, TableError>) -> String {
     rows.expect_err("refused").to_string()
 }
 
-/// Three rows used to become a single row that converged.
+/// Regression test: three rows used to be read as a single row, which converged.
 #[test]
-fn an_open_quote_does_not_join_rows() {
-    let open = why(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
+fn unclosed_quote_does_not_join_rows() {
+    let open = error_text(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
     assert!(open.starts_with("line 2: a quoted cell does not end on its line"), "{open}");
-    // A second stray quote further down must not join the lines in between into one cell.
-    let two = why(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
+    // A second stray quote further down must not join the lines in between into a single cell.
+    let two = error_text(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
     assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
-    // Unused columns and the last byte of the file are treated in the same way.
-    let passed_over = why(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
+    // The same rule applies to ignored columns and to the last byte of the file.
+    let passed_over = error_text(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
     assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
-    let last = why(csv(b"lead_mm,id\n5,\"", &["id"]));
+    let last = error_text(csv(b"lead_mm,id\n5,\"", &["id"]));
     assert!(last.starts_with("line 2: a quoted cell"), "{last}");
-    let header = why(csv(b"lead_mm,\"id\n5,a\n", &["id"]));
+    let header = error_text(csv(b"lead_mm,\"id\n5,a\n", &["id"]));
     assert!(header.starts_with("line 1: a quoted cell"), "{header}");
 }
 
-/// `"5"6` used to be read as 56.
+/// Regression test: `"5"6` used to be read as 56.
 #[test]
 fn a_quote_inside_a_cell_is_rejected() {
     for (cell, number) in [("\"5\"6", 56), ("5\"6\"", 56), ("\"5\" ", 5), (" \"5\"", 5), ("5\"", 5)]
     {
-        let stray = why(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
+        let stray = error_text(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
         assert!(stray.starts_with("line 3: a cell contains a quote"), "{cell}: {stray}");
     }
-    // The id contains an inch sign, with correct and incorrect quotes.
+    // The id contains an inch mark, which is quoted correctly in the first table and incorrectly in
+    // the second.
     let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
     assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
-    let stray = why(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
+    let stray = error_text(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
     assert!(stray.starts_with("line 2: a cell contains a quote"), "{stray}");
 }
 
@@ -108,25 +110,30 @@ fn correct_quotes_are_read() {
     }
 }
 
-/// A blank line in a table with one column used to be skipped silently.
+/// Regression test: a blank line in a table with one column used to be skipped silently.
 #[test]
 fn a_blank_line_between_rows_is_rejected() {
     for table in ["lead_mm\n5\n\n7\n", "lead_mm\r\n5\r\n\r\n7\r\n", "lead_mm\n5\n \t\n7\n"] {
-        assert!(why(csv(table.as_bytes(), &[])).starts_with("line 3 is blank"), "{table:?}");
+        assert!(error_text(csv(table.as_bytes(), &[])).starts_with("line 3 is blank"), "{table:?}");
     }
-    assert!(why(csv(b"lead_mm,ball_count\n5,1\n\n\n7,1\n", &["ball_count"])).starts_with("line 3"));
-    assert!(why(csv(b"\nlead_mm\n5\n", &[])).starts_with("line 1 is blank"));
+    assert!(
+        error_text(csv(b"lead_mm,ball_count\n5,1\n\n\n7,1\n", &["ball_count"]))
+            .starts_with("line 3")
+    );
+    assert!(error_text(csv(b"\nlead_mm\n5\n", &[])).starts_with("line 1 is blank"));
     let object = "{\"lead_mm\": 5}\n";
-    assert!(why(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is"));
-    // A single empty cell in its line is written with quotes.
+    assert!(
+        error_text(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is")
+    );
+    // In a table with one column, an empty cell is written as two quotes.
     let empty = numbers(csv(b"lead_mm\n5\n\"\"\n7\n", &[]));
     assert!(empty.len() == 3 && empty[1].is_nan(), "{empty:?}");
 }
 
-/// An audit found that rows of empty cells between tabs were lost at the end of a table, and that a
-/// cell that consists of a space was lost.
+/// Regression test: rows of empty cells between tabs were lost at the end of a table, and a cell
+/// that consists of a space was lost.
 #[test]
-fn a_row_of_empty_cells_between_tabs_is_a_row() {
+fn line_of_empty_cells_between_tabs_is_read_as_a_row() {
     let table_format = TableFormat { delimiter: '\t', ..TableFormat::default() };
     let tabs = |table: &str, kept: &[&str]| {
         rows(
@@ -140,17 +147,18 @@ fn a_row_of_empty_cells_between_tabs_is_a_row() {
     let lead = |mm| vec![Cell::Number(mm), Cell::Missing];
     let cells: Vec<_> = read.into_iter().map(|(_, cells)| cells).collect();
     assert_eq!(cells, [lead(10.0), lead(12.0), nothing.clone(), nothing]);
-    // The same holds in the middle of a table, and in a separate chunk.
+    // Such rows are also read in the middle of a table and in a separate chunk.
     assert_eq!(tabs("lead_mm\tid\n\t\n5\ta\n", &["id"]).expect("rows").len(), 2);
-    // The same holds for commas.
+    // Rows of empty cells between commas are read, too.
     assert_eq!(csv(b"lead_mm,screw_speed_rpm\n10,\n,\n,\n", &[]).expect("rows").len(), 3);
     let space = csv(b"id\na\n \n", &["id"]).expect("rows");
     assert_eq!(space.iter().map(|(kept, _)| &kept[0][..]).collect::<Vec<_>>(), ["a", " "]);
-    // Without a delimiter, the line is not a row with two cells.
+    // A line of spaces without a delimiter is not a row with two cells.
     assert_eq!(tabs("lead_mm\tid\n5\ta\n   \n", &["id"]).expect("rows").len(), 1);
 }
 
-/// An audit found that a temperature given as a column was missing in rows with an empty cell.
+/// Regression test: an output column with the name of an input column, such as a temperature, had
+/// no value in rows where the input cell was empty.
 #[test]
 fn an_output_that_is_also_an_input_column_has_no_missing_values() {
     let mut base =
@@ -187,9 +195,10 @@ fn an_output_that_is_also_an_input_column_has_no_missing_values() {
     assert!(viscosity(0) > 5.0 && viscosity(1) > 5.0, "{out}");
 }
 
-/// An audit found that a table with decimal commas could not be written in the same format.
+/// Regression test: the results of a table with decimal commas could not be written in the same
+/// format.
 #[test]
-fn a_table_is_written_in_the_format_of_its_points() {
+fn results_are_written_in_the_format_of_the_input_table() {
     let table_format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source =
@@ -216,8 +225,8 @@ fn a_table_is_written_in_the_format_of_its_points() {
             "id;axial_load_N;model;status;message;efficiency\n\"a;b\";5000,5;closed-form;converged;;{comma}\n"
         )
     );
-    // The table can be read in the same format, even if both the delimiter and the decimal sign are
-    // commas.
+    // The written table can be read in the same format, even if the delimiter and the decimal sign
+    // are both commas.
     for table_format in [table_format, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&table_format);
         let again = rows(
@@ -249,10 +258,10 @@ fn trailing_blank_lines_and_all_line_ends_are_accepted() {
     }
 }
 
-/// The end of a buffer may split the end of a line, so rows of every length around the buffer size
+/// The end of the read buffer may split a line ending, so all line lengths around the buffer size
 /// are tested.
 #[test]
-fn lines_of_any_length_stay_one_row() {
+fn line_of_any_length_is_read_as_one_row() {
     for length in (1 << 16) - 20..(1 << 16) + 20 {
         let id = "x".repeat(length);
         let table = format!("lead_mm,id\r\n5,{id}\r\n7,b\r\n");
@@ -260,34 +269,38 @@ fn lines_of_any_length_stay_one_row() {
         assert_eq!(read.iter().map(|(kept, _)| kept[0].len()).collect::<Vec<_>>(), [length, 1]);
     }
     let long = format!("lead_mm,id\n5,{}\n", "x".repeat(17 << 20));
-    assert!(why(csv(long.as_bytes(), &["id"])).starts_with("line 2 is longer than 16 MiB"));
+    assert!(error_text(csv(long.as_bytes(), &["id"])).starts_with("line 2 is longer than 16 MiB"));
 }
 
 #[test]
 fn nul_bytes_and_non_utf8_encodings_are_rejected() {
-    assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 contains a NUL byte"));
-    assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 contains a NUL byte"));
-    assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 contains a NUL byte"));
+    assert!(error_text(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 contains a NUL byte"));
     assert!(
-        why(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[]))
+        error_text(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 contains a NUL byte")
+    );
+    assert!(error_text(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 contains a NUL byte"));
+    assert!(
+        error_text(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[]))
             .starts_with("line 2 contains a NUL byte")
     );
-    assert!(why(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8"));
+    assert!(
+        error_text(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8")
+    );
 }
 
 #[test]
 fn rows_with_a_wrong_number_of_cells_are_rejected() {
-    let few = why(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
+    let few = error_text(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
     assert_eq!(few, "line 3 has 1 cells, but the table has 2 columns");
-    // An unquoted decimal comma adds a cell.
-    let many = why(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
+    // An unquoted decimal comma splits a cell into two.
+    let many = error_text(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
     assert_eq!(many, "line 2 has 3 cells, but the table has 2 columns");
-    let semicolons = why(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
+    let semicolons = error_text(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
     assert!(semicolons.contains("separated by `;`"), "{semicolons}");
 }
 
 #[test]
-fn ambiguous_json_is_rejected_with_its_line() {
+fn ambiguous_json_is_rejected_with_its_line_number() {
     let first = "{\"lead_mm\": 5}\n";
     for (line, part) in [
         ("{\"lead_mm\": 1e400}", "number out of range"),
@@ -297,18 +310,20 @@ fn ambiguous_json_is_rejected_with_its_line() {
         ("{\"lead_mm\": NaN}", "is not valid JSON"),
         ("[5]", "is JSON a list"),
     ] {
-        let told = why(json(format!("{first}{line}\n").as_bytes(), &[]));
+        let told = error_text(json(format!("{first}{line}\n").as_bytes(), &[]));
         assert!(told.starts_with("line 2: ") && told.contains(part), "{line}: {told}");
     }
-    // An input with the name of an output used to be ignored, and the row was solved without it.
+    // Regression test: an input with the same name as an output used to be ignored, and the row was
+    // solved without it.
     let oil = json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5, \"lubricant_temperature_C\": 60}\n", &[]);
-    assert!(why(oil).contains("`lubricant_temperature_C` is not in the first line"));
-    // The row reports that it is invalid.
+    assert!(error_text(oil).contains("`lubricant_temperature_C` is not in the first line"));
+    // A text in place of a number is kept, so that solving the row reports the invalid input.
     let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
     assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"")])]);
 }
 
-/// The text used to be inside two pairs of quotes, which readers of the table kept.
+/// Regression test: text outputs were written inside two pairs of quotes, so that programs that
+/// read the table kept one pair.
 #[test]
 fn text_outputs_are_written_without_additional_quotes() {
     let base =

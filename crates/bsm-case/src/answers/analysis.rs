@@ -52,19 +52,20 @@ impl AnalysisKind {
         self.quantities().iter().flat_map(|quantity| quantity.columns)
     }
 
-    /// Returns true if the analysis describes a ball in motion.
+    /// Returns true if the analysis describes the motion of a ball.
     pub fn needs_motion(self) -> bool {
         matches!(self, Self::Slip | Self::Jam)
     }
 
-    /// Returns true if the analysis needs a solution, and false if the inputs are sufficient.
+    /// Returns true if the analysis needs a solved motion, and false if it only needs inputs.
     pub fn needs_solution(self) -> bool {
         self.needs_motion() || self == Self::Warnings
     }
 
-    /// Returns the missing inputs as text. Single quantities may need more inputs.
+    /// Returns the names of the required inputs that are missing. Some quantities may need
+    /// additional inputs.
     ///
-    /// * `base`: case whose inputs the points vary.
+    /// * `base`: case that supplies all inputs that do not vary between the points.
     pub(crate) fn missing(self, base: &Case, given: InputSet) -> Vec<String> {
         let given = given.and(rated_nut::given(base));
         match self {
@@ -83,13 +84,13 @@ impl AnalysisKind {
     /// Calculates the numbers of the analysis for a case.
     ///
     /// * `settings`: model and solver settings of analyses that solve the case themselves.
-    /// * `motion`: a solution, if the analysis [needs](Self::needs_solution) one.
-    /// * `wanted`: selects quantities. Other quantities may be omitted.
-    /// * `work`: memory of the models, which is reused from case to case.
+    /// * `motion`: solved motion, if the analysis [needs](Self::needs_solution) one.
+    /// * `wanted`: selects the quantities to calculate. Other quantities may be omitted.
+    /// * `work`: workspace of the models, reused from case to case.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the analysis cannot be calculated.
+    /// Returns [`CaseError`] if the analysis cannot be calculated.
     pub fn numbers(
         self,
         case: &Case,
@@ -118,19 +119,20 @@ impl AnalysisKind {
 }
 
 impl Output {
-    /// Returns true if a point must be solved for the output.
+    /// Returns true if the output can only be calculated by solving the point.
     pub fn needs_solution(&self) -> bool {
         self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
 
-    /// Checks that the output is available for points that have the inputs `given`.
+    /// Checks that the output can be calculated for points with the inputs `given`.
     ///
-    /// * `base`: case whose inputs the points vary.
+    /// * `base`: case that supplies all inputs that do not vary between the points.
     /// * `model`: model that solves the points.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has no motion of the ball, or if inputs are missing.
+    /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball, or if
+    /// inputs are missing.
     pub fn check(&self, base: &Case, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         let mut missing = kind.missing(base, given);
@@ -160,7 +162,7 @@ impl Output {
         nearest(name, Self::all().map(|output| output.name))
     }
 
-    /// Returns all of [`OUTPUTS`], followed by the numbers of all analyses.
+    /// Returns all of [`OUTPUTS`], followed by the outputs of all analyses.
     pub fn all() -> impl Iterator<Item = &'static Self> {
         OUTPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns))
     }

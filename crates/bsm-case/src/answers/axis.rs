@@ -1,4 +1,5 @@
-//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and source.
+//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and
+//! source.
 
 mod contacts;
 mod drive;
@@ -41,12 +42,12 @@ use crate::{
 /// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
-/// Inputs that determine the friction of the nut, including substitutes.
+/// Alternative inputs that determine the friction of the nut; at least one is required.
 const FRICTION: &[InputSet] = quantities!(@needs [
     friction_coefficient | lubricant_temperature_C | catalog_efficiency | rated_dynamic_load_N
 ]);
 
-/// Inputs of the modified life.
+/// Inputs required for the modified life.
 const MODIFIED_LIFE: &[InputSet] =
     quantities!(@needs [lubricant_temperature_C, contamination_factor]);
 
@@ -63,30 +64,30 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
         cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
         cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle; 0 if the cycle returns to its start";
-        speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of jumps of the speed in the cycle";
+        speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of speed jumps in the cycle";
     }
     "screw and bearings" {
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression due to hindered growth reduces the critical speed, and a screw at rest has no value";
         nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
         critical_speed_warm_rpm ["rpm"] Scalar(|w| {
             let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
             Some(w.shaft()?.critical_speed_under(-compression) / RPM)
-        }), "critical speed of the screw under the compression by hindered growth";
+        }), "critical speed of the screw, including compression due to hindered growth";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
-            "buckling load with the ends of support";
-        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the ends of support";
-        yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load, core stress 147 N/mm2";
+            "buckling load with the end conditions of support";
+        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the end conditions of support";
+        yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load at a core stress of 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
         stretch_um ["um"] Scalar(|w| {
             Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
-        }), "elongation of the screw by its pretension";
+        }), "elongation of the screw due to pretension";
         travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "travel compensation over the stroke for a screw with pretension; a negative value means a shorter travel";
         screw_tension_N = INPUTS Scalar(|w| w.tension());
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
@@ -137,35 +138,35 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
-        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
-        cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
-        cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life of the cycle as travel in both directions";
+        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life under the cycle according to ISO 3408-5";
+        cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life under the cycle according to ISO 3408-5";
+        cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life under the cycle as travel in both directions";
         cycle_life_cycles [""] Scalar(|w| Some(w.life()?.revolutions / w.revolutions_per_cycle()?)), "life in cycles";
-        cycle_life_strokes [""] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / w.machine.stroke?)), "life of the cycle in strokes of stroke_mm";
-        cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life of the cycle in years of operating_h_day and operating_days_year";
+        cycle_life_strokes [""] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / w.machine.stroke?)), "life under the cycle in strokes of stroke_mm";
+        cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life under the cycle in years, according to operating_h_day and operating_days_year";
         required_life_revolutions = INPUTS Scalar(|w| w.required_revolutions());
-        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "required dynamic load rating for a million revolutions, with its factors";
+        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "required dynamic load rating for one million revolutions, including its factors";
         required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "required dynamic load rating for the travel of rating_basis, without factors";
-        modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
-        modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
+        modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; includes the factors for accuracy, hardness and steel";
+        modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; includes the factors for accuracy and hardness";
         fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
-            "fatigue load limit, largest pressure 1500 MPa";
+            "fatigue load limit, at a maximum pressure of 1500 MPa";
         modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs MODIFIED_LIFE,
-            "modified life of the cycle by ISO 281, with lubricant and contamination";
+            "modified life under the cycle according to ISO 281, with lubricant and contamination";
         modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs MODIFIED_LIFE,
             "modified life at the smallest contamination factor";
         modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
             "modified life at the largest contamination factor";
-        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
+        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life under the cycle, from the loads of all balls";
         limit_load_N = NUT Scalar(|w| w.of_nut(output!(limit_load_N)));
     }
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
-            "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
+            "stiffness of the nut at the largest load; tangent stiffness of all balls, or 0.8 times the catalog stiffness";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, with the nut in the worst position";
-        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass on the axis stiffness";
+        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass with the axis stiffness";
         natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass, including the torsion of the screw";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic displacement, plus the axial play of a nut without preload";
     }
@@ -177,8 +178,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         continuous_torque_at_mean_speed_Nm ["N m"] Scalar(|w| w.continuous_torque()), "continuous torque of motor_curve at the mean speed of the motor";
         rms_torque_utilization [""] Scalar(|w| Some(w.rms_torque()? / w.continuous_torque()?)) needs FRICTION, "ratio of the RMS motor torque to the continuous torque of motor_curve at the mean speed";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
-        regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy per cycle that returns to the drive";
-        peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
+        regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy that is returned to the drive per cycle";
+        peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that is returned to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
@@ -213,7 +214,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw when the motor has no power";
         back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "smallest back-driving torque of the load at rest; assumes the largest friction, twice the drag, and guide friction";
         back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; assumes the smallest friction";
-        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance along the load at rest from the largest feed, including brake_delay_s";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance in the direction of the load at rest, from the largest feed, including brake_delay_s";
         stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
         stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, including the motor";
         inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor";
@@ -299,7 +300,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
-    /// Results of the nut in the warm state.
+    /// Results of the nut in the warm state at the end of the phase.
     nut: Option<&'a NutInPhase>,
 }
 
@@ -315,7 +316,8 @@ impl PhaseResult<'_> {
         speed * self.worked.machine.advance() * 60.0
     }
 
-    /// Returns the value of larger magnitude at the two ends of the phase, with its sign.
+    /// Returns the value at the start or the end of the phase, whichever has the larger magnitude,
+    /// with its sign.
     fn largest(&self, number: impl Fn(&Torques) -> Option<f64>) -> Option<f64> {
         let [start, end] = self.torques.ends.each_ref().map(number);
         let (start, end) = (start?, end?);
@@ -323,7 +325,7 @@ impl PhaseResult<'_> {
     }
 }
 
-/// The screw and its nut with the values used in the calculation.
+/// Screw and nut as used in the calculation.
 pub(crate) struct Screw<'a> {
     case: &'a Case,
     machine: &'a Machine,
@@ -337,24 +339,24 @@ impl Screw<'_> {
     }
 }
 
-/// Report on an axis: numbers, rules and cycle.
+/// Report on an axis: numbers, rules and the phases of the cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// The case.
+    /// Case for which the sheet was calculated.
     pub case: Case,
     /// Settings used to calculate friction.
     pub settings: Settings,
     /// Torques in each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
-    /// Data for an order.
+    /// Order data of the screw.
     pub order: Order,
-    /// Warnings of the answer, with the selection limits that they state.
+    /// Warnings in the answer, each with the selection limit that it concerns, if any.
     pub warnings: Vec<Warning>,
-    /// The answer.
+    /// Answer with numbers, rules, notes and tables.
     pub answer: Answer,
 }
 
-/// Returns the numbers of the sheet that distinguish nuts, for tables of nuts.
+/// Returns the columns of the axis sheet that serve to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     const NAMES: [&str; 13] = [
         "cycle_life_h",
@@ -375,7 +377,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
-/// Numbers of the load at rest, which are all zero if no force acts at rest.
+/// Outputs that describe the load at rest. They are all zero if no force acts at rest.
 const AT_REST: [&str; 7] = [
     "rest_load_N",
     "holding_torque_Nm",
@@ -386,10 +388,11 @@ const AT_REST: [&str; 7] = [
     "back_driving_torque_high_Nm",
 ];
 
-/// Torque at rest with the friction of the contacts alone, in whose place the screen shows the torque of the brake.
+/// Holding torque with contact friction. The screen hides it and shows the required brake torque,
+/// because a brake must be chosen without relying on friction.
 const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 
-/// Effects that the torque of an axis always neglects.
+/// Effects that the calculation of an axis always neglects.
 const NOT_MODELED: [&str; 4] = [
     "vibration and control of the axis, and shocks beyond load_factor",
     "bending of the screw by its weight; deformation of the frame; misalignment unless it is given",
@@ -406,23 +409,23 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
     let temperatures = match heating {
         _ if case.asks_warm() => "temperatures over time, because the state is steady",
         Some(_) => {
-            "effect of the steady-state temperature rise on preload and torque, which warm_state calculates"
+            "effect of the steady-state temperature rise on preload and torque; set warm_state to true to include it"
         }
         None => {
             "temperatures of nut, screw and balls, because friction or the length of the screw is unknown"
         }
     };
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
-        "lubricant, because its inputs are not given: the contacts are dry and have one friction coefficient",
+        "lubricant, because its inputs are not given; the contacts are dry and have a constant friction coefficient",
     );
-    let preload = "friction torque of the preload, which follows from manufacturers' rule and is accurate to about 50 %";
+    let preload = "exact friction torque of the preload; it is calculated with the manufacturers' rule, which is accurate to about 50 %";
     let pushes = match (case.ball_gap_mm, case.is_preloaded()) {
         (None, _) => {
-            "ball returns and ball-to-ball contact, which only manufacturers' rule for the preload includes"
+            "ball returns and ball-to-ball contact, which only the manufacturers' rule for the preload includes"
         }
-        // All balls of a preloaded nut are solved to find its torque.
+        // The torque of a preloaded nut is calculated with all its balls.
         (Some(_), true) => {
-            "ball returns beyond return_push_N and its causes, which only manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
+            "ball returns beyond return_push_N and its causes, which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
         (Some(_), false) => {
             "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"
@@ -433,18 +436,19 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
 }
 
 impl AxisReport {
-    /// Calculates the axis of a case.
+    /// Calculates the axis sheet of a case.
     ///
     /// * `settings`: model and solver settings for friction.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or violates its rule.
+    /// Returns [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         let full = Detail { fold: true, band: true };
         let line = case.without_estimates();
         let (mut report, refused) = match line.with_groove() {
-            // Life, speed and buckling need no groove, but a warm state does.
+            // Life, speed limits and buckling can be calculated without groove data, but a warm
+            // state cannot.
             Err(CaseError::NoGroove(why)) if !line.asks_warm() => {
                 (Self::with(&line, settings, full)?, Some(why))
             }
@@ -458,7 +462,7 @@ impl AxisReport {
                 (report, _) => (report?, None),
             },
         };
-        // The search for a fold takes several times as long as the state.
+        // Searching for the fold takes several times as long as calculating the warm state.
         let has_fold = report.number(output!(fold_speed_factor)).is_some();
         let quick = Detail { fold: has_fold, band: false };
         let answer = std::mem::take(&mut report.answer);
@@ -472,13 +476,13 @@ impl AxisReport {
         Ok(report)
     }
 
-    /// Calculates numbers and rules without the notes that need additional solutions.
+    /// Calculates numbers and rules, but omits the notes that require additional solves.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: true, band: false })
     }
 
-    /// Calculates numbers and rules for a possible groove, without the notes that need additional
-    /// solutions and without the fold of a warm state.
+    /// Calculates numbers and rules for a possible groove. Omits the notes that require additional
+    /// solves and the fold of a warm state.
     pub(crate) fn without_fold(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: false, band: false })
     }
@@ -497,7 +501,8 @@ impl AxisReport {
             None => (Answer::default(), Vec::new()),
         };
         let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-        // The proportions of an estimated groove may differ from the proportions of the nut.
+        // An estimated groove may have other proportions than the real nut, so warnings about its
+        // proportions are discarded.
         if case.has_estimated_groove() {
             warnings.clear();
         }
@@ -509,7 +514,7 @@ impl AxisReport {
         warnings.extend(texts.into_iter().map(Warning::advice));
         warnings.extend(worked.warnings());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
-            let text = format!("{}; the rules of the preload are not checked", no_balls(why));
+            let text = format!("{}; the preload rules are not checked", no_balls(why));
             warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
         }
         warnings.sort();
@@ -534,7 +539,8 @@ impl AxisReport {
             notes.extend(worked.uncertainty_note());
             notes.extend(worked.falls());
         }
-        // If no force acts at rest, a note says so and the numbers are hidden.
+        // If no force acts at rest, a note says so, and the outputs for the load at rest are
+        // hidden.
         let is_free = worked.machine.rest_load == 0.0;
         let numbers = numbers.hiding(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
         let order = worked.order();
@@ -596,12 +602,13 @@ impl AxisReport {
         !self.answer.fails
     }
 
-    /// Returns a number by name.
+    /// Returns the output with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.answer.number(name)
     }
 
-    /// Returns the warm states over the speed, or `None` if they are not requested or do not exist.
+    /// Returns the branch of warm states as a function of speed, or `None` if no warm state is
+    /// requested or none exists.
     pub fn warm_branch(&self) -> Option<WarmBranch> {
         WarmBranch::of(&self.case, &self.settings).ok()?
     }
@@ -611,20 +618,21 @@ impl AxisReport {
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number(output!(required_life_revolutions))?;
         let mean_speed = self.number(output!(equivalent_speed_rpm))?;
-        // Time for the required revolutions at the mean speed of the cycle.
+        // Number of revolutions at this speed during the required life.
         let revolutions = required * rpm / mean_speed;
         Some(self.number(output!(modified_dynamic_rating_N))? * (1e6 / revolutions).cbrt())
     }
 }
 
-/// Calculates the numbers of an axis without a report.
+/// Calculates the numbers of an axis without creating a report.
 ///
 /// # Errors
 ///
-/// The errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal runaway.
+/// Returns the errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal
+/// runaway.
 ///
 /// * `wanted`: selects the quantities to calculate.
-/// * `work`: memory of the models.
+/// * `work`: workspace of the models.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,
@@ -634,7 +642,7 @@ pub(crate) fn numbers(
     check_inputs(case)?;
     let case = &case.with_preload()?;
     let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
-    // The torque at a single operating point does not need the whole axis.
+    // The torque at a single operating point can be calculated without the rest of the axis.
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
@@ -665,7 +673,7 @@ fn sheet(
         .with("not_modeled", Content::Texts("not modeled", not_modeled))
 }
 
-/// Builds the table of phases, one row each. The columns listed here are also shown on the screen.
+/// Builds the table of phases with one row per phase. The screen shows only the columns in `SHOWN`.
 fn of_phases(phases: &[ScrewTorque]) -> Table {
     const SHOWN: [&str; 9] = [
         "time_share",
@@ -696,7 +704,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
     Table { columns: columns.chain(others).collect(), rows, ..Table::default() }
 }
 
-/// Explains why there are no numbers for all balls of the nut.
+/// Explains why the nut cannot be calculated with all its balls.
 fn no_balls(why: &CaseError) -> String {
     format!("The nut with all its balls cannot be calculated: {why}")
 }
@@ -704,7 +712,7 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        // The last sample of a phase is nearest to its end.
+        // The last sample of the phase is the closest one to its end.
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
@@ -715,7 +723,8 @@ impl AxisState<'_> {
     }
 }
 
-/// Rejects temperature inputs that have no effect, and an accuracy grade without a travel.
+/// Rejects temperature inputs that would have no effect, and an accuracy grade without the travel
+/// to which it applies.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
@@ -725,7 +734,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
-    // These inputs also act without the thermal network.
+    // These inputs have an effect even without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -746,7 +755,8 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
 
 /// Returns the case at the largest load and speed of the axis, for the ratings.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    // The load includes the mass, and a separate rule checks the warm preload.
+    // The load already includes the forces on the moved mass, and a separate rule checks the warm
+    // preload.
     let mut case = case.cold().without_carriage();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);

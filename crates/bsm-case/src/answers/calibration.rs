@@ -21,7 +21,7 @@ use crate::{
     TableFormat,
 };
 
-/// Columns of the fitted inputs and of the measured points.
+/// Columns of the table of fitted inputs.
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
 pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
 
@@ -32,11 +32,11 @@ struct MeasuredPoint {
     case: Case,
     /// Measured value, in the unit of the output.
     value: f64,
-    /// Standard deviation of the measured value, or a value proportional to it.
+    /// Standard deviation of the measured value, or a number proportional to it.
     error: f64,
 }
 
-/// How the errors of measured values are assumed to differ between points.
+/// Assumption about the errors of the measured values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MeasurementError {
     /// Errors are proportional to the measured values.
@@ -62,13 +62,13 @@ impl MeasurementError {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if no kind has this name.
+    /// Returns [`CaseError`] if no kind has this name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         let found = Self::ALL.into_iter().find(|error| error.name() == name);
         found.ok_or_else(|| bad("errors", format!("is {name}, but must be relative or absolute")))
     }
 
-    /// Returns the error that weights a measured value.
+    /// Returns the error by which the residual of a measured value is divided.
     fn of(self, output: &Output, value: f64) -> Result<f64, CaseError> {
         match self {
             Self::Absolute => Ok(1.0),
@@ -84,12 +84,12 @@ impl MeasurementError {
 /// Suffix of the column that contains the errors of the output.
 const ERROR: &str = "_error";
 
-/// Significance level of the runs test for residuals, divided by the number of orders tested. If
-/// residuals have so few sign changes that the probability is below this level, they are
-/// systematic.
+/// Significance level of the runs test for residuals, divided by the number of inputs by which the
+/// points are sorted. Residuals are systematic if random residuals would have so few sign changes
+/// with a probability below this level.
 const SYSTEMATIC: f64 = 0.05;
 
-/// A fit: measured output, points and inputs to find.
+/// A fit of inputs to measured values of an output.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
@@ -101,13 +101,13 @@ pub struct Calibration {
     columns: Vec<InputKey>,
 }
 
-/// Number of steps over the range of an input for which reachable outputs are listed.
+/// Number of steps over the range of an input at which the reachable outputs are calculated.
 const REACH_STEPS: u32 = 8;
 
-/// Reason why a table does not determine the inputs.
+/// Reason why the fit to a table failed.
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum NoFit {
-    /// The search ended without a result.
+    /// The search ended without a result, for one of the reasons in the message.
     #[error(
         "a point has no solution for values that the search tries, or the search does not converge; give narrower ranges for \
          the inputs"
@@ -126,45 +126,45 @@ pub enum NoFit {
     },
 }
 
-/// An input that is stuck at an end of its range, so that the fit fails.
+/// A fitted input that ended at a limit of its range, so that the fit fails.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldInput {
-    /// The input.
+    /// Name of the input.
     key: InputKey,
-    /// End of the range at which the input is stuck.
+    /// Limit of the range at which the input ended.
     at: f64,
-    /// Its range.
+    /// Search range of the input.
     range: (f64, f64),
-    /// Smallest and largest output of all points over this range.
+    /// Smallest and largest output over all points and this range.
     reachable: Option<(f64, f64)>,
 }
 
-/// The inputs that best fit all points.
+/// Result of a fit to all points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
-    /// Values, deviations and conditioning of the inputs, with the residuals relative to the errors
-    /// of the points.
+    /// Values, standard deviations and conditioning of the inputs, and the residuals divided by the
+    /// errors of the points.
     pub found: LeastSquares,
     /// Root mean square of the residuals, in the unit of the output.
     pub scatter: f64,
-    /// Root mean square of the residuals, relative to the errors of the points.
+    /// Root mean square of the residuals divided by the errors of the points.
     pub weighted_scatter: f64,
-    /// Inputs that are stuck at an end of their range. If there is one, the fit fails.
+    /// Inputs that ended at a limit of their range. If the list is not empty, the fit fails.
     pub held: Vec<HeldInput>,
 }
 
 impl Calibration {
-    /// Prepares a fit of `inputs` to a CSV table. The table has a column of the measured output and columns of inputs, in any known units. A
-    /// column named after the output with the suffix `_error` contains the standard deviation of
-    /// each measured value.
+    /// Prepares a fit of `inputs` to a CSV table. The table has a column with the measured output,
+    /// and columns with inputs in any known units. An optional column, named after the output with
+    /// the suffix `_error`, contains the standard deviation of each measured value.
     ///
-    /// * `errors`: assumed errors if that column is missing. Defaults to
+    /// * `errors`: assumed errors if the table has no `_error` column. Defaults to
     ///   [`MeasurementError::Relative`].
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors that are
-    /// not positive, and assumed errors in addition to a column of errors.
+    /// Returns [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors
+    /// that are not positive, and a table that has an `_error` column although `errors` is given.
     pub fn new(
         base: &Case,
         inputs: &[FittedInput],
@@ -183,9 +183,10 @@ impl Calibration {
         Ok(Self { inputs, output, errors: assumed_errors, points, columns })
     }
 
-    /// Adds the 90 % intervals of the fitted values to an answer, if the groove of its case is estimated.
+    /// If the groove of the case is estimated, adds the 90 % intervals of the fitted values to the
+    /// answer.
     ///
-    /// * `prepare`: prepares the fit of a case with another groove.
+    /// * `prepare`: prepares the same fit for a case with another possible groove.
     pub fn over_grooves(
         answer: Answer,
         case: &Case,
@@ -210,8 +211,8 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the points lack inputs of the model, or the model does not calculate the
-    /// output.
+    /// Returns [`CaseError`] if the points lack inputs of the model, or the model does not
+    /// calculate the output.
     pub fn run(
         &self,
         base: &Case,
@@ -257,8 +258,8 @@ impl Calibration {
         Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, held }))
     }
 
-    /// Describes an input that is stuck at an end of its range. The other inputs keep their fitted
-    /// values.
+    /// Finds the outputs that an input at a limit of its range can reach over this range, while the
+    /// other inputs keep their fitted values.
     fn held(
         &self,
         place: usize,
@@ -281,7 +282,7 @@ impl Calibration {
         Ok(HeldInput { key, at: fitted[place], range, reachable })
     }
 
-    /// Reports that an input is at the end of its range, with the reachable outputs.
+    /// Explains that an input is at a limit of its range, and states the reachable outputs.
     fn describe(&self, held: &HeldInput) -> String {
         let HeldInput { key, at, range: (low, high), reachable } = held;
         let (input, output) = (key.name(), self.output.name);
@@ -298,7 +299,8 @@ impl Calibration {
         format!("the fit fails, because {input} = {at:.6} is at the end of its range{reach}")
     }
 
-    /// Returns the output of a point for the given values of the inputs, if it has a solution.
+    /// Returns the output at a point for the given values of the fitted inputs, or `None` if the
+    /// point has no solution.
     fn solve(
         &self,
         case: &Case,
@@ -314,7 +316,7 @@ impl Calibration {
         measured(self.output, &case, &settings, work)
     }
 
-    /// Returns rows of input, value and standard deviation.
+    /// Returns a row for each input: its name, value and standard deviation.
     pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
         let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
         let rows = self.inputs.iter().zip(&report.found.at).enumerate();
@@ -326,14 +328,14 @@ impl Calibration {
         self.points.iter().zip(&found.residuals).map(|(point, weighted)| point.error * weighted)
     }
 
-    /// Returns measured and fitted value of each point.
+    /// Returns the measured and the fitted value of each point.
     pub fn fitted(&self, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
         let points = self.points.iter().zip(self.residuals(&report.found));
         points.map(|(point, left)| (point.value, point.value + left))
     }
 
-    /// Returns the input along which the residuals change sign least often, if the number of sign
-    /// runs is too small for random residuals.
+    /// Sorts the points by each varied input and returns the input for which the residuals have the
+    /// least probable number of sign runs, if this probability is too small for random residuals.
     pub fn systematic(&self, report: &CalibrationReport) -> Option<(InputKey, SignRuns)> {
         let of = |key: InputKey| self.points.iter().map(move |point| point.case[key]);
         let varied = |key: &InputKey| of(*key).any(|value| value != self.points[0].case[*key]);
@@ -369,7 +371,7 @@ impl Calibration {
         warnings
     }
 
-    /// Returns the answer: the fitted values, the residuals, and each point.
+    /// Returns the answer: the fitted values, the residuals and the points.
     pub fn answer(&self, case: &Case, report: &CalibrationReport) -> Answer {
         let condition = report.found.condition;
         let row = |(name, value, deviation): (&str, f64, Option<f64>)| {
@@ -412,7 +414,7 @@ impl Calibration {
     }
 }
 
-/// Returns the inputs to find. Fails if an input is given twice or in two forms.
+/// Returns the fitted inputs. Fails if an input is given twice or in two forms.
 fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     let mut given = GivenNames::default();
     inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;
@@ -434,7 +436,7 @@ struct Measurements {
 
 /// Reads the measured points of a table.
 ///
-/// * `sought`: inputs to find. No column may give or replace them.
+/// * `sought`: fitted inputs. A column must not contain or replace any of them.
 /// * `errors`: assumed errors, if given.
 fn points(
     base: &Case,

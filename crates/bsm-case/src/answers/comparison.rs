@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Record, Table};
 
-/// Number of solves per model. The fastest solve counts.
+/// Number of timed solves per model. The shortest time counts.
 const REPEATS: usize = 20;
 
 /// Columns shown on the screen, with their headings.
@@ -24,20 +24,21 @@ const SHOWN: [(&str, &str); 9] = [
     ("", "time us"),
 ];
 
-/// Solves a case with all models for which it has inputs, ordered by the number of inputs, and
-/// measures the time of one solve \[µs\]. The answer states why other models are omitted. If the groove is estimated, the numbers
-/// have 90 % intervals.
+/// Solves a case with all models whose inputs are given, ordered by the number of inputs, and
+/// measures the time of one solve \[µs\]. The answer states why other models are omitted. If the
+/// groove is estimated, the numbers have 90 % intervals.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if a value violates a rule, or if inputs of even the cheapest model are missing.
+/// Returns [`CaseError`] if a value violates a rule, or if even the model with the fewest inputs
+/// lacks inputs.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
-    // Without repeated solves, no time is measured, so the time has no interval.
+    // Possible grooves are solved without timing, so the time has no interval.
     Ok(answer.over_grooves(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
 }
 
-/// * `repeats`: number of solves per model whose time is measured.
+/// * `repeats`: number of timed solves per model.
 fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     case.check()?;
     let mut work = ModelWorkspace::default();
@@ -49,12 +50,11 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         }
     }
     if answers.is_empty() {
-        // The cheapest model needs the fewest inputs. If its inputs are missing, all models lack
-        // them.
+        // If the cheapest model, which needs the fewest inputs, lacks inputs, all models do.
         case.choose(ModelChoice::Fixed(Model::ClosedForm))?;
     }
-    // Only models of rolling balls contribute warnings. The limits of saturated friction are
-    // visible in the table.
+    // Only models of rolling balls contribute warnings. The table shows where the models with
+    // saturated friction do not apply.
     let rolls = |(record, _): &&(Record, f64)| {
         [Model::RacewayControl, Model::Traction].map(Into::into).contains(&record.model())
     };
@@ -75,7 +75,7 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         table.columns.iter().map(|column| json[column.name].clone()).collect()
     };
     table.rows = answers.iter().map(row).collect();
-    // The most complete model that solved the point determines the regime.
+    // The regime is taken from the most complete model that solved the point.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
     let mut answer = Answer {
         notes: case.given().unused_by_models().collect(),
@@ -92,8 +92,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     Ok(answer.with("left_out", Content::Texts("not compared", left_out)))
 }
 
-/// Returns the answer of a model and the time of one solve \[µs\], which is infinite without repeated
-/// solves.
+/// Returns the answer of a model and the time of one solve \[µs\]. Without timed solves, the time
+/// is infinite.
 fn timed(
     case: &Case,
     model: Model,

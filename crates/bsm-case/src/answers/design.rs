@@ -1,4 +1,4 @@
-//! Selection of a screw for a requirement, in named quantities with units.
+//! Selection of a screw for a requirement, with named quantities and units.
 
 use std::cell::RefCell;
 
@@ -22,59 +22,59 @@ use crate::{
     OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, output, sheet_columns,
 };
 
-/// A number of the procedure: step, name, label, value and requirement as text, and whether the
-/// requirement is met.
+/// A result of the selection procedure and the requirement that it must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
-    /// Step of Lin's procedure, or 11 for additional numbers.
+    /// Step of Lin's procedure, or 11 for additional results.
     pub step: u8,
-    /// Name, with its unit as suffix.
+    /// Name of the quantity, with its unit as a suffix.
     pub name: &'static str,
-    /// Label.
+    /// Label of the quantity.
     pub label: &'static str,
-    /// Unit as text.
+    /// Unit of the quantity as text.
     pub unit: &'static str,
-    /// Value, if there is one.
+    /// Value of the quantity, if it is known.
     pub value: Option<f64>,
     /// Requirement as text, if there is one.
     pub requirement: Option<String>,
-    /// True if the requirement is met or there is none.
+    /// True if the requirement is met or if there is no requirement.
     pub passes: bool,
 }
 
 /// The screw selected for a requirement, or the reasons why none exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignReport {
-    /// Steps of the screw, or of the compromise with the smallest violation.
+    /// Results for the selected screw, or for the compromise with the smallest violation.
     pub rows: Vec<DesignRow>,
     /// True if the screw meets the requirement.
     pub found: bool,
-    /// Active limits, or limits that cannot be met with the amounts by which they are missed.
+    /// Active limits. If no screw meets the requirement: the limits that cannot be met, and by how
+    /// much they are missed.
     pub reasons: Vec<String>,
-    /// Assumptions.
+    /// Assumptions that the selection made.
     pub notes: Vec<String>,
-    /// Warnings.
+    /// Warnings about the screw.
     pub warnings: Vec<String>,
-    /// Data for an order.
+    /// Order data of the screw, if the axis sheet could be calculated.
     pub order: Option<String>,
-    /// The screw at its operating point.
+    /// Case of the screw at its operating point.
     pub case: Case,
 }
 
-/// Name of the efficiency of the whole screw.
+/// Name of the output for the efficiency of the whole screw.
 const EFFICIENCY: OutputName = output!(screw_efficiency);
 
-/// Columns of the steps of a selection.
+/// Columns of the table of selection steps.
 pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
 
 thread_local! {
-    /// Each thread of the search has its own workspace.
+    /// Workspace of the models. Each search thread has its own.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
 impl DesignReport {
-    /// Searches for the best screw of any size, with balls of standard diameters, by Lin's
-    /// procedure. A requirement that cannot be met is a valid result.
+    /// Searches for the best screw of any size with balls of standard diameters, by Lin's
+    /// procedure. A requirement that no screw meets is a valid result.
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
@@ -84,7 +84,7 @@ impl DesignReport {
     }
 
     /// Searches for the best screw among standard sizes. Returns `None` if the lists contain no
-    /// size for the requirement, for example for a given lead angle.
+    /// size for the requirement, for example if the requirement prescribes a lead angle.
     pub fn standard(requirement: &RequirementFile, catalog: &Catalog) -> Option<Self> {
         let Catalog { lists, limits } = catalog;
         let requirement = &requirement.within(catalog);
@@ -126,7 +126,7 @@ impl DesignReport {
         let judged = requirement.judge(&case);
         let why = match &judged {
             Ok(_) => None,
-            // A screw that the other commands reject is not a result.
+            // A screw that the other commands would reject must not be reported as found.
             Err(why) if found || reasons.is_empty() => {
                 found = false;
                 reasons = vec![why.to_string()];
@@ -140,11 +140,11 @@ impl DesignReport {
         let runs_away = sheet.as_ref().is_some_and(|sheet| sheet.phases.is_empty());
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &PhasePoint| efficiency;
-        // The efficiency of a preloaded nut follows from all its balls.
+        // The efficiency of a preloaded nut is calculated from all its balls.
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        // An order always comes with the warnings of `axis`.
+        // An order is always accompanied by the warnings of the `axis` command.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -197,7 +197,7 @@ impl DesignReport {
         Self { rows, found, reasons, notes, warnings, order, case }
     }
 
-    /// Returns the answer: whether there is a screw, the steps of the selection, and the limits.
+    /// Returns the answer: whether a screw was found, the steps of the selection, and the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
             let DesignRow { step, name, label, unit, value, requirement, passes } = row;
@@ -227,15 +227,15 @@ impl DesignReport {
 }
 
 impl RequirementFile {
-    /// Returns a catalog with the steel of the requirement.
+    /// Returns the catalog with the steel of the requirement.
     #[must_use]
     pub fn with_its_material(&self, mut catalog: Catalog) -> Catalog {
         catalog.limits.material = self.problem.material;
         catalog
     }
 
-    /// Returns true if a nut meets all limits of the requirement, except for limits that need the
-    /// loads of all its balls. [`sheet_of`](Self::sheet_of) checks those limits.
+    /// Returns true if a nut meets all limits of the requirement that can be checked without the
+    /// loads of all its balls. [`sheet_of`](Self::sheet_of) checks the other limits.
     pub fn is_met_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
@@ -253,8 +253,8 @@ impl RequirementFile {
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
     }
 
-    /// Calculates the axis sheet (see [`AxisReport`]) by which every nut is checked: selected nuts,
-    /// listed nuts, and nuts of a manufacturer.
+    /// Calculates the axis sheet (see [`AxisReport`]) against which every selected, listed or
+    /// manufacturer's nut is checked.
     pub(crate) fn judge(&self, case: &Case) -> Result<AxisReport, CaseError> {
         AxisReport::judged(case, &self.settings)
     }
@@ -264,8 +264,8 @@ impl RequirementFile {
         case(self, &Design::of(&self.problem, *nut, None))
     }
 
-    /// Returns the numbers of [`sheet_columns`] for a nut in the axis of the requirement, with NaN
-    /// for missing numbers. Returns `None` if the nut violates a rule of its sheet.
+    /// Returns the outputs [`sheet_columns`] for a nut in the axis of the requirement, with NaN for
+    /// missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
         let report = self.judge(&self.case_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.into()).unwrap_or(f64::NAN);
@@ -275,26 +275,28 @@ impl RequirementFile {
 }
 
 impl RequirementFile {
-    /// Returns the requirement with the usual limit of loaded turns for the sizes of a list.
+    /// Returns the requirement, completed by the usual limit of loaded turns for the sizes of the
+    /// catalog.
     pub(crate) fn within(&self, catalog: &Catalog) -> Self {
         let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
         Self { problem, ..self.clone() }
     }
 
-    /// Returns the limit of the selection that a warning states, unless the requirement allows the warning.
+    /// Returns the selection limit that a warning states, unless the requirement permits the
+    /// warning.
     fn forbids(&self, warning: &Warning) -> Option<SelectionLimit> {
         let Requirement { fixed, largest_turns, ball_over_lead, .. } = &self.problem;
         let usual = Requirement::BALL_OVER_LEAD * (1.0 + 1e-9);
         warning.limit.filter(|limit| match limit {
-            // The requirement has its own limit.
+            // A limit in the requirement replaces the usual limit.
             SelectionLimit::LoadedTurns => fixed.turns.is_none() && largest_turns.is_none(),
             SelectionLimit::BallOverLead => *ball_over_lead <= usual,
             other => !(self.allow_warnings && other.can_be_allowed()),
         })
     }
 
-    /// Returns the reasons why a screw is not selected: names of the violated rules of its sheet, and labels of the
-    /// limits that its warnings state.
+    /// Returns the reasons why a screw is not selected: the names of the violated rules on its
+    /// sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
         &'a self,
         sheet: &'a AxisReport,
@@ -305,13 +307,13 @@ impl RequirementFile {
     }
 }
 
-/// Checks a nut against the rules of its sheet and the warnings that are limits. For a preloaded
-/// nut it also checks the efficiency, because the search does not calculate all balls.
+/// Checks a nut against the rules of its sheet and the warnings that are selection limits. The
+/// search does not calculate all balls of a nut, so the efficiency of a preloaded nut is checked
+/// here, too.
 fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = requirement.case_of(nut);
-    // Most rules are cheap to check without friction. A warm state cannot be calculated without
-    // friction.
+    // Most rules can be checked quickly without friction. A warm state needs friction.
     if !case.asks_warm() {
         let sheet = requirement.judge(&case.clone().without_friction()).map_err(|_| Vec::new())?;
         let judged = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
@@ -332,20 +334,20 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// Returns the efficiency of the whole screw in a phase, calculated with the model of the
-/// requirement, if it has one.
+/// Calculates the efficiency of the whole screw at a moment of a phase with the model of the
+/// requirement. Returns `None` if the model has no solution.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = requirement.case_of(nut);
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
-/// Returns the case of a design in the axis of the requirement, with the load of a given torque and
-/// the preload of a preload class.
+/// Returns the case of a design in the axis of the requirement, with the load that a given torque
+/// produces and the preload of a preload class.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     let conformity = Some(decimal(nut.conformity.0));
-    // There is one circuit on each thread start.
+    // Each thread start has one circuit.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Case {
         ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),
@@ -381,15 +383,15 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         nut_conformity = INPUTS Scalar(|x| *x);
         loaded_turns = INPUTS Scalar(|x| *x);
         largest_load_N = AXIS Scalar(|x| *x);
-        normal_load_per_ball_N ["N" "Q"] Scalar(|x| *x), "normal load of a ball, equal sharing";
+        normal_load_per_ball_N ["N" "Q"] Scalar(|x| *x), "normal load of a ball, with equal load sharing";
         lead_mm = INPUTS Scalar(|x| x / MM);
         stroke_mm = INPUTS Scalar(|x| x / MM);
         turns_for_stroke [""] Scalar(|x| *x), "number of screw turns for the stroke";
         advance_mm_s ["mm/s"] Scalar(|x| x / MM), "speed of the nut along the screw";
         largest_speed_number_mm_min = AXIS Scalar(|x| x / (MM * RPM));
         motor_speed_rpm = AXIS Scalar(|x| x / RPM);
-        nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut, equal sharing";
-        screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw, equal sharing";
+        nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut, with equal load sharing";
+        screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw, with equal load sharing";
         contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "end of the contact ellipse in the groove";
         screw_efficiency = AXIS Scalar(|x| *x);
         screw_input_power_W ["W"] Scalar(|x| *x), "input power of the screw";
@@ -407,19 +409,19 @@ quantities! { pub(crate) STEPS, in_units(&f64);
     }
 }
 
-/// Returns the label of a number of a design or of its sheet.
+/// Returns the label of a quantity of the design or of its sheet.
 fn label(name: &str) -> Option<&'static str> {
     let known = STEPS.iter().chain(AXIS).find(|quantity| quantity.name == name);
     known.map(|quantity| quantity.about)
 }
 
-/// Returns the quantity of a number of a design.
+/// Returns the name, unit and label of a design quantity.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }
 
-/// Returns the steps of a design with the rules of its sheet. A rule replaces the step with the same
-/// number and limit.
+/// Returns the steps of a design together with the rules of its sheet. A rule replaces the step
+/// that has the same quantity and limit.
 fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
     let mut rows: Vec<_> = design.checks.iter().map(row).collect();
     for rule in rules {
@@ -447,7 +449,7 @@ fn row(check: &Check) -> DesignRow {
     }
 }
 
-/// Returns a rule of the sheet as an additional row of the steps.
+/// Converts a rule of the sheet to an additional row of the table of steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
     DesignRow {
         step: 11,
@@ -460,22 +462,23 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     }
 }
 
-/// Returns the nominal diameter of a chosen screw \[mm\] according to the manufacturers' sizes, and
-/// whether the ball diameter is published.
+/// Returns the nominal diameter that manufacturers list for a chosen screw \[mm\], and whether a
+/// manufacturer publishes the ball diameter.
 fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
     let alike = |size: &&OfferedSize| {
         same(case.lead_mm, size.lead) && same(case.ball_diameter_mm, size.ball)
     };
     let printed = offered.iter().filter(alike).any(|size| size.ball_is_printed);
-    // Sizes with the same lead and ball differ by about 10 mm in diameter.
+    // Sizes with the same lead and ball diameter differ by about 10 mm in nominal diameter, so the
+    // size closest to the pitch circle is the chosen one.
     let pitch = case.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
     let far = |size: &&OfferedSize| (size.diameter - pitch).abs();
     let size = offered.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
     Some((decimal(size.diameter / MM), printed))
 }
 
-/// Describes a rule of the sheet that is violated by the best screw under all other limits.
+/// Describes a rule of the sheet that the best screw within all other limits violates.
 fn breaks(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
     let number = |value: f64| format!("{} {unit}", trimmed(value)).trim_end().to_owned();
@@ -506,13 +509,13 @@ fn required(check: &Check) -> Option<String> {
     }
 }
 
-/// Returns the unit of a number of a design, with a leading space.
+/// Returns the unit of a design quantity, with a leading space.
 fn unit(quantity: Quantity) -> String {
     let unit = step(quantity).unit;
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
-/// Describes an active limit, with the objective that could be reached without it.
+/// Describes an active limit and states the objective that could be reached without it.
 fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimit) -> String {
     let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();
@@ -527,7 +530,7 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
     format!("{name} {limit}: without this limit {} {without}, with it {with}", step(quantity).about)
 }
 
-/// Describes a limit that cannot be met, with the amount by which it is missed and the cause.
+/// Describes a limit that cannot be met, with the best possible value and the cause.
 fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     let (name, unit) = (step(check.quantity).about, unit(check.quantity));
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
@@ -556,7 +559,7 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
 mod tests {
     use super::*;
 
-    /// The table has the order of the numbers of a design, of which the mass is the last.
+    /// `STEPS` is indexed by `Quantity`, whose last variant is `Mass`.
     #[test]
     fn step_labels_match_the_order_of_design_quantities() {
         assert_eq!(STEPS.len(), Quantity::Mass as usize + 1);

@@ -14,32 +14,32 @@ use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{Answer, Case, CaseError, Content, Output, Record, Scales, Settings, Table};
 
-/// Fields over the two contact ellipses of a ball: pressure, slip and friction on a grid, the
-/// stationary part, and integral results.
+/// Pressure, slip and friction on a grid over the two contact ellipses of a ball, with the sticking
+/// share and integrated results.
 #[derive(Debug, Clone)]
 pub struct EllipseFields {
     model: Model,
     /// Nut and screw contacts, with the columns of [`CONTACT`].
     contacts: Table,
-    /// Warnings of the solution.
+    /// Warnings about the solution.
     warnings: Vec<String>,
 }
 
 /// Columns of a contact. Coordinates are relative to the semi-axes, with the first coordinate
-/// across the groove. Friction is relative to the normal pressure. Fields are stored in rows along
-/// the groove, with null outside the ellipse.
+/// across the groove. Friction is relative to the normal pressure. Fields are stored row by row,
+/// with rows along the groove and null outside the ellipse.
 pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
     | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction / load \
     | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \
     | -places:numbers | -pressure_MPa:[number?] | -slip_across_m_s:[number?] | -slip_along_m_s:[number?] \
     | -friction_across:[number?] | -friction_along:[number?] | sticking_share=sticking share";
 
-/// Fields at a point of a contact.
+/// Fields that are calculated at each grid point of a contact.
 const FIELDS: [&str; 5] =
     ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
 /// Columns of the table of fields: the coordinates relative to the semi-axes, followed by the
-/// fields of nut and screw.
+/// fields at nut and screw.
 const HEADS: &[Output; 12] = &[
     field("across", ""),
     field("along", ""),
@@ -60,17 +60,18 @@ const fn field(name: &'static str, unit: &'static str) -> Output {
 }
 
 impl EllipseFields {
-    /// Default number of points on each semi-axis.
+    /// Default number of grid points on each semi-axis.
     pub const POINTS: u32 = 20;
 
-    /// Calculates the fields of a solution with a motion of the ball.
+    /// Calculates the fields of a solution. The model must calculate the motion of the ball.
     ///
-    /// * `settings`: settings of the solution.
+    /// * `settings`: settings with which the solution was calculated.
     /// * `points`: number of grid points on each semi-axis.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has no motion of the ball or there is no solution.
+    /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball or
+    /// there is no solution.
     pub fn of(
         case: &Case,
         settings: &Settings,
@@ -82,7 +83,8 @@ impl EllipseFields {
         let (accuracy, creep) = integration(settings, solution);
         let creep = creep * point.ball.radius * point.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
-        // A spin much smaller than the rotation of the ball may be rounding error.
+        // A spin that is many orders of magnitude smaller than the rotation of the ball may be a
+        // rounding error.
         let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
         let mut contacts = Vec::new();
         for contact in moving.contacts.iter().flatten().take(2) {
@@ -90,7 +92,8 @@ impl EllipseFields {
             let MovingContact { touch, load, .. } = contact;
             let law = Law::of(touch.site, point.friction, solution);
             let pressed_radius = case.pressed_radius(touch.site);
-            // In models of saturated friction, all points of a contact slide in one direction.
+            // In models with saturated friction, all points of a contact slide in the same
+            // direction.
             let sliding = match solution.model {
                 Model::Rigid | Model::Elastic => Sliding::Point,
                 _ => Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature: &quadrature },
@@ -161,8 +164,8 @@ impl EllipseFields {
     }
 }
 
-/// Returns the coordinates of a grid over an ellipse, the fields at its points, and the fraction of
-/// points whose slip speed is below the creep speed.
+/// Returns the coordinates of a grid over an ellipse, the fields at the grid points, and the
+/// fraction of points whose slip speed is below the creep speed.
 fn over_the_ellipse(
     slip: &EllipseSlip<f64>,
     (law, max_pressure): (&Law, f64),

@@ -1,4 +1,4 @@
-//! Determination of an input from a measured output, or from the limit of a rule.
+//! Determines an input from a measured output, or from the limit of a rule.
 
 use std::cell::RefCell;
 
@@ -15,8 +15,9 @@ use crate::{
     Output, Quantity, Record, Rule, Settings, interval,
 };
 
-/// Returns the output with the given name, in any unit, and the change to its own unit. The output is a number of a solution, or of
-/// an analysis that needs only inputs, such as `nut` or `axis`.
+/// Returns the output with the given name, which may have another unit, and the conversion to the
+/// unit of the output. The output must be a result of a solved motion or of an analysis that needs
+/// only inputs, such as `nut` or `axis`.
 pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), CaseError> {
     let name = name.trim();
     let is_number = |output: &&Output| {
@@ -34,16 +35,19 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
     })
 }
 
-/// Returns the analysis of an output that follows from the inputs without a solution, or `None` for an output of a ball in motion.
+/// Returns the analysis that calculates an output from inputs alone, or `None` if the output needs
+/// a solved motion.
 fn of_inputs(output: &Output) -> Option<AnalysisKind> {
     output.analysis().filter(|kind| !kind.needs_solution())
 }
 
-/// Returns the value that would be measured at a point, or `None` without a solution.
+/// Returns the value that a measurement at the point would give according to the model, or `None`
+/// if there is no solution.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the case lacks inputs of the model, or the model does not calculate the output.
+/// Returns [`CaseError`] if the case lacks inputs of the model, or the model does not calculate the
+/// output.
 pub(crate) fn measured(
     output: &Output,
     case: &Case,
@@ -67,8 +71,8 @@ pub(crate) fn measured(
     }
 }
 
-/// Replaces model `auto` by the most complete model, because an error bound of the efficiency says
-/// nothing about the error of an input.
+/// Replaces model `auto` by the most complete model. Model `auto` only bounds the error of the
+/// efficiency, which does not bound the error of a fitted input.
 pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
     let model = match case.choose(settings.model)? {
         ModelChoice::Auto => Model::Traction.into(),
@@ -77,25 +81,27 @@ pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseEr
     Ok(Settings { model, ..*settings })
 }
 
-/// Default range of a friction coefficient.
+/// Default search range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Default range of other inputs that are fitted to a table of points, relative to the value in the case.
+/// Default search range of other inputs that are fitted to a table of points, relative to the value
+/// in the case.
 const NEAR: (f64, f64) = (0.25, 4.0);
 
-/// Default range of other inputs that follow from one number, relative to the value in the case.
+/// Default search range of other inputs that are determined from a single value, relative to the
+/// value in the case.
 const WIDE: (f64, f64) = (0.01, 100.0);
 
-/// Condition that determines the input.
+/// Condition that the value of the input must satisfy.
 #[derive(Debug, Clone)]
 enum Target {
-    /// The output has this value.
+    /// The output equals the measured value.
     Measured { output: &'static Output, value: f64 },
-    /// The rule of the axis with this title is at its limit.
+    /// The axis rule with this title is exactly at its limit.
     Limit { rule: &'static str },
 }
 
-/// The search for an input.
+/// A search for the values of an input that satisfy a condition.
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
@@ -103,40 +109,43 @@ pub struct Fit {
     target: Target,
 }
 
-/// Value of the input.
+/// A value of the input that satisfies the condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitValue {
-    /// The value of the input.
+    /// Value of the input.
     pub value: f64,
-    /// Relative change of the input per relative change of the measured output, or of the margin of the rule.
+    /// Relative change of the input per relative change of the measured output or of the margin of
+    /// the rule.
     pub response: f64,
-    /// Result of the model at this value, if the case describes a ball in motion.
+    /// Solution with this value, if the condition refers to the motion of a ball.
     pub record: Option<Record>,
     /// 90 % interval of the value over the possible grooves, if the groove is estimated.
     pub band: Option<Band>,
-    /// Number of possible grooves with which no value near this one reproduces the output.
+    /// Number of possible grooves for which no value near this one satisfies the condition.
     pub without: usize,
-    /// Results of the model with the possible grooves, each at its own value.
+    /// Solutions for the possible grooves, each with its own value of the input.
     possible: Vec<Record>,
 }
 
-/// Values in ascending order.
+/// Result of a search for the values of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitReport {
-    /// The values, the smallest first.
+    /// Values found, in ascending order.
     pub found: Vec<FitValue>,
-    /// Values at which the output jumps across the measured value, or the rule across its limit.
+    /// Values of the input at which the output jumps past the measured value, or the rule jumps
+    /// past its limit.
     pub jumps: Vec<f64>,
-    /// Parts of the range in which the rule is met. The list is empty for a measured output.
+    /// Parts of the search range in which the rule is met; empty for a measured output.
     pub kept: Vec<(f64, f64)>,
-    /// Smallest and largest output, or margin of the rule, over the part of the range that has solutions.
+    /// Smallest and largest output, or margin of the rule, in the part of the search range in which
+    /// the model has solutions.
     pub reachable: Option<(f64, f64)>,
-    /// Share of the range in which the model has solutions.
+    /// Fraction of the search range in which the model has solutions.
     pub solved: f64,
 }
 
-/// Returns the search range of an input: as given, or 1e-4 to 0.5 for a friction coefficient, or `around` times the value in the
-/// case for other inputs.
+/// Returns the search range of an input. If none is given, the range is 1e-4 to 0.5 for a friction
+/// coefficient, and `around` times the value in the case for other inputs.
 fn range_of(
     case: &Case,
     input: InputKey,
@@ -159,7 +168,7 @@ fn range_of(
         _ => return Err(CaseError::NoRange { key: input.name() }),
     };
     let range = match rule {
-        // The value in the case may be close to a limit of its rule.
+        // The value in the case may be close to a permitted limit.
         Rule::Between(low, high) => {
             let inset = 1e-6 * (high - low);
             (range.0.max(low + inset), range.1.min(high - inset))
@@ -169,7 +178,7 @@ fn range_of(
     let ends = [range.0, range.1];
     let key = input.name();
     if matches!(rule, Rule::Whole(_) | Rule::OneOf(_)) {
-        return Err(bad(key, "takes only discrete values, which a search cannot find"));
+        return Err(bad(key, "takes only discrete values, so a continuous search cannot fit it"));
     }
     if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
         let (low, high) = range;
@@ -179,13 +188,14 @@ fn range_of(
     Ok(range)
 }
 
-/// An input to fit.
+/// An input whose value is determined.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedInput {
-    /// Name of the input, with any unit.
+    /// Name of the input, which may have another unit.
     pub name: String,
-    /// Search range in this unit. By default, it is 1e-4 to 0.5 for a friction coefficient. For other inputs, it is relative to the
-    /// value in the case: 0.01 to 100 for one measured value, and 0.25 to 4 for a table of points.
+    /// Search range in the unit of the name. The default for a friction coefficient is 1e-4 to 0.5.
+    /// The default for other inputs is relative to the value in the case: 0.01 to 100 for a single
+    /// measured value, and 0.25 to 4 for a table of points.
     pub range: Option<(f64, f64)>,
 }
 
@@ -194,7 +204,7 @@ impl FittedInput {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form.
+    /// Returns [`CaseError`] if the text has another form.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
         let wrong = || CaseError::bad_setting(text, form);
@@ -209,7 +219,7 @@ impl FittedInput {
         Ok(Self { name: name.trim().to_owned(), range })
     }
 
-    /// Returns the input and its search range in the unit of the vocabulary.
+    /// Returns the input and its search range in the unit of the input.
     ///
     /// * `around`: default range relative to the value in the case.
     fn key_and_range(
@@ -222,7 +232,7 @@ impl FittedInput {
         Ok((key, range_of(base, key, range, around)?))
     }
 
-    /// Returns the input of a fit to a table of points, and its search range.
+    /// Returns the input and its search range for a fit to a table of points.
     pub(crate) fn of_points(&self, base: &Case) -> Result<(InputKey, (f64, f64)), CaseError> {
         self.key_and_range(base, NEAR)
     }
@@ -231,9 +241,9 @@ impl FittedInput {
 /// A measured value of an output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Name of the output, with any unit.
+    /// Name of the output, which may have another unit.
     pub name: String,
-    /// Measured value in this unit.
+    /// Measured value in the unit of the name.
     pub value: f64,
 }
 
@@ -242,7 +252,7 @@ impl Measurement {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form.
+    /// Returns [`CaseError`] if the text has another form.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let wrong = || CaseError::bad_setting(text, "output=value, such as screw_torque_Nm=1.5");
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
@@ -250,7 +260,7 @@ impl Measurement {
         Ok(Self { name: name.trim().to_owned(), value })
     }
 
-    /// Returns the output and its value in the unit of the vocabulary.
+    /// Returns the output and its measured value in the unit of the output.
     fn target(&self) -> Result<Target, CaseError> {
         let (output, change) = measurable(&self.name)?;
         if !self.value.is_finite() {
@@ -264,11 +274,12 @@ impl Measurement {
 }
 
 impl Fit {
-    /// Prepares a search for the values of an input that reproduce a measurement.
+    /// Prepares a search for the values of an input that reproduce a measured value.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, an invalid range, and a measured value that is not finite.
+    /// Returns [`CaseError`] for unknown names, an invalid range, or a measured value that is not
+    /// finite.
     pub fn new(
         case: &Case,
         input: &FittedInput,
@@ -277,22 +288,23 @@ impl Fit {
         Self::with(case, input, measurement.target()?)
     }
 
-    /// Works like [`new`](Self::new), with texts of the forms of [`FittedInput::parse`] and [`Measurement::parse`].
+    /// Works like [`new`](Self::new), but takes texts in the forms of [`FittedInput::parse`] and
+    /// [`Measurement::parse`].
     ///
     /// # Errors
     ///
-    /// The errors of [`FittedInput::parse`], [`Measurement::parse`] and [`new`](Self::new).
+    /// Returns the errors of [`FittedInput::parse`], [`Measurement::parse`] and [`new`](Self::new).
     pub fn parse(case: &Case, input: &str, measurement: &str) -> Result<Self, CaseError> {
         Self::new(case, &FittedInput::parse(input)?, &Measurement::parse(measurement)?)
     }
 
-    /// Prepares a search for the values of an input that bring a rule of the axis to its limit.
+    /// Prepares a search for the values of an input at which an axis rule is exactly at its limit.
     ///
     /// * `rule`: title of the rule, such as `critical speed`.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
+    /// Returns [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
     pub fn of_limit(case: &Case, input: &FittedInput, rule: &str) -> Result<Self, CaseError> {
         let known = rule_titles().find(|title| *title == rule.trim()).ok_or_else(|| {
             CaseError::unknown_word("rule", rule, &rule_titles().collect::<Vec<_>>())
@@ -312,7 +324,8 @@ impl Fit {
         Ok(case)
     }
 
-    /// Returns the output minus the measured value, or the margin of the rule minus 1, or `None` without a solution.
+    /// Returns the output minus the measured value, or the margin of the rule minus 1. Returns
+    /// `None` if there is no solution.
     fn excess(
         &self,
         case: &Case,
@@ -332,14 +345,15 @@ impl Fit {
         }
     }
 
-    /// Finds every value in the range that reproduces the measured output, or at which the rule is at its limit.
+    /// Finds all values in the search range that reproduce the measured output, or at which the
+    /// rule is exactly at its limit.
     ///
-    /// Model `auto` is replaced by the most complete model, because an error bound of the efficiency says nothing about the error of the
-    /// input.
+    /// Model `auto` is replaced by the most complete model. Model `auto` only bounds the error of
+    /// the efficiency, which does not bound the error of the input.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if no value of the input gives an output.
+    /// Returns [`CaseError`] if the output cannot be calculated at any value of the input.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut report = self.search(case, settings)?;
         for fitted in &mut report.found {
@@ -358,8 +372,8 @@ impl Fit {
         Ok(report)
     }
 
-    /// Returns the result of the model at a value of the input, or `None` if the fit does not need
-    /// the motion of a ball.
+    /// Returns the solution with a value of the input, or `None` if the condition is the limit of a
+    /// rule.
     fn record(
         &self,
         case: &Case,
@@ -376,12 +390,13 @@ impl Fit {
         }
     }
 
-    /// Returns the value for another groove by the secant method, starting from the value and the slope for the best groove. Returns
-    /// `None` if the steps leave the range or do not converge.
+    /// Returns the value of the input for another possible groove. The secant method starts from
+    /// the value and the slope for the best groove. Returns `None` if the iteration leaves the
+    /// search range or does not converge.
     fn follow(&self, case: &Case, settings: &Settings, best: &FitValue) -> Option<f64> {
-        /// Relative step at which the iteration stops: far below the width of any interval.
+        /// Relative step at which the iteration stops. It is much smaller than any interval.
         const STEP: f64 = 1e-6;
-        /// Maximum number of steps.
+        /// Maximum number of iterations.
         const MAX_STEPS: usize = 20;
         let (low, high) = self.range;
         let case = &self.at(case, best.value).ok()?;
@@ -412,12 +427,12 @@ impl Fit {
     fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
         match &self.target {
             Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
-            // A screw without a groove has no model of its balls.
+            // Without groove data, there is no ball model to choose.
             _ => Ok(exact(case, settings).unwrap_or(*settings)),
         }
     }
 
-    /// Returns the measured value, or the margin at the limit of a rule.
+    /// Returns the measured value, or the margin of a rule at its limit, which is 1.
     fn offset(&self) -> f64 {
         match &self.target {
             Target::Measured { value, .. } => *value,
@@ -425,7 +440,7 @@ impl Fit {
         }
     }
 
-    /// Searches the range for one groove.
+    /// Searches the range for a case with one groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
@@ -468,7 +483,8 @@ impl Fit {
         })
     }
 
-    /// Returns the parts of the range in which the rule is met, as tested at the middle of each part between two changes.
+    /// Returns the parts of the search range in which the rule is met. The rule is checked in the
+    /// middle between successive roots and jumps.
     fn kept(
         &self,
         roots: &[SignChange],
@@ -488,7 +504,7 @@ impl Fit {
         Ok(kept)
     }
 
-    /// Describes the result in a sentence.
+    /// Describes the result of the search in a sentence.
     fn describe(&self, report: &FitReport) -> String {
         let input = self.input.name();
         let all: Vec<_> = report
@@ -540,7 +556,7 @@ impl Fit {
                     if all.len() > 1 { "; the output is the same at all these values" } else { "" };
                 let response = first.response.abs();
                 format!(
-                    "{}{more}; 1 % of {what} is {response:.2} % of {input}{jumps}",
+                    "{}{more}; a change of {what} by 1 % corresponds to a change of {input} by {response:.2} %{jumps}",
                     all.join(", ")
                 )
             }
@@ -558,8 +574,7 @@ impl Fit {
         }
     }
 
-    /// Returns the answer: the values found, each with the solution at this value, and the
-    /// reachable outputs.
+    /// Returns the answer: the values found, each with its solution, and the reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |(f, solution): (&FitValue, &Answer)| {
             let mut found = json!({
@@ -579,7 +594,7 @@ impl Fit {
         let fails = report.found.is_empty() && report.kept.is_empty();
         let without = report.found.iter().filter(|found| found.without > 0).map(|found| {
             format!(
-                "With {} of {} possible grooves, no value near {} = {:.6} in the range has this result.",
+                "For {} of {} possible grooves, no value near {} = {:.6} in the range gives this result.",
                 found.without,
                 case.draws(FEW_DRAWS),
                 self.input.name(),
@@ -607,7 +622,7 @@ impl Fit {
 }
 
 impl FitValue {
-    /// Returns the result of the model at this value, with its 90 % intervals over the possible
+    /// Returns the solution with this value of the input, with 90 % intervals over the possible
     /// grooves.
     fn solution(&self, case: &Case) -> Answer {
         let shown = |record: &Record| Answer { sections: record.shown(case), ..Answer::default() };

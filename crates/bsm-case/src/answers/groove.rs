@@ -1,4 +1,5 @@
-//! Results of a case whose groove is estimated: the estimate, and the intervals of the results.
+//! Answers for a case with an estimated groove: the estimate, and the uncertainty intervals of the
+//! results.
 
 use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
 use serde_json::{Map, Value, json};
@@ -8,27 +9,29 @@ use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table};
 
-/// Smallest width of an interval relative to its value. A narrower interval is rounding error.
+/// Smallest ratio of an interval's width to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Maximum number of possible grooves of a case with a warm state. A warm state takes from a tenth of
-/// a second to several seconds.
+/// Maximum number of possible grooves for a case with a warm state, whose calculation takes from
+/// 0.1 s to several seconds.
 const WARM_DRAWS: usize = 16;
 
-/// Probability above which ratings count as raised for clean steel.
+/// Probability of clean steel above which a note states that the ratings are raised for it.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
-/// Labels of texts with a few possible values.
+/// Labels of text sections that can have only a few different values.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
 
-/// Member of the verdicts on a motion.
+/// Member name of the table of verdicts on a motion.
 const VERDICTS: &str = "verdicts";
 
-/// Ratios of printed stiffness to contact stiffness that manufacturers' conventions explain.
+/// Usual range of the ratio of catalog stiffness to contact stiffness. Manufacturers' conventions
+/// explain ratios in this range.
 const USUAL_STIFFNESS: std::ops::RangeInclusive<f64> = 0.6..=0.95;
 
 impl Case {
-    /// Returns possible cases of an estimated groove, which represent its uncertainty. The list is empty if the groove is given.
+    /// Returns cases with possible grooves that represent the uncertainty of an estimated groove.
+    /// The list is empty if the groove is given.
     ///
     /// * `count`: number of grooves, at most [`DRAWS`](bsm_design::DRAWS).
     pub fn possible_cases(&self, count: usize) -> Vec<Self> {
@@ -37,13 +40,14 @@ impl Case {
         draws.iter().enumerate().map(|(draw, groove)| line.possible(draw, groove)).collect()
     }
 
-    /// Returns the number of possible grooves to calculate: at most [`WARM_DRAWS`] for a warm state.
+    /// Returns the number of possible grooves to calculate, which is at most [`WARM_DRAWS`] for a
+    /// warm state.
     pub(crate) fn draws(&self, count: usize) -> usize {
         if self.asks_warm() { count.min(WARM_DRAWS) } else { count }
     }
 
-    /// Returns the results of `f` for possible cases of an estimated groove, calculated on all cores. The list is empty if the groove
-    /// is given.
+    /// Calls `f` in parallel with a case for each possible groove and returns the results. The list
+    /// is empty if the groove is given.
     pub(crate) fn over_possible<T: Send>(
         &self,
         count: usize,
@@ -63,18 +67,20 @@ impl Case {
         Some((line, estimate))
     }
 
-    /// Returns a note on an estimated groove, or `None` if the groove is given.
+    /// Returns a note about the estimated groove, or `None` if the groove is given.
     pub fn groove_note(&self) -> Option<String> {
         let (line, estimate) = self.estimate()?;
         Some(note(&line, &estimate))
     }
 }
 
-/// Answers a case. If the groove is estimated, the answer contains the estimate and 90 % intervals (see [`Answer::over_grooves`]).
+/// Calculates the answer for a case. If the groove is estimated, the answer contains the estimate
+/// and 90 % intervals (see [`Answer::over_grooves`]).
 ///
 /// # Errors
 ///
-/// The errors of `answer` for the case itself. A note states the number of possible grooves without an answer.
+/// Returns the errors of `answer` for the case itself. If `answer` fails for some possible grooves,
+/// a note states their number.
 pub fn over_grooves<E>(
     case: &Case,
     count: usize,
@@ -84,11 +90,11 @@ pub fn over_grooves<E>(
 }
 
 impl Answer {
-    /// Adds the estimate of the groove of a case and the 90 % intervals of all numbers over the possible grooves. An answer for a
-    /// given groove is returned unchanged.
+    /// Adds the groove estimate of a case and the 90 % intervals of all numbers over the possible
+    /// grooves. If the groove is given, the answer is returned unchanged.
     ///
     /// * `count`: number of possible grooves.
-    /// * `answer`: answers the case with one of the possible grooves.
+    /// * `answer`: calculates the answer for the case with a possible groove.
     #[must_use]
     pub fn over_grooves(
         mut self,
@@ -133,14 +139,16 @@ impl Answer {
         )
     }
 
-    /// Returns the 90 % interval of a number by name, or `None` if the number does not depend on an estimated groove.
+    /// Returns the 90 % interval of the number with the given name, or `None` if the number does
+    /// not depend on an estimated groove.
     pub fn band(&self, number: &str) -> Option<Band> {
         let mut columns =
             self.all_rows().flat_map(|row| row.quantity.columns.iter().zip(row.bands));
         columns.find(|(column, _)| column.name == number)?.1
     }
 
-    /// Adds the intervals over the answers for possible grooves to all numbers of the answer, its tables and its rules.
+    /// Adds the intervals over the answers for possible grooves to the numbers, tables and rules of
+    /// this answer.
     pub(crate) fn add_bands(&mut self, answers: &[Self]) {
         let rows: Vec<Vec<&Row>> = answers.iter().map(|of| of.all_rows().collect()).collect();
         for section in &mut self.sections {
@@ -171,7 +179,7 @@ impl Answer {
         }
     }
 
-    /// Returns the table of a section.
+    /// Returns the table in the section with the given member name.
     fn table(&self, member: &str) -> Option<&Table> {
         match self.section(member) {
             Some(Content::Table(table)) => Some(table),
@@ -187,7 +195,8 @@ impl Answer {
         numbers.flat_map(Numbers::all)
     }
 
-    /// Returns a note for each rule that some possible grooves meet and others violate.
+    /// Returns a note for each rule that is met with some possible grooves and violated with
+    /// others.
     fn doubtful_rules(&self, answers: &[Self]) -> Vec<String> {
         let doubt = |rule: &Criterion| {
             let same = |answer: &Self| {
@@ -209,7 +218,8 @@ impl Answer {
         self.rules.iter().filter_map(doubt).collect()
     }
 
-    /// Returns a note for each regime and verdict that differs between possible grooves, with its share of the grooves.
+    /// Returns a note for each regime or verdict that differs between possible grooves. The note
+    /// states the percentage of grooves that agree with the best groove.
     fn shares(&self, answers: &[Self]) -> Vec<String> {
         let note = |what: &str, value: &str, same: usize| {
             let percent = 100.0 * count(same) / count(answers.len());
@@ -242,7 +252,7 @@ impl Answer {
         notes
     }
 
-    /// Returns the text after a label.
+    /// Returns the text of the section with the given label.
     fn text(&self, label: &str) -> Option<&String> {
         self.sections.iter().find_map(|section| match &section.content {
             Content::Text(own, words) if *own == label => words.as_ref(),
@@ -250,8 +260,9 @@ impl Answer {
         })
     }
 
-    /// Returns the intervals as a JSON object. The keys are names of numbers, titles of rules, and members of tables; the intervals of
-    /// a table have the layout of the table.
+    /// Returns all intervals as a JSON object. The keys are the names of numbers, the titles of
+    /// rules, and the member names of tables. The intervals of a table have the layout of the
+    /// table.
     pub(crate) fn intervals(&self) -> Value {
         let mut map = Map::new();
         for row in self.all_rows() {
@@ -278,13 +289,14 @@ impl Answer {
     }
 }
 
-/// Returns the ends of an interval as JSON.
+/// Returns both ends of an interval as a JSON array.
 pub(crate) fn pair(band: Band) -> Value {
     json!([band.low, band.high])
 }
 
 impl Table {
-    /// Returns the 90 % interval of the cell in a row and a column, or `None` if the cell does not depend on an estimated groove.
+    /// Returns the 90 % interval of the cell in the given row and column, or `None` if the cell
+    /// does not depend on an estimated groove.
     pub fn band(&self, row: usize, column: &str) -> Option<Band> {
         let place = self.columns.iter().position(|own| own.name == column)?;
         *self.bands.get(row)?.get(place)?
@@ -306,7 +318,7 @@ impl Table {
         Value::Object(rows.map(|(cells, bands)| (key(cells), row(bands))).collect())
     }
 
-    /// Adds to each number the interval over the same table for possible grooves.
+    /// Adds to each number its interval over the corresponding tables for possible grooves.
     fn add_bands(&mut self, others: &[&Self]) {
         let same: Vec<_> =
             others.iter().filter(|other| other.rows.len() == self.rows.len()).collect();
@@ -320,7 +332,7 @@ impl Table {
     }
 }
 
-/// Returns the row of the same quantity.
+/// Returns the row for the same quantity as `row`.
 fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
@@ -328,24 +340,27 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     rows.iter().find(is_same).copied()
 }
 
-/// Returns the interval of a value, or `None` if the value does not depend on the groove.
+/// Returns the interval of a value over the possible grooves, or `None` if the value does not
+/// depend on the groove.
 fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
     let band = Band::of(others.filter(|other| other.is_finite()))?;
     (band.high - band.low > ROUNDING * value.abs()).then_some(band)
 }
 
-/// Returns the possible ball diameters with their probabilities of at least 0.1 %.
+/// Returns pairs of ball diameter \[mm\] and probability for all balls with a probability of at
+/// least 0.1 %.
 fn pairs(estimate: &GrooveEstimate) -> Vec<[f64; 2]> {
     let likely = estimate.balls.iter().filter(|ball| ball.probability >= 1e-3);
     likely.map(|ball| [ball.ball_diameter / MM, ball.probability]).collect()
 }
 
-/// Returns the ball diameters of the 90 % set \[mm\].
+/// Returns the ball diameters that together have a probability of 90 % \[mm\].
 fn likely(estimate: &GrooveEstimate) -> Vec<f64> {
     estimate.likely_balls().iter().map(|ball| ball.ball_diameter / MM).collect()
 }
 
-/// Describes the estimate, the meaning of the intervals, and the inputs that would narrow them.
+/// Describes the groove estimate, the meaning of the intervals, and the inputs that would improve
+/// the estimate.
 fn note(line: &Case, estimate: &GrooveEstimate) -> String {
     let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
         estimate.best();
@@ -382,7 +397,8 @@ fn note(line: &Case, estimate: &GrooveEstimate) -> String {
     )
 }
 
-/// Returns notes on ratings that differ from ISO 3408-5, and on a stiffness that differs from the contact stiffness.
+/// Returns notes on ratings that differ from ISO 3408-5, and on a catalog stiffness that differs
+/// from the contact stiffness.
 fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     let clean = estimate.clean_steel_probability() > MIN_CLEAN_STEEL_WEIGHT;
     let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
@@ -408,7 +424,8 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     clean.into_iter().chain(stiffness()).collect()
 }
 
-/// Returns the estimate for display: each quantity with its value and uncertainty.
+/// Returns the table of the estimate that is printed on the screen: each quantity with its value
+/// and uncertainty.
 fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     let estimated = case.nut.estimated_inputs.iter().flatten();
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
@@ -469,7 +486,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     )
 }
 
-/// Returns the range of loaded turns of likely hypotheses.
+/// Describes the 90 % range of loaded turns over the hypotheses, weighted by their probabilities.
 fn turns(hypotheses: &[Hypothesis]) -> String {
     let mut sorted: Vec<_> = hypotheses.iter().map(|of| (of.turns, of.probability)).collect();
     sorted.sort_by(|one, other| one.0.total_cmp(&other.0));

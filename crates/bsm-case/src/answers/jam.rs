@@ -1,4 +1,4 @@
-//! Jamming of the balls, in named quantities with units.
+//! Jamming analysis of the balls, in named quantities with units.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -81,7 +81,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         approach_speed_m_s ["m/s"] Scalar(|j| j.ball_return.speed), "speed of the ball at the ball return";
         impact_force_N ["N"] Scalar(|j| j.ball_return.impact), "force of the impact";
         apex_thrust_N ["N"] Scalar(|j| j.ball_return.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
-        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step";
+        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step on the ball";
         step_thrust_N ["N"] Scalar(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
         highest_step_mm ["mm"] Scalar(|j| j.ball_return.highest / MM), "critical height of a step into the return";
         entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
@@ -89,17 +89,17 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         entry_thrust_N ["N"] Scalar(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
         screw_track_friction_N ["N"] Scalar(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
-            "track friction of one turn in steady motion, screw (as published)";
+            "track friction of one turn in steady motion, at the screw (as published)";
         weaker_track_friction_N ["N"] Scalar(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
-            "track friction of one turn in steady motion, weaker contact";
+            "track friction of one turn in steady motion, at the contact with less friction";
         stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
-            "track friction of one turn with stationary balls, screw";
+            "track friction of one turn with stationary balls, at the screw";
         ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
         published_margin [""] Scalar(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction / thrust: steady motion, screw (as published)";
+            "friction / thrust in steady motion, at the screw (as published)";
         weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction / thrust: steady motion, weaker contact";
+            "friction / thrust in steady motion, at the contact with less friction";
         jams [""] Statement(|j| {
             let track = j.track?;
             if j.ball_return.is_blocked() { Some(true) } else { Some(j.ball_return.thrust()? >= track.stopped) }
@@ -107,20 +107,20 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
 }
 
-/// Magnitude below which a critical friction coefficient or the sine of a slip angle is rounding
-/// error. Both are zero for a rolling ball.
+/// Magnitude below which a critical friction coefficient or the sine of a slip angle is a rounding
+/// error. Both are exactly zero for a rolling ball.
 const ROUNDING: f64 = 1e-9;
 
-/// Factor from N/µm^1.5 to N/m^1.5.
+/// Conversion factor from N/µm^1.5 to N/m^1.5.
 const PER_UM15: f64 = 1e9;
 
-/// Replaces a critical friction coefficient that is rounding error by zero.
+/// Replaces a critical friction coefficient by zero if it is a rounding error.
 fn clean(critical: f64) -> f64 {
     if critical < ROUNDING { 0.0 } else { critical }
 }
 
-/// Returns a critical friction coefficient, or `None` if it is infinite. Without slip across the
-/// grooves, no friction can hold the ball.
+/// Returns a critical friction coefficient, or `None` if it is infinite. It is infinite without
+/// slip across the grooves, because then no friction can hold the ball.
 fn if_any(critical: f64) -> Option<f64> {
     Some(critical).filter(|x| *x < f64::INFINITY)
 }
@@ -129,9 +129,9 @@ fn if_any(critical: f64) -> Option<f64> {
 struct Jam {
     ball: SteadyBall<f64>,
     permanent: Option<PermanentContacts>,
-    /// Ratios of the largest pressures to the pressures at first yield.
+    /// Ratio of maximum pressure to pressure at first yield, at nut and screw.
     yield_ratios: Option<[f64; 2]>,
-    /// Drag of the lubricant \[N\].
+    /// Drag force of the lubricant \[N\].
     drag: Option<f64>,
     friction: Friction,
     wedge: Wedge<f64>,
@@ -139,57 +139,60 @@ struct Jam {
     track: Option<Track>,
 }
 
-/// Contacts with permanent approach, and their largest pressures \[Pa\].
+/// Contacts with permanent set, and their maximum pressures \[Pa\].
 struct PermanentContacts {
     set: PermanentSet,
     pressures: [f64; 2],
 }
 
-/// Friction coefficients. They are all equal without a lubricant.
+/// Friction coefficients in different states of motion. Without a lubricant, they are all equal.
 struct Friction {
-    /// At nut and screw in steady motion.
+    /// Friction coefficients at nut and screw in steady motion.
     moving: [f64; 2],
-    /// At the screw, for a ball that is stopped in the nut.
+    /// Friction coefficient at the screw for a ball that is stopped in the nut.
     stopped: f64,
-    /// Without a film: at rest, between balls that roll against each other, and in the ball return.
+    /// Friction coefficient without a lubricant film: at rest, between balls that roll against each
+    /// other, and in the ball return.
     rest: f64,
 }
 
-/// The ball return.
+/// Forces on a ball in the ball return.
 struct BallReturn {
-    /// Speed of the ball at the return \[m/s\].
+    /// Speed of the ball at the entry to the return \[m/s\].
     speed: f64,
-    /// Force of the impact \[N\].
+    /// Force of the impact on the ball return \[N\].
     impact: f64,
-    /// Thrust at the apex \[N\].
+    /// Thrust at the apex of the return curve \[N\].
     apex: Option<f64>,
-    /// Normal force and thrust at the step \[N\].
+    /// Normal force and thrust at the step into the screw \[N\].
     step: Option<(f64, f64)>,
-    /// Highest step that a thrust can overcome \[m\].
+    /// Largest height of a step into the return that a thrust can overcome \[m\].
     highest: f64,
-    /// Ratio of the thrusts behind and ahead of the step into the return. It is infinite if no
-    /// thrust is sufficient.
+    /// Ratio of the thrust behind to the thrust ahead of a ball at the step into the return. It is
+    /// infinite if no thrust can lift the ball over the step.
     entered: Option<f64>,
 }
 
-/// Friction forces along the track for the balls of one turn \[N\].
+/// Friction forces along the track on the balls of one turn \[N\].
 #[derive(Clone, Copy)]
 struct Track {
-    /// In steady motion, at the screw and at the contact with less friction.
+    /// Friction forces in steady motion at the screw (`screw`) and at the contact with less
+    /// friction (`weaker`).
     screw: f64,
     weaker: f64,
-    /// For stopped balls, at the screw.
+    /// Friction force at the screw for stopped balls.
     stopped: f64,
 }
 
-/// Calculates the contacts with permanent approach, centrifugal force and drag, the wedge between
-/// the raceways, and the thrust in the ball return, which is compared with the friction that pushes
-/// the balls through the return.
+/// Calculates the contacts with permanent set, the centrifugal and drag forces, the wedge
+/// between the raceways, and the thrust in the ball return. The thrust is compared with the
+/// friction that pushes the balls through the return.
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the model has no motion of the ball, if the contacts with permanent
-/// approach have no solution, or if a number exceeds the range of double precision.
+/// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball, if the
+/// contacts with permanent set have no solution, or if a number exceeds the range of double
+/// precision.
 pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
@@ -214,7 +217,7 @@ impl Jam {
         if case.running_angles().is_some() {
             return Err(bad(
                 InputKey::nut_running_contact_angle_deg.name(),
-                "is an input of slip; jamming needs contact angles in balance with the load",
+                "is an input of slip; jamming needs contact angles in equilibrium with the load",
             ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {
@@ -260,20 +263,22 @@ impl Jam {
         self.wedge.loads[0].min(self.wedge.loads[1])
     }
 
-    /// Returns the lead angle and the mean contact angle under load. Friction makes the contact
-    /// angles at nut and screw differ, but does not change the direction of the force between nut
-    /// and screw.
+    /// Returns the lead angle and the mean contact angle under load. The mean is used because
+    /// friction changes the contact angles at nut and screw, but not the direction of the force
+    /// between nut and screw.
     fn angles(&self) -> Angles<f64> {
         Angles { lead: self.ball.helix.lead_angle, contact: self.wedge.mean_angle() }
     }
 
-    /// Returns the direction of drive and the friction coefficient of self-locking (C6), (C7).
+    /// Returns the direction of drive and the friction coefficient above which the screw is
+    /// self-locking in this direction (C6), (C7).
     fn locking(&self) -> Option<(Direction, f64)> {
         let direction = Direction::of(self.ball.drive.relative_speed())?;
         Some((direction, self.angles().locking_friction(direction)))
     }
 
-    /// Returns the thrust that the balls must overcome, if there is any.
+    /// Returns the largest thrust that the balls must overcome in the return, or `None` if there is
+    /// no thrust or a step blocks the balls.
     fn pushed(&self) -> Option<f64> {
         self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
@@ -315,7 +320,7 @@ impl Jam {
 }
 
 impl Friction {
-    /// * `screw`: screw contact of a ball in motion.
+    /// * `screw`: screw contact of the moving ball.
     /// * `dry`: friction coefficient without a lubricant.
     fn of(
         case: &Case,
@@ -333,7 +338,7 @@ impl Friction {
         Self { moving, stopped, rest: rest.unwrap_or(f64::NAN) }
     }
 
-    /// Describes the friction coefficients of a lubricated ball in a note.
+    /// Returns a note that states the friction coefficients of a lubricated ball.
     fn words(&self) -> String {
         let Self { moving: [nut, screw], stopped, rest } = *self;
         let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
@@ -404,7 +409,7 @@ impl BallReturn {
         }
     }
 
-    /// Returns the thrust at the step into the return while a ball ahead is at the apex.
+    /// Returns the thrust at the step into the return while the ball ahead is at the apex.
     fn entry_thrust(&self) -> Option<f64> {
         Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
     }
@@ -414,14 +419,14 @@ impl BallReturn {
         self.entered.is_some_and(f64::is_infinite)
     }
 
-    /// Returns the largest thrust.
+    /// Returns the largest thrust in the return.
     fn thrust(&self) -> Option<f64> {
         let thrusts = [self.apex, self.step.map(|(_, thrust)| thrust), self.entry_thrust()];
         thrusts.into_iter().flatten().reduce(f64::max)
     }
 }
 
-/// Returns the step into the ball return. Its height defaults to zero.
+/// Returns the step into the ball return. The step height defaults to zero.
 fn entry_step(case: &Case, ball_radius: f64) -> EntryStep {
     EntryStep {
         height: case.step_height_mm.unwrap_or(0.0) * MM / ball_radius,

@@ -1,4 +1,4 @@
-//! Nuts from the rows of a manufacturer's table, whose columns are named as inputs or as in the
+//! Nuts from the rows of a manufacturer's table. The columns are named after inputs or as in the
 //! catalog.
 
 use std::f64::consts::PI;
@@ -20,7 +20,7 @@ use crate::{
     OutputName, RequirementFile, Table, TableFormat, output, over_grooves, ratings, sheet_columns,
 };
 
-/// Columns that are not inputs of a case.
+/// Known columns that are not named after an input.
 const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
@@ -30,7 +30,8 @@ const TEXT_COLUMNS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
-/// Returns the input of a case for a column of ratings. Other columns have the name of their input.
+/// Returns the name of the input that a column contains. Only the columns of ratings are not named
+/// after their input.
 fn input_of(column: &'static str) -> &'static str {
     match column {
         "dynamic_load_rating_N" => InputKey::rated_dynamic_load_N.name(),
@@ -39,28 +40,28 @@ fn input_of(column: &'static str) -> &'static str {
     }
 }
 
-/// Contact angle assumed for tables without a contact angle \[deg\].
+/// Contact angle that is assumed if a table does not contain it \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
 
-/// A nut of a manufacturer's table.
+/// A nut in a manufacturer's table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ManufacturerNut {
     /// Name of the nut, or the number of its row.
     pub name: String,
-    /// Case of the nut, with the manufacturer's ratings instead of calculated ones.
+    /// Case of the nut, with the ratings stated by the manufacturer.
     pub case: Case,
     /// Stiffness stated by the manufacturer \[N/µm\].
     pub stiffness: Option<f64>,
-    /// Names and cells of columns of text that are not inputs.
+    /// Names and cells of text columns that are not inputs.
     pub texts: Vec<(String, String)>,
 }
 
 impl ManufacturerNut {
-    /// Reads a table.
+    /// Reads the nuts from a CSV table.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] that names the row or the column.
+    /// Returns a [`CaseError`] that names the row or the column that is invalid.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let words = [&TEXT_COLUMNS, CaseEntries::KEYS].concat();
@@ -103,7 +104,7 @@ impl ManufacturerNut {
         Ok(nuts.map(|(place, nut)| Self { texts: texts(place).collect(), ..nut }).collect())
     }
 
-    /// Returns the nut in the axis of a requirement.
+    /// Returns the case of the nut in the axis of a requirement.
     pub fn within(&self, requirement: &RequirementFile) -> Case {
         let mut case = requirement.case.clone();
         case.lead_angle_deg = None;
@@ -113,7 +114,8 @@ impl ManufacturerNut {
         case
     }
 
-    /// Returns the inputs that rows of a table give, except for the ratings, which have columns of their own.
+    /// Returns the inputs that occur in the table, except for the ratings, which have separate
+    /// columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
         let ratings = [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N];
         let is_given = |key: &InputKey| nuts.iter().any(|nut| nut.case[*key].is_some());
@@ -122,16 +124,19 @@ impl ManufacturerNut {
     }
 }
 
-/// Returns true for a column name that is neither an input nor another known word. Such a column is kept if it contains text.
+/// Returns true if a column name is neither an input nor another known name. Such a column is kept
+/// if it contains text.
 fn is_unknown_word(name: &str, format: &TableFormat, words: &[&'static str]) -> bool {
     format.name(name) == Some(name) && manufacturer_column(name, format, words).is_err()
 }
 
-/// Ratio of load to dynamic load rating at which manufacturers state the stiffness of a single nut.
+/// Ratio of axial load to dynamic load rating at which manufacturers state the stiffness of a
+/// single nut.
 const STIFFNESS_AT: f64 = 0.3;
 
 quantities! {
-    /// The manufacturer's numbers and the calculated numbers of the same nut.
+    /// Ratings, stiffness and mass stated by the manufacturer, and the values calculated for the
+    /// same nut.
     pub(crate) BESIDE, beside(&Beside<'_>);
     "ratings" {
         dynamic_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_dynamic_load_N);
@@ -144,7 +149,7 @@ quantities! {
     }
 }
 
-/// A nut of a manufacturer with the ratings of its groove.
+/// A manufacturer's nut together with its calculated ratings.
 struct Beside<'a> {
     nut: &'a ManufacturerNut,
     ours: Answer,
@@ -158,10 +163,11 @@ impl Beside<'_> {
     }
 }
 
-/// Stiffness of one nut in the ratings of its groove.
+/// Output that is compared with the stiffness of one nut stated by the manufacturer.
 const OUR_STIFFNESS: OutputName = output!(single_nut_secant_stiffness_N_um);
 
-/// Returns a case with a groove, or the unchanged case with the reason why no groove can be estimated.
+/// Adds an estimated groove to a case. If no groove can be estimated, returns the unchanged case
+/// and the reason.
 fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     match case.with_groove() {
         Err(CaseError::NoGroove(why)) => Ok((case, Some(why))),
@@ -169,69 +175,71 @@ fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     }
 }
 
-/// Word for the groove of a nut whose groove is neither given nor estimated.
+/// Text in the groove column of a nut whose groove is neither given nor estimated.
 const NO_GROOVE: &str = "none";
 
-/// Describes the ball of an estimated groove.
+/// Describes the ball of an estimated groove, and whether its diameter is given or estimated.
 fn estimated_ball(case: &Case) -> Option<String> {
     let given =
         if case.estimates(InputKey::ball_diameter_mm.name()) { "estimated" } else { "given" };
     Some(format!("estimated, ball {} mm {given}", trimmed(case.ball_diameter_mm?)))
 }
 
-/// Stated ratings and the corresponding calculated ratings.
+/// Columns of stated values, each with the column of the corresponding calculated value.
 const RATED: [[&str; 2]; 3] = [
     ["dynamic_load_rating_N", "our_dynamic_load_rating_N"],
     ["static_load_rating_N", "our_static_load_rating_N"],
     ["stiffness_N_um", "our_stiffness_N_um"],
 ];
 
-/// A nut of a manufacturer, compared with the calculation.
+/// A manufacturer's nut, compared with the calculation.
 #[derive(Debug, Clone)]
 pub struct ManufacturerRow {
     /// Name of the nut.
     pub name: String,
     /// Case of the nut, in the axis of the requirement if there is one.
     pub case: Case,
-    /// Numbers of the manufacturer and calculated numbers of the same nut. With a requirement, also
-    /// the numbers of the axis sheet.
+    /// Numbers stated by the manufacturer and numbers calculated for the same nut, followed by the
+    /// numbers of the axis sheet if there is a requirement.
     pub numbers: Vec<ListNumber>,
     /// True if the axis sheet violates no rule and no selection limit; `None` without a
     /// requirement.
     pub passes: Option<bool>,
-    /// Warnings of the axis sheet.
+    /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
-    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the groove is given.
+    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
+    /// groove is given.
     pub groove: Option<String>,
-    /// Ratings and geometry that contradict each other, with the numbers of both.
+    /// Contradiction between ratings and geometry, with the numbers that contradict each other.
     pub contradiction: Option<String>,
-    /// Notes on an estimated groove: unusual ratings, and rules that only some possible grooves meet.
+    /// Notes on an estimated groove: unusual ratings, and rules that only some of the possible
+    /// grooves meet.
     pub notes: Vec<String>,
-    /// Names and cells of columns of text that are not inputs.
+    /// Names and cells of text columns that are not inputs.
     pub texts: Vec<(String, String)>,
 }
 
-/// Ratio of ball diameter to lead above which the ball does not fit into its pitch.
+/// Ratio of ball diameter to lead above which the ball does not fit between adjacent turns.
 const MAX_BALL_OVER_LEAD: f64 = 0.8;
 
-/// Rows of a table from which on the median of its rating ratios is meaningful.
+/// Smallest number of rows for which the median of the rating ratios is meaningful.
 const MIN_ROWS_OF_MEDIAN: usize = 5;
 
-/// Smallest and largest rating ratio of a row over the median of its table.
+/// Plausible range of a row's rating ratio, relative to the median of its table.
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 
 /// A number of a nut in a list.
 #[derive(Debug, Clone, Copy)]
 pub struct ListNumber {
-    /// Name, unit and meaning.
+    /// Output of the column, with name, unit and meaning.
     pub column: &'static Output,
-    /// Value, if there is one.
+    /// Value of the number, if it is known.
     pub value: Option<f64>,
     /// 90 % interval, if the number depends on an estimated groove.
     pub band: Option<Band>,
 }
 
-/// Returns numbers of an answer with their intervals.
+/// Returns the numbers of an answer for the given columns, with their intervals.
 fn numbers_of(
     answer: &Answer,
     columns: impl Iterator<Item = &'static Output>,
@@ -244,12 +252,13 @@ fn numbers_of(
 
 impl ManufacturerRow {
     /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
-    /// pass all rules come first, ordered by the mass of screw and nut. An unknown mass of the nut
-    /// is ignored.
+    /// pass all rules come first. Within each group, the nuts are sorted by the mass of screw and
+    /// nut. An unknown mass of the nut counts as zero.
     ///
     /// # Errors
     ///
-    /// The name of a nut, and [`CaseError`] if one of its inputs is missing or violates its rule.
+    /// Returns the name of the nut that cannot be calculated, with the [`CaseError`] that names the
+    /// missing or invalid input.
     pub fn all(
         nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,
@@ -286,11 +295,11 @@ impl ManufacturerRow {
             Ok(Answer::default().with("ratings", Content::numbers(numbers, "nut")))
         })?;
         let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
-        // Ratings that differ by more than a factor of 2 belong to another nut.
+        // If the ratings differ by more than a factor of 2, they belong to another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string));
-        // The first note is the estimate itself.
+        // The first note, which describes the estimate itself, is skipped.
         let of_ratings = compared.notes.iter().skip(1).chain(&compared.warnings);
         let mut row = Self {
             name: nut.name.clone(),
@@ -319,7 +328,8 @@ impl ManufacturerRow {
             Some(AxisReport::without_fold(possible, &requirement.settings).ok()?.answer)
         });
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
-        // The estimate comes before the notes of the sheet, and the notes on the estimate after them.
+        // The first note describes the estimate, and the notes of the sheet follow it. Only the
+        // notes after them concern the estimated groove.
         for note in sheet.notes.into_iter().skip(1 + own_notes) {
             if !row.notes.contains(&note) {
                 row.notes.push(note);
@@ -328,12 +338,13 @@ impl ManufacturerRow {
         Ok(row)
     }
 
-    /// Returns a number by name.
+    /// Returns the value of the number with the given name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.number(name)?.value
     }
 
-    /// Returns the 90 % interval of a number by name, or `None` if the number does not depend on an estimated groove.
+    /// Returns the 90 % interval of the number with the given name, or `None` if the number does
+    /// not depend on an estimated groove.
     pub fn band(&self, name: &str) -> Option<Band> {
         self.number(name)?.band
     }
@@ -342,7 +353,7 @@ impl ManufacturerRow {
         self.numbers.iter().find(|number| number.column.name == name)
     }
 
-    /// Returns the intervals by the names of their numbers.
+    /// Returns the intervals as a JSON object with the names of the numbers.
     fn intervals(&self) -> Value {
         let named = |ListNumber { column, band, .. }: &ListNumber| {
             Some((column.name.to_owned(), pair((*band)?)))
@@ -351,13 +362,14 @@ impl ManufacturerRow {
     }
 }
 
-/// Name, unit and values of a column of a table.
+/// Name, unit and values of a table column.
 pub type TableColumn = (String, &'static str, ColumnValues);
 
 impl ManufacturerRow {
-    /// Names the rows whose ratings contradict their geometry: a ball that is too large for the lead, or a ratio of calculated to stated
-    /// dynamic load rating that differs from the median of the table. Conformities that manufacturers do not print shift the ratios of a
-    /// whole table.
+    /// Sets `contradiction` in the rows whose ratings contradict their geometry. In such a row, the
+    /// ball is too large for the lead, or the ratio of calculated to stated dynamic load rating
+    /// differs from the median of the table. The median is the reference because conformities that
+    /// manufacturers do not publish shift the ratios of the whole table.
     fn compare(rows: &mut [Self]) {
         let ratio = |row: &Self| {
             let [stated, ours] = RATED[0].map(|name| row.value(name));
@@ -373,7 +385,7 @@ impl ManufacturerRow {
             let size = ball.zip(lead).filter(|(ball, lead)| ball / lead > MAX_BALL_OVER_LEAD);
             let of_ball = size.map(|(ball, lead)| {
                 format!(
-                    "ball_diameter_mm {} is more than {MAX_BALL_OVER_LEAD} of lead_mm {}, so neighboring turns touch",
+                    "ball_diameter_mm {} is more than {MAX_BALL_OVER_LEAD} times lead_mm {}, so adjacent turns touch",
                     trimmed(ball),
                     trimmed(lead)
                 )
@@ -383,7 +395,7 @@ impl ManufacturerRow {
                 .filter(|(ratio, median)| !(low..=high).contains(&(ratio / **median)));
             let of_rating = far.map(|(ratio, median)| {
                 format!(
-                    "the dynamic load rating of the geometry is {} of the stated one, and {} in the median of the table; check ball, \
+                    "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball, \
                      turns and rating of the row",
                     digits(ratio, 3),
                     digits(*median, 3)
@@ -393,8 +405,8 @@ impl ManufacturerRow {
         }
     }
 
-    /// Returns the rows that no other row beats in dynamic load rating, stiffness and mass. Rows that do not pass a requirement are left
-    /// out.
+    /// Returns the Pareto-optimal rows with respect to dynamic load rating, stiffness and mass.
+    /// Rows that fail a requirement are excluded.
     ///
     /// * `places`: indices of the rows to compare.
     pub(crate) fn front(rows: &[Self], places: &[u32]) -> Vec<u32> {
@@ -408,7 +420,7 @@ impl ManufacturerRow {
             let [rating, stiffness, mass] =
                 ["dynamic_load_rating_N", "our_stiffness_N_um", "mass_kg"]
                     .map(|name| row.value(name));
-            // A missing number is beaten by any number.
+            // A missing number counts as the worst possible value.
             let stiffness = row.value("stiffness_N_um").or(stiffness);
             [-rating.unwrap_or(0.0), -stiffness.unwrap_or(0.0), mass.unwrap_or(f64::INFINITY)]
         };
@@ -416,8 +428,8 @@ impl ManufacturerRow {
         bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
     }
 
-    /// Returns the columns of a table of rows. A column of numbers that depends on an estimated groove in any row is followed by the ends
-    /// of its 90 % intervals.
+    /// Returns the columns of a table of rows. If any number in a column depends on an estimated
+    /// groove, two columns with the ends of the 90 % intervals follow.
     pub fn table(rows: &[&Self]) -> Vec<TableColumn> {
         let Some(first) = rows.first() else { return Vec::new() };
         let text = |name: &str, cell: &dyn Fn(&Self) -> Option<String>| -> TableColumn {
@@ -449,11 +461,11 @@ impl ManufacturerRow {
         columns
     }
 
-    /// Returns the answer, with one row per nut. The answer fails if no nut passes the rules of its
+    /// Returns the answer with one row per nut. The answer fails if no nut passes the rules of its
     /// requirement.
     ///
     /// * `count`: number of rows in the answer.
-    /// * `is_shown`: whether the number with the given index is shown on the screen.
+    /// * `is_shown`: returns true if the screen shows the number with the given index.
     pub fn answer(rows: &[&Self], count: usize, is_shown: impl Fn(usize) -> bool) -> Answer {
         let Some(first) = rows.first() else {
             return Answer::default().with("", Content::Table(Table::default()));
@@ -523,7 +535,7 @@ impl ManufacturerRow {
             .extend(contradictions.chain(choice.into_iter().flat_map(|row| warning(row))));
         let of_choice = choice.into_iter().flat_map(|row| &row.notes);
         answer.notes.extend(of_choice.map(|note| format!("{}: {note}", rows[0].name)));
-        // A groove without a ball is not estimated.
+        // The text [`NO_GROOVE`] marks a nut without an estimated groove.
         let is_estimated =
             |row: &&&Self| row.groove.as_deref().is_some_and(|groove| groove != NO_GROOVE);
         let estimated = rows.iter().filter(is_estimated).count();
@@ -543,10 +555,11 @@ impl ManufacturerRow {
     }
 }
 
-/// Completes a nut with data that tables omit, by the rule that reproduces the HIWIN data.
+/// Completes the case of a nut with data that tables omit, by the rule that reproduces the HIWIN
+/// data.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     let given = case.clone();
-    // Without a ball diameter there is no groove to complete.
+    // Without a ball diameter, there is no groove to complete.
     if case.ball_diameter_mm.is_none() {
         return without_ball(case, circuits, core);
     }
@@ -573,15 +586,16 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
     }
     case.check()?;
     if case.lacks_groove() && given.given().with_groove() != given.given() {
-        // Inputs that the rule does not complete are estimated from the ratings.
+        // The rule does not complete all inputs of the groove, so the groove is estimated from the
+        // ratings.
         *case = given;
         return without_ball(case, circuits, core);
     }
-    // Reports missing inputs.
+    // This call fails if inputs are missing.
     rated_nut::nut(case).map(drop)
 }
 
-/// Completes a nut whose groove is not known from its row.
+/// Completes the case of a nut whose row does not determine the groove.
 fn without_ball(
     case: &mut Case,
     circuits: Option<f64>,

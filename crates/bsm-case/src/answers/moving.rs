@@ -1,4 +1,4 @@
-//! A solution whose motion is analyzed, and the data shared by all analyses of the motion.
+//! Solved motion of a ball, and the data that all analyses of the motion share.
 
 use bsm_dyn::{
     Control, Model, ModelWorkspace, Solution,
@@ -14,17 +14,17 @@ use crate::{
     Scope, Settings, Table,
 };
 
-/// Contacts of a ball.
+/// Contacts of a ball, in the order in which the analyses list them.
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
-/// Columns of statements about the motion.
+/// Columns of the table of statements about the motion.
 pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string=";
 
-/// Result of an analysis of a solved motion.
+/// Creates the answer of an analysis of a solved motion.
 ///
-/// * `quantities`: quantities of the table.
-/// * `verdicts`: names and texts of the statements.
-/// * `lacks`: omitted parts, in addition to those with missing inputs.
+/// * `quantities`: quantities that the analysis can calculate.
+/// * `verdicts`: names and texts of the true-or-false statements.
+/// * `lacks`: parts of the analysis that are omitted, in addition to those with missing inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
     case: &Case,
@@ -54,7 +54,7 @@ pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
     format!("{what}: needs a model with elastic contacts, but {} has none", model.name())
 }
 
-/// Lists the quantities with missing inputs, grouped by the missing inputs.
+/// Lists the quantities that cannot be calculated, grouped by their missing inputs.
 fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
     let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
     for quantity in quantities.iter().filter(|quantity| quantity.scope != Scope::Statement) {
@@ -76,13 +76,13 @@ fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
 /// A solution for analyses of the motion of the ball.
 #[derive(Debug, Clone)]
 pub struct MotionAnswer {
-    /// Model and settings of the result.
+    /// Model and settings of the solution.
     pub settings: Settings,
-    /// The solution.
+    /// Solution of the model.
     pub solution: Solution,
 }
 
-/// A contact of a ball in motion.
+/// A contact of a moving ball.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingContact {
     pub(crate) touch: ContactSite<f64>,
@@ -94,7 +94,7 @@ pub(crate) struct MovingContact {
     pub(crate) semi_axes: Option<(f64, f64)>,
 }
 
-/// A ball of known motion and loads, as the analyses read it from a solution.
+/// Motion and contact loads of a ball, extracted from a solution.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingBall {
     pub(crate) ball: SteadyBall<f64>,
@@ -104,12 +104,13 @@ pub(crate) struct MovingBall {
 
 impl MovingBall {
     /// Returns the ball that rolls at the running contact angles of the case, with the contact
-    /// ellipses of the solution, and true. If the case gives no such angles, returns the ball of
-    /// the solution and false.
+    /// ellipses of the solution, and `true`. If these angles are not given, returns the ball of the
+    /// solution and `false`.
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] if the model calculates the angles itself.
+    /// Returns [`CaseError::OutOfRange`] if the angles are given although the model calculates
+    /// them.
     pub(crate) fn at_given_angles(
         mut self,
         case: &Case,
@@ -130,11 +131,12 @@ impl MovingBall {
         Ok((self, true))
     }
 
-    /// Extracts motion and contacts from a solution.
+    /// Extracts the motion and the contacts of the ball from a solution.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has no motion of the ball or there is no solution.
+    /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball or
+    /// there is no solution.
     pub(crate) fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
@@ -162,7 +164,7 @@ impl MovingBall {
         Ok(Self { ball, contacts })
     }
 
-    /// Applies a function to each contact.
+    /// Returns the values of a function for all contacts.
     pub(crate) fn each(&self, number: impl Fn(&MovingContact) -> f64) -> [Option<f64>; 3] {
         self.contacts.map(|contact| contact.as_ref().map(&number))
     }
@@ -173,7 +175,7 @@ impl MotionAnswer {
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::problem`].
+    /// Returns the errors of [`Case::problem`].
     pub fn of(
         case: &Case,
         settings: &Settings,

@@ -1,4 +1,5 @@
-//! Results of a nut under load: numbers, texts, the loads of all balls, and the load-displacement curve.
+//! Results for a nut under load: numbers, texts, the loads of all balls, and the load-displacement
+//! curve.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
@@ -35,33 +36,35 @@ mod train;
 pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
-/// Ratio of the catalog stiffness to the calculated stiffness, which allows for manufacturing errors (HIWIN BS-08-2).
+/// Ratio of the catalog stiffness to the calculated stiffness, which allows for manufacturing
+/// errors (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
-/// Smallest and largest measured drag coefficient `$K_p$` of catalogs (HIWIN BS-08-2, eq. 3.2).
+/// Smallest and largest measured drag coefficient `$K_p$` in catalogs (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Ratios of the neglected centrifugal force to the mean load of a ball above which a note and a warning are given.
+/// Ratio of the neglected centrifugal force to the mean load of a ball: above the first value a
+/// note is given, above the second value a warning.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
 /// Number of intervals of the load-displacement curve.
 const POINTS: u32 = 60;
 
-/// A nut under load. Results that take long are calculated on demand.
+/// Results for a nut under load. Results that take long are calculated on demand.
 #[derive(Debug)]
 pub struct NutReport {
     problem: NutProblem,
     made: NutAtRest,
     ball_friction: OnceCell<Option<BallFriction>>,
     reverse_torque: OnceCell<Option<f64>>,
-    /// Friction without external load, in both directions of travel.
+    /// Friction without external load in both directions of travel.
     unloaded_friction: [OnceCell<Option<NutFriction>>; 2],
     running_pair: [OnceCell<Option<PairDrag>>; 2],
     advance: OnceCell<Option<Advance>>,
     limit_load: OnceCell<Option<f64>>,
 }
 
-/// A pair of nuts while the screw turns, without external load.
+/// A pair of nuts without external load while the screw turns.
 #[derive(Debug, Clone, Copy)]
 struct PairDrag {
     /// Friction torque of the contacts \[N·m\].
@@ -70,17 +73,17 @@ struct PairDrag {
     preload: f64,
 }
 
-/// Direction of travel of the nut.
+/// Direction in which the nut travels.
 #[derive(Debug, Clone, Copy)]
 enum Travel {
-    /// The direction of the speeds of the case.
+    /// Direction that corresponds to the speeds of the case.
     Given,
-    /// The direction opposite to the speeds of the case.
+    /// Direction opposite to [`Travel::Given`].
     Reverse,
 }
 
 impl Travel {
-    /// Returns the speeds in this direction.
+    /// Returns the speeds for this direction.
     fn of(self, drive: &Drive<f64>) -> Drive<f64> {
         let Drive { screw_speed, nut_speed } = *drive;
         match self {
@@ -90,17 +93,17 @@ impl Travel {
     }
 }
 
-/// Friction of all balls.
+/// Friction of all balls and details of its calculation.
 #[derive(Debug)]
 struct BallFriction {
     friction: NutFriction,
-    /// The models that solved the balls on one flank.
+    /// Names of the models that solved the balls with two contacts.
     models: Vec<&'static str>,
     /// Largest skid onset number of the balls that follow raceway control.
     onset: Option<f64>,
-    /// Reason why the model has no solution for a ball.
+    /// Reason why the model has no solution for one of the balls.
     why: Option<String>,
-    /// The pushes between the balls; `None` if no gap is given.
+    /// Pushes between the balls; `None` if no gap is given.
     pushed: Option<TrainResult>,
 }
 
@@ -140,7 +143,8 @@ impl NutReport {
         self.ball_friction().map(|ball_friction| &ball_friction.friction)
     }
 
-    /// Returns the advance of the balls relative to each other, or `None` if their free motions are unknown.
+    /// Returns how far each ball advances relative to the other balls, or `None` if their free
+    /// motions are unknown.
     fn advance(&self) -> Option<&Advance> {
         self.advance.get_or_init(|| self.advance_of(self.ball_friction()?)).as_ref()
     }
@@ -154,8 +158,8 @@ impl NutReport {
         self.pushed()?.as_ref().ok()
     }
 
-    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\]; `None` if balls push each
-    /// other.
+    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\], or
+    /// `None` if pushes between balls are calculated.
     fn reverse_torque(&self) -> Option<f64> {
         let work_out = || {
             let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
@@ -175,34 +179,38 @@ impl NutReport {
         self.unloaded_friction[direction as usize].get_or_init(work_out).as_ref()
     }
 
-    /// Returns the friction torque of the preload without external load \[N·m\].
+    /// Returns the friction torque that the preload causes without external load \[N·m\].
     fn drag(&self, direction: Travel) -> Option<f64> {
         self.unloaded_friction(direction)?.torque
     }
 
-    /// Returns the friction torque of the preload by manufacturers' rule \[N·m\].
+    /// Returns the friction torque of the preload according to the manufacturers' rule \[N·m\].
     fn drag_by_rule(&self) -> Option<f64> {
         let (design, preload) = (&self.problem.design, self.made.preload.as_ref()?);
         lasting(drag_torque(preload.warm, design.lead, design.lead_angle()))
     }
 
-    /// Returns the drag coefficient of the running pair without play, if no play is given.
+    /// Returns the drag coefficient of the running pair for a play of zero, or `None` if the play
+    /// is given.
     fn factor_without_play(&self) -> Option<f64> {
         let is_given = self.made.nut.errors.axial_play.is_some();
         let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
         Some(pair.torque / self.rule_torque()?)
     }
 
-    /// Returns the pair while the screw turns, if friction is integrated over its contacts.
+    /// Returns the pair of nuts while the screw turns, or `None` if the model does not integrate
+    /// friction over the contacts.
     fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
         let play = self.made.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
         *self.running_pair[direction as usize].get_or_init(work_out)
     }
 
-    /// Calculates a pair of nuts while the screw turns, without external load and with equal balls in each nut.
+    /// Calculates a pair of nuts without external load while the screw turns. All balls of a nut
+    /// are assumed to be equal.
     ///
-    /// * `play`: play of each nut \[m\]; `None` for a play so wide that no ball touches a far flank.
+    /// * `play`: play of each nut \[m\]; `None` for a play so large that no ball touches a far
+    ///   flank.
     fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
         let NutAtRest { nut, preload, .. } = &self.made;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
@@ -226,7 +234,8 @@ impl NutReport {
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
-    /// Returns the share of the third contacts in the friction torque of all balls that no neighbor pushes.
+    /// Returns the share of the third contacts in the friction torque of all balls, without pushes
+    /// between balls.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
         Some(torque / lasting(self.friction()?.parts?.torque)?)
@@ -241,12 +250,13 @@ impl NutReport {
         matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)))
     }
 
-    /// Returns a part of the friction of balls in a lubricant.
+    /// Returns a part of the friction of lubricated balls, or `None` if the contacts are dry.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
 
-    /// Returns the friction torques of the contacts with nut and screw \[N·m\], if every ball has a motion.
+    /// Returns the friction torques of the nut contacts and the screw contacts \[N·m\], if the
+    /// motion of every ball is known.
     pub(crate) fn raceway_torques(&self) -> Option<[f64; 2]> {
         Some(self.friction()?.parts?.contacts)
     }
@@ -268,11 +278,11 @@ impl NutReport {
     }
 }
 
-/// Inputs of the friction of all balls.
+/// Inputs required for the friction of all balls.
 const FRICTION: &[InputSet] =
     quantities!(@needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
-/// Inputs of the ball train.
+/// Inputs required for the ball train.
 const TRAIN: &[InputSet] = quantities!(@needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
@@ -317,12 +327,12 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         limit_load_N ["N" "F_lim"] Scalar(|n| n.limit_load()), "limit load, at which one side of the nut is fully unloaded and the preload is lost";
     }
     "life and safety" {
-        life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
-        iso_life_revolutions [""] Scalar(|n| n.iso_life()), "life by ISO 3408-5, revolutions";
+        life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life from the loads of all balls, revolutions";
+        iso_life_revolutions [""] Scalar(|n| n.iso_life()), "life according to ISO 3408-5, revolutions";
         life_ratio [""] Scalar(|n| {
         let ours = lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))?;
         Some(ours / n.iso_life()?)
-    }), "life by all balls / life by ISO 3408-5";
+    }), "life from the loads of all balls / life according to ISO 3408-5";
         static_safety_by_balls [""] Scalar(|n| {
         lasting(n.made.found.static_safety(&n.made.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
@@ -335,9 +345,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that catch up with a slower ball";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
-            "balls loaded on one diagonal that friction presses onto a far flank, at axial_play_um or with oversize balls";
+            "balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
-            "largest normal load of these third contacts";
+            "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
             "  third contacts, included in the contacts with nut and screw";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
@@ -358,7 +368,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
             "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
-            "preload of a pair while the screw turns, which friction changes";
+            "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
             "friction torque of the running preload, contacts alone";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
@@ -381,7 +391,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
-            "torque of ball-to-ball contact with a push of 3 % of the ball load at every contact; 0 with the needed gaps";
+            "torque of ball-to-ball contact if every contact carries a push of 3 % of the ball load; 0 if the gaps are sufficient";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without pushes";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of contacts between balls that carry a push";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
@@ -418,10 +428,10 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     }
 }
 
-/// Columns of the balls that are lists in the JSON of a nut: loads and contact angles.
+/// Range of the ball columns that the JSON of a nut contains as lists: loads and contact angles.
 pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
 
-/// A ball of a nut under load.
+/// A ball in a nut under load.
 pub(crate) struct OneBall<'a> {
     position: &'a BallPosition,
     ball: &'a BallInGrooves,
@@ -434,18 +444,18 @@ pub(crate) struct OneBall<'a> {
 }
 
 impl OneBall<'_> {
-    /// Returns 1 if the ball of a train rolls in this way, and 0 otherwise.
+    /// Returns 1 if the ball of the train has the given kind of rolling, and 0 otherwise.
     fn is(&self, rolling: Rolling) -> Option<f64> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }
 
-    /// Returns the contact angle of a loaded flank \[deg\].
+    /// Returns the contact angle at a flank \[deg\], or `None` if the flank is not loaded.
     fn angle(&self, flank: usize) -> Option<f64> {
         (self.ball.loads[flank] > 0.0).then(|| self.ball.angles[flank] / DEG)
     }
 }
 
-/// Columns of the load-displacement curve in addition to the load.
+/// Columns of the load-displacement curve that follow the column of the load.
 const CURVE: [OutputName; 6] = [
     output!(nut_displacement_um),
     output!(nut_stiffness_N_um),
@@ -455,21 +465,21 @@ const CURVE: [OutputName; 6] = [
     output!(unloaded_balls),
 ];
 
-/// Returns the number of loaded balls, but at least 1.
+/// Returns the number of loaded balls, or 1 if no ball is loaded.
 fn loaded_balls(found: &Equilibrium) -> f64 {
     count(found.balls.len() - found.unloaded()).max(1.0)
 }
 
-/// Returns a note on cold and warm preload.
+/// Returns a note that states the cold and the warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
         "The preload is set cold, without temperature rises: {cold:.0} N cold, {warm:.0} N warm."
     )
 }
 
-/// Describes the torque that verifies the preload, with its tolerance.
+/// Describes the torque that verifies the preload, and its tolerance.
 ///
-/// * `torque`: friction torque by manufacturers' rule \[N·m\].
+/// * `torque`: friction torque according to the manufacturers' rule \[N·m\].
 /// * `seal`: torque of the seals \[N·m\].
 pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance) -> String {
     let ends = [-1.0, 1.0].map(|side| within.end(torque, side));
@@ -495,14 +505,15 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     )
 }
 
-/// Returns a life, a safety factor or a rating, or `None` if it is not positive and finite.
+/// Returns the value of a life, a safety factor or a rating, or `None` if the value is not positive
+/// and finite.
 fn lasting(value: f64) -> Option<f64> {
     (value > 0.0 && value.is_finite()).then_some(value)
 }
 
-/// Returns the largest pressure on a ball \[Pa\].
+/// Returns the maximum contact pressure on a ball \[Pa\].
 ///
-/// * `hertz`: contacts of the balls with nut and screw.
+/// * `hertz`: Hertz contacts of the balls with nut and screw.
 fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
     let [a, b, c, d] = ball.loads;
     at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
@@ -514,21 +525,23 @@ impl NutReport {
         Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
     }
 
-    /// Returns a ball under an equal share of the load, or `None` for a preloaded nut, whose bodies carry different loads.
+    /// Returns a ball that carries an equal share of the load, or `None` for a preloaded nut,
+    /// because its bodies carry different loads.
     fn equal(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
         let single = self.made.preload.is_none() && axial != 0.0;
         single.then(|| self.made.nut.equal(axial).ok())?
     }
 
-    /// Returns the torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
+    /// Returns the torque that moves the preload along the lead without friction, `$F_p P_h/2\pi$`
+    /// \[N·m\].
     fn rule_torque(&self) -> Option<f64> {
         let force = self.made.preload.as_ref()?.warm;
         lasting(force * self.made.nut.helix.lead() / TAU)
     }
 
-    /// Returns the upper bound of the largest contact load. The bound holds for a guided nut in which all circuits have the flank of the
-    /// load, and no ball presses the other flank.
+    /// Returns an upper bound of the largest contact load. The bound holds only for a guided nut in
+    /// which every circuit can carry the load, and no ball is loaded on the opposite flank.
     fn load_bound(&self) -> Option<f64> {
         let NutAtRest { nut, preload, found } = &self.made;
         let axial = self.problem.axial();
@@ -545,24 +558,28 @@ impl NutReport {
             .then(|| nut.load_bound(axial).ok())?
     }
 
-    /// Returns the ratio of the axial load to its displacement \[N/m\].
+    /// Returns the secant stiffness: the ratio of the axial load to the displacement that it causes
+    /// \[N/m\].
     fn secant(&self) -> Option<f64> {
         let axial = self.problem.axial();
-        // The displacement counts from the state without axial load if preload, misalignment or side loads press balls, and from the
-        // first touch otherwise.
+        // The reference is the displacement without axial load if preload, misalignment or side
+        // loads press the balls. Otherwise it is the position at which the first ball touches the
+        // grooves.
         let without = self.made.nut.solve(&self.problem.support.with_axial(0.0)).ok();
         let pressed = without.filter(|found| found.max_load() > 0.0);
         let from = pressed.map_or(0.0, |found| found.displacement[0]);
         (axial != 0.0).then(|| axial / (self.found().displacement[0] - from))
     }
 
-    /// Returns the stiffness of a preloaded nut by the manufacturers' convention: a multiple of preload / preload displacement \[N/um\].
+    /// Returns the stiffness of a preloaded nut by the manufacturers' convention \[N/um\]: a
+    /// multiple of the ratio of preload to preload displacement.
     fn stated(&self, times: f64) -> Option<f64> {
         let NutPreload { cold, approach, .. } = self.made.preload.as_ref()?;
         Some(times * cold / approach * UM)
     }
 
-    /// Returns the stiffness by ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
+    /// Returns the stiffness according to ISO 3408-4 \[N/m\], for a pair at its preload or a single
+    /// nut at its load.
     fn iso_stiffness(&self) -> Option<f64> {
         let NutProblem { design, body, .. } = &self.problem;
         let elasticity = design.elasticity(body).ok()?;
@@ -585,12 +602,12 @@ impl NutReport {
 
     fn iso_life(&self) -> Option<f64> {
         let preload = self.made.preload.as_ref().map(|set| set.warm);
-        // Revolutions do not depend on speed and time.
+        // The life in revolutions does not depend on speed and time.
         let duty = Duty { load: self.problem.axial(), speed: 1.0, time: 1.0 };
         lasting(life(self.problem.rating.rating, preload, &[duty])?.revolutions)
     }
 
-    /// Returns numbers by their names.
+    /// Returns the numbers with the given names.
     pub(crate) fn some(&self, names: &[OutputName]) -> Vec<Option<f64>> {
         let is_wanted = |quantity: &Quantity| names.iter().any(|name| name.name() == quantity.name);
         let found = read(self, is_wanted).where_finite();
@@ -607,8 +624,8 @@ impl NutProblem {
         }
     }
 
-    /// Returns the friction of the balls of a nut, or `None` if speeds are missing, or if both friction coefficient and lubricant are
-    /// missing.
+    /// Calculates the friction of all balls of a nut. Returns `None` if the speeds are missing, or
+    /// if neither a friction coefficient nor a lubricant is given.
     fn friction_of(
         &self,
         nut: &BallNut,
@@ -638,7 +655,7 @@ impl NutProblem {
         Some(BallFriction { friction, models, onset, why, pushed: None })
     }
 
-    /// Returns the source of friction with the oil at a temperature \[K\].
+    /// Returns the source of friction for an oil temperature \[K\].
     fn source_at(&self, oil: f64) -> Option<FrictionSource> {
         let mut source = self.friction.as_ref()?.0;
         if let FrictionSource::Lubricant(lubricant) = &mut source {
@@ -647,7 +664,7 @@ impl NutProblem {
         Some(source)
     }
 
-    /// Returns true if each ball may have another model or another controlling raceway.
+    /// Returns true if the model or the controlling raceway can differ from ball to ball.
     fn decides(&self, source: &FrictionSource) -> bool {
         let Settings { model, control, .. } = self.settings;
         let is_dry = matches!(source, FrictionSource::Coefficient(_));
@@ -655,12 +672,12 @@ impl NutProblem {
             || model == Model::RacewayControl.into() && control.is_none()
     }
 
-    /// Returns the problem of one ball, including its share of the ball returns.
+    /// Returns the problem of one ball, which includes its share of the losses in the ball returns.
     fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
         self.of_ball_by(source, balls, screw, None)
     }
 
-    /// Returns the problem of one ball, with a prescribed model if there is one.
+    /// Returns the problem of one ball. If `held` is given, it prescribes the model.
     fn of_ball_by(
         &self,
         source: &FrictionSource,
@@ -686,7 +703,7 @@ impl NutProblem {
         in_grooves(screw, lubricant, (settings.model, GothicArches::default()), &settings)
     }
 
-    /// Returns the answer for a nut without a solution, which states the reason.
+    /// Returns the answer for a nut that has no solution. The answer states the reason.
     pub fn unsolved(case: &Case, none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
         Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
@@ -694,19 +711,20 @@ impl NutProblem {
             .with("message", Content::Text("message", Some(none.to_string())))
     }
 
-    /// Calculates the loads of all balls and the results that follow from them.
+    /// Calculates the loads of all balls and all results that depend on them.
     ///
     /// # Errors
     ///
-    /// [`NutError`] if no ball can carry the load, or if no displacement gives the preload.
+    /// Returns [`NutError`] if no ball can carry the load, or if no displacement produces the
+    /// preload.
     pub fn solve(self) -> Result<NutReport, NutError> {
         let made = self.made()?;
         Ok(NutReport::new(self, made))
     }
 }
 
-/// Calculates the friction of all balls of a nut with the inputs of this problem, such as a warm or
-/// strained nut.
+/// Friction of all balls, calculated with the inputs of this problem for a given nut, for example a
+/// warm or strained one.
 impl HeldFriction for NutProblem {
     fn sum(
         &self,
@@ -742,17 +760,17 @@ impl HeldFriction for NutProblem {
     }
 }
 
-/// Rows of numbers in named columns. A missing number is NaN.
+/// A table of numbers with named columns. Missing numbers are NaN.
 #[derive(Debug, Clone)]
 pub struct Columns {
-    /// Name and unit of each column.
+    /// Outputs that define name and unit of each column.
     pub heads: Vec<&'static Output>,
-    /// The rows.
+    /// Rows of the table.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl Columns {
-    /// Returns a cell of a row by the name of its column.
+    /// Returns the cell of a row in the column with the given name.
     pub fn cell(&self, row: &[f64], name: &str) -> f64 {
         let place = self.heads.iter().position(|head| head.name == name);
         place.and_then(|place| row.get(place)).copied().unwrap_or(f64::NAN)
@@ -767,13 +785,13 @@ impl NutReport {
     /// Returns the requested numbers that exist for this nut.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
         let numbers = read(self, wanted).where_finite();
-        // If a friction result was requested, the friction has already been calculated.
+        // At this point, friction has been calculated if any requested number depends on it.
         let friction = self.ball_friction.get().and_then(Option::as_ref);
         let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
         numbers.because(why.map(|why| not_pushed(why)))
     }
 
-    /// Returns a number by name.
+    /// Returns the number with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers(|quantity| quantity.name == name.name()).number(name)
     }
@@ -876,7 +894,7 @@ impl NutReport {
         notes
     }
 
-    /// Returns a note on the assumed play, if no play is given and friction depends on it.
+    /// Returns a note on the assumed play, if the play is not given and friction depends on it.
     pub(crate) fn assumed_play(&self) -> Option<String> {
         let NutAtRest { nut, preload, .. } = &self.made;
         if nut.errors.axial_play.is_some() || self.problem.friction.is_none() {
@@ -918,7 +936,7 @@ impl NutReport {
         notes
     }
 
-    /// Returns the warnings about the nut.
+    /// Returns warnings about the nut.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(pressure) = self.max_pressure().filter(|p| *p > MARKS_ABOVE) {
@@ -952,7 +970,8 @@ impl NutReport {
         warnings
     }
 
-    /// Returns warnings for nut and screw if the ellipse of the most loaded contact extends beyond its flank.
+    /// Returns warnings for nut and screw if the ellipse of the most heavily loaded contact extends
+    /// beyond its flank.
     fn beyond_the_flanks(&self) -> Vec<String> {
         let Ok(hertz) = self.made.nut.hertz() else { return Vec::new() };
         let contacts = [[0, 1], [2, 3]].map(|flanks| {
@@ -965,7 +984,7 @@ impl NutReport {
         beyond_the_flanks(&self.problem.thread, &hertz, contacts)
     }
 
-    /// Returns a warning if the offset or the ball oversize does not preload the nut.
+    /// Returns a warning if the given offset or ball oversize does not preload the nut.
     fn loose_balls(&self) -> Option<String> {
         let is_loose = self.problem.sets_preload_by_displacement() && self.made.preload.is_none();
         is_loose.then(|| {
@@ -975,11 +994,12 @@ impl NutReport {
         })
     }
 
-    /// Returns a note on the neglected centrifugal force, if it is a considerable part of the mean load of a ball.
+    /// Returns a note on the neglected centrifugal force if its ratio to the mean load of a ball is
+    /// within `part`.
     fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.made, self.problem.friction.as_ref()?);
-        // A ball that rolls between both raceways precesses at half the sum of the speeds of screw and nut.
+        // A ball that rolls on both raceways orbits at half the sum of screw speed and nut speed.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
         let mean = found.mean_load();
@@ -992,7 +1012,8 @@ impl NutReport {
         })
     }
 
-    /// Returns the models that solved the friction of the balls, or `None` if no model was used.
+    /// Returns the names of the models that solved the friction of the balls, or `None` if no model
+    /// was used.
     pub fn model(&self) -> Option<String> {
         let models = &self.ball_friction()?.models;
         (!models.is_empty()).then(|| models.join(" and "))
@@ -1012,7 +1033,7 @@ impl NutReport {
         std::iter::once(&LOAD).chain(rest).collect()
     }
 
-    /// Returns a table with one row per ball. A missing number is NaN.
+    /// Returns a table with one row per ball. Missing numbers are NaN.
     pub fn balls(&self) -> Columns {
         let NutAtRest { nut, found, .. } = &self.made;
         let (friction, hertz) = (self.friction(), nut.hertz().ok());
@@ -1046,7 +1067,8 @@ impl NutReport {
         Columns { heads: Self::ball_columns(), rows }
     }
 
-    /// Returns the load-displacement curve from zero load to beyond the load and the limit load. Points without a solution are NaN.
+    /// Returns the load-displacement curve, which starts without load and extends beyond the load
+    /// and the limit load. Numbers without a solution are NaN.
     pub fn curve(&self) -> Columns {
         let axial = self.problem.axial();
         let limit = self.limit_load().unwrap_or(0.0);
@@ -1058,7 +1080,7 @@ impl NutReport {
         loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
         loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
-        // The position of a nut without preload and load is undetermined.
+        // A nut without preload and load has no definite position, so the curve omits this point.
         let start = usize::from(self.made.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }
@@ -1074,15 +1096,16 @@ impl NutReport {
         std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()
     }
 
-    /// Adds the 90 % intervals of all numbers to the answer of a nut, if the groove of its case is estimated.
+    /// Adds the 90 % intervals of all numbers to the answer of a nut, if the groove of its case is
+    /// estimated.
     pub fn over_grooves(answer: Answer, case: &Case, settings: &Settings) -> Answer {
         answer.over_grooves(case, FEW_DRAWS, |possible| {
             Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
         })
     }
 
-    /// Returns the answer: the numbers of the nut and, under the names of the reference cases, displacements, loads of all balls and
-    /// stiffness.
+    /// Returns the answer with the numbers of the nut. In addition, it contains displacements,
+    /// loads of all balls and stiffness under the names that the reference cases use.
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;

@@ -1,4 +1,5 @@
-//! Comparison of two offers of a screw: rules, the numbers that distinguish screws, and the inputs that differ.
+//! Comparison of two offers for a screw: rules, numbers by which screws are compared, and the
+//! inputs that differ.
 
 use bsm_design::Band;
 use serde_json::{Map, Value, json};
@@ -7,15 +8,15 @@ use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table};
 
-/// Columns of the rules, the numbers and the inputs of two offers.
+/// Columns of the tables of rules, numbers and inputs of two offers.
 pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
                                 -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
                                   -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
-/// Numbers for which a smaller value is better. For the other numbers of [`sheet_columns`], a larger value is better, except for the
-/// numbers in [`NEITHER`].
+/// Numbers for which a smaller value is better. A larger value is better for the other numbers of
+/// [`sheet_columns`], except for the numbers in [`NEITHER`].
 const SMALLER: [&str; 5] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
@@ -25,12 +26,13 @@ const SMALLER: [&str; 5] = [
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
-/// Returns the name of the better one of two values, or `None` if they are equal or one is missing.
+/// Returns `first` or `second`, depending on which value is better, or `None` if the values are
+/// equal or one is missing.
 ///
 /// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
     let (first, second) = (first?, second?);
-    // Both values are equal up to rounding error.
+    // Differences up to this size are rounding errors.
     if (first - second).abs() <= 1e-9 * first.abs().max(second.abs()) {
         return None;
     }
@@ -42,9 +44,9 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
     rules.iter().find(|rule| rule.title == title)
 }
 
-/// Compares the sheets of two offers.
+/// Compares the axis sheets of two offers.
 ///
-/// * `names`: names of the offers, such as their files.
+/// * `names`: names of the offers, such as their file names.
 pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> Answer {
     let verdict = |name: &str, report: &AxisReport| {
         let lacks = report.answer.all_not_given();
@@ -93,10 +95,10 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         .with("inputs", Content::Table(Table::of(INPUTS, differing([first, second]))))
 }
 
-/// Cells of a row, and their intervals on the screen.
+/// Cells of a row, and the intervals that the screen shows next to them.
 type RowOfOffers = (Vec<Value>, Vec<Option<Band>>);
 
-/// Appends the values of both offers to the cells of a row.
+/// Appends the better offer and the intervals of both offers to the cells of a row.
 fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2]) -> RowOfOffers {
     let mut shown = vec![None; cells.len() - 2];
     shown.extend(bands);
@@ -112,7 +114,7 @@ fn table(columns: &'static str, rows: impl Iterator<Item = (&'static str, RowOfO
     Table { bands, row_units, ..Table::of(columns, rows) }
 }
 
-/// Returns the inputs that differ, with the value of each offer.
+/// Returns the inputs in which the offers differ, with the value of each offer.
 fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     let inputs = |report: &AxisReport| match report.case.to_json() {
         Value::Object(inputs) => inputs,
@@ -128,7 +130,8 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
 mod tests {
     use super::*;
 
-    /// A misspelled name would call the worse offer better.
+    /// With a misspelled name in these lists, the comparison would report the worse offer as
+    /// better.
     #[test]
     fn every_number_with_a_direction_is_on_the_sheet() {
         for name in SMALLER.into_iter().chain(NEITHER) {

@@ -17,9 +17,9 @@ use bsm_dyn::{
 quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
     "closed form" {
         optimum_contact_angle_deg ["deg"] Directions(|k| k.best.map(|best| Some(best?.contact_angle / DEG)))
-            needs [lead_angle_deg | lead_mm], "contact angle of best efficiency";
+            needs [lead_angle_deg | lead_mm], "contact angle with the best efficiency";
         optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
-            "lead angle for which the case's contact angle is the best";
+            "lead angle for which the contact angle of the case is the best";
         optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the optimum angle";
         self_locking_contact_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
@@ -32,14 +32,14 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
         efficiency [""] Directions(|k| {
             let own = k.lead.zip(k.contact).map(|(lead, contact)| Angles { lead, contact });
             DIRECTIONS.map(|d| Some(own?.efficiency(d, k.friction)))
-        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the case's contact angle";
+        }) needs [contact_angle_deg, lead_angle_deg | lead_mm], "efficiency at the contact angle of the case";
     }
 }
 
 quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     "by the model" {
         optimum_contact_angle_deg ["deg"] Scalar(|best| Some(best.as_ref()?.contact_angle / DEG)),
-            "contact angle of best efficiency";
+            "contact angle with the best efficiency";
         optimum_efficiency [""] Scalar(|best| Some(best.as_ref()?.efficiency)), "efficiency at this contact angle";
     }
 }
@@ -47,7 +47,7 @@ quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
 /// Required inputs, in addition to a lead angle or a contact angle.
 pub(crate) const NEEDS: Needs = Needs { all: inputs! { friction_coefficient }, quantities: &[] };
 
-/// Inputs and optima of both directions of drive.
+/// Given angles and friction coefficient, and the optima for both directions of drive.
 struct Known {
     lead: Option<f64>,
     contact: Option<f64>,
@@ -84,8 +84,8 @@ impl Known {
         })
     }
 
-    /// Returns the best efficiency at the lead angle of the case or, without one, at its contact
-    /// angle.
+    /// Returns the best efficiency at the given lead angle or, if none is given, at the given
+    /// contact angle.
     fn best_efficiency(&self) -> [Option<f64>; 2] {
         let best = Optimum::best_efficiency(self.friction);
         match self.lead {
@@ -94,7 +94,7 @@ impl Known {
         }
     }
 
-    /// Returns warnings about optima that do not exist or are difficult to manufacture.
+    /// Returns warnings about optima that do not exist or that are difficult to manufacture.
     fn warnings(&self) -> Vec<String> {
         let of_direction = |(best, name): (Option<Optimum>, &str)| match best {
             None => Some(format!(
@@ -108,19 +108,19 @@ impl Known {
     }
 }
 
-/// Calculates the closed-form numbers.
+/// Calculates the numbers that have closed-form solutions.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     case.check()?;
     read(&Known::of(case)?, |_| true).finite()
 }
 
-/// Calculates optimum and limits of both directions in closed form, from the lead angle or contact
-/// angle and the friction coefficient of a case. With a model, it also finds the optimum contact
-/// angle of the model in the direction of the given speeds.
+/// Calculates the optima and self-locking limits for both directions of drive in closed form, from
+/// the friction coefficient and the lead angle or contact angle. If `model` is given, also finds
+/// the optimum contact angle of this model in the direction of the given speeds.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if an input is missing or violates its rule.
+/// Returns [`CaseError`] if an input is missing or violates its rule.
 pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     case.check()?;
     let found = model.map(|model| Ok((model, best_by(case, model)?))).transpose()?;
@@ -142,9 +142,9 @@ pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Finds the contact angle with the smallest loss of a model in the direction of the given speeds.
-/// The result is `None` if the model has no solution at any angle, or if the optimum is at an end
-/// of the range.
+/// Finds the contact angle at which a model has the smallest loss in the direction of the given
+/// speeds. The optimum is `None` if the model has no solution at any angle, or if the smallest loss
+/// is at an end of the range.
 fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), CaseError> {
     let settings = Settings::from(model);
     let speeds = case.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
@@ -155,16 +155,16 @@ fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), Ca
         let solution = case.problem(&settings)?.solve(&mut work.borrow_mut());
         Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
     };
-    // A screw at standstill has no optimum angle.
+    // At standstill, the efficiency is 0 at every angle, so there is no optimum.
     let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
     let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
     Ok((direction, best.map(optimum)))
 }
 
-/// Returns a warning if the optimum of a motion is difficult to manufacture.
+/// Returns a warning if the optimum contact angle for a motion is difficult to manufacture.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
     let (low, high) = USUAL_CONTACT_ANGLES_DEG;
-    // Angles at an end of the range may differ from it by rounding.
+    // An angle at a limit of the usual range may exceed the limit by a rounding error.
     let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
         "{motion}: a contact angle of {deg:.1} deg is difficult to manufacture; {low:.0} to {high:.0} deg are usual."

@@ -1,4 +1,4 @@
-//! Names of the numbers of all answers, which are checked when the program is compiled.
+//! Names of the outputs of all answers, checked at compile time.
 
 use serde::de::{Deserialize, Deserializer, Error};
 
@@ -8,7 +8,7 @@ use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::quantity::is_same;
 use crate::{OutputName, Quantity};
 
-/// All tables of quantities that answers read by name.
+/// All tables of quantities whose values are read by name.
 const QUANTITY_TABLES: [&[Quantity]; 19] = [
     SOLUTION,
     axis::QUANTITIES,
@@ -32,11 +32,11 @@ const QUANTITY_TABLES: [&[Quantity]; 19] = [
 ];
 
 impl OutputName {
-    /// Returns the name of a number of an answer.
+    /// Returns the name of an output.
     ///
     /// # Panics
     ///
-    /// If no answer has a number of this name.
+    /// If there is no output with this name.
     pub const fn of(name: &str) -> Self {
         match Self::named(name) {
             Some(known) => known,
@@ -44,7 +44,7 @@ impl OutputName {
         }
     }
 
-    /// Returns the name of a number of an answer, or `None` if no answer has a number of this name.
+    /// Returns the name of an output, or `None` if there is no output with this name.
     pub const fn named(name: &str) -> Option<Self> {
         let mut table = 0;
         while table < QUANTITY_TABLES.len() {
@@ -74,7 +74,7 @@ impl<'de> Deserialize<'de> for OutputName {
     }
 }
 
-/// Returns the [`OutputName`] of a number of an answer. An unknown name does not compile.
+/// Returns the [`OutputName`] of an output. An unknown name is a compile error.
 ///
 /// ```
 /// assert_eq!(bsm_case::output!(cycle_life_h).name(), "cycle_life_h");

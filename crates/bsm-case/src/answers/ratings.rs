@@ -17,7 +17,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
 use crate::{Answer, Case, CaseError, Catalog, Content, INPUTS, Numbers, exact};
 
-/// Title of the intermediate results between inputs and ratings.
+/// Title of the intermediate results between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
 
 quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
@@ -31,7 +31,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preload_displacement_um ["um"] Scalar(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";
         contact_displacement_um ["um"] Scalar(|r| r.displacement()) needs [axial_load_N],
-            "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
+            "axial displacement of the contacts of one nut or of the preloaded pair under the axial load";
         secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
             "secant stiffness of the contacts of one nut without preload, load / displacement";
         tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
@@ -42,14 +42,14 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preloaded_body_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| 2.0 * e.body * UM)),
             "stiffness of the bodies of a preloaded pair";
         single_nut_secant_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
-            "secant stiffness of one nut without preload, contacts and body";
+            "secant stiffness of one nut without preload, including contacts and body";
         single_nut_tangent_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
-            "tangent stiffness of one nut without preload, contacts and body";
+            "tangent stiffness of one nut without preload, including contacts and body";
         preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
-            "stiffness of a preloaded pair, contacts and bodies";
+            "stiffness of a preloaded pair, including contacts and bodies";
         rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, with rolling resistance and without slip";
         mass_kg ["kg"] Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
-        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
+        permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed according to the speed number limit";
         speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.case)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         rating_life_revolutions ["" "L_10"] Scalar(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
         rating_life_h ["h" "L_10h"] Scalar(|r| Some(r.life.as_ref()?.time / 3600.0)) needs [axial_load_N, screw_speed_rpm], "rating life";
@@ -65,9 +65,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         screw_groove_offset_mm ["mm"] Scalar(|r| r.thread.screw.offset / MM),
             "distance of the arc centers from the middle of the groove, screw";
         nut_core_diameter_mm ["mm"] Scalar(|r| r.thread.nut.core / MM),
-            "calculated core diameter of the nut; at the bottom of the full arcs";
+            "calculated core diameter of the nut; at the bottom of the complete groove arcs";
         screw_core_diameter_mm ["mm" "d_2"] Scalar(|r| r.thread.screw.core / MM),
-            "calculated core diameter of the screw; at the bottom of the full arcs";
+            "calculated core diameter of the screw; at the bottom of the complete groove arcs";
         nut_root_diameter_mm ["mm"] Scalar(|r| r.thread.nut.root / MM),
             "root diameter, where the two arcs meet, nut";
         screw_root_diameter_mm ["mm"] Scalar(|r| r.thread.screw.root / MM),
@@ -79,9 +79,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         screw_edge_angle_deg ["deg"] Scalar(|r| r.thread.screw.edge / DEG),
             "angle from the radial direction at which the groove ends, screw";
         nut_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.nut.section() / (MM * MM)),
-            "section of the groove, nut";
+            "cross-sectional area of the groove, nut";
         screw_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.screw.section() / (MM * MM)),
-            "section of the groove, screw";
+            "cross-sectional area of the groove, screw";
         gamma ["" "gamma"] Scalar(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle / pitch circle diameter";
         f_c ["" "f_c"] Scalar(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
         C_s_N ["N" "C_s"] Scalar(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
@@ -123,7 +123,7 @@ pub(crate) struct NutRatings<'a> {
     dynamic: DynamicRating,
     static_rating: StaticRating,
     edge_load: f64,
-    /// Preload of a pair, or axial load of a single nut \[N\].
+    /// Preload of a nut pair, or axial load of a single nut \[N\].
     force: f64,
     preloaded: bool,
     /// Life at the axial load and speed of the case.
@@ -131,9 +131,9 @@ pub(crate) struct NutRatings<'a> {
 }
 
 impl<'a> NutRatings<'a> {
-    /// Evaluates the nut of a case: a pair of nuts under `preload_N`, or a single nut under
-    /// `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
-    /// rating.
+    /// Evaluates the nut of a case as a pair with the preload `preload_N`, or as a single nut under
+    /// `axial_load_N`. If neither is given, the nut is a pair with a preload of 0.15 times the
+    /// dynamic load rating.
     fn of(case: &'a Case) -> Result<Self, CaseError> {
         case.check()?;
         let nut = nut(case)?;
@@ -181,7 +181,7 @@ impl<'a> NutRatings<'a> {
 
     fn numbers(&self) -> Result<Numbers, CaseError> {
         let numbers = read(self, |_| true).finite()?;
-        // The life under an extreme load may underflow to zero.
+        // The life under an extreme load can underflow to zero.
         let lost = |life: &Life| life.revolutions <= 0.0 || life.time <= 0.0;
         if self.life.as_ref().is_some_and(lost) {
             return Err(CaseError::beyond_double("rating_life_h"));
@@ -189,12 +189,12 @@ impl<'a> NutRatings<'a> {
         Ok(numbers)
     }
 
-    /// Returns a number of a preloaded pair.
+    /// Returns the value of `number` for a preloaded pair, or `None` for a single nut.
     fn of_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         self.preloaded.then(|| number(&self.elasticity))
     }
 
-    /// Returns a number of a single nut under its load.
+    /// Returns the value of `number` for a single nut, or `None` for a preloaded pair.
     fn of_one(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         (!self.preloaded).then(|| number(&self.elasticity))
     }
@@ -216,8 +216,8 @@ impl<'a> NutRatings<'a> {
         self.nut.pitch_diameter / MM
     }
 
-    /// Returns warnings about contact ellipses of the more heavily loaded nut that extend beyond
-    /// their flanks, with equal loads on all balls.
+    /// Returns warnings about contact ellipses that extend beyond their flanks in the more heavily
+    /// loaded nut. All balls are assumed to carry equal loads.
     fn beyond_the_flanks(&self) -> Vec<String> {
         let Self { case, nut, thread, elasticity, force, .. } = self;
         let of_pair = || pair_loads(*force, case.axial_load_N.unwrap_or(0.0)).0;
@@ -227,12 +227,12 @@ impl<'a> NutRatings<'a> {
         beyond_the_flanks(thread, &elasticity.hertz, [Some((ball, nut.contact_angle)); 2])
     }
 
-    /// Returns a note if the case has neither load nor preload.
+    /// Returns a note on the assumed preload if neither load nor preload is given.
     fn assumed_preload(&self) -> Option<String> {
         (!self.case.is_loaded()).then(|| assumed_preload(self.force))
     }
 
-    /// Returns warnings about limits of the formulas and poor proportions.
+    /// Returns warnings about exceeded limits of the formulas and about unfavorable proportions.
     fn warnings(&self) -> Result<Vec<Warning>, CaseError> {
         let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = case.axial_load_N;
@@ -276,22 +276,22 @@ fn rpm(case: &Case) -> Option<f64> {
     case.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
 }
 
-/// Calculates the ratings as numbers only.
+/// Calculates the ratings without notes and warnings.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     NutRatings::of(case)?.numbers()
 }
 
-/// Calculates the ratings of the nut of a case: a pair of nuts under `preload_N`, or a single nut
-/// under `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
-/// rating.
+/// Calculates the ratings of a nut as a pair with the preload `preload_N`, or as a single nut under
+/// `axial_load_N`. If neither is given, the nut is a pair with a preload of 0.15 times the dynamic
+/// load rating.
 ///
 /// The life refers to the axial load and speed of the case. The life under a cycle is a result of
-/// the axis.
+/// the axis sheet.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if an input is missing or violates its rule, or if the grooves allow no contact
-/// ellipse.
+/// Returns [`CaseError`] if an input is missing or violates its rule, or if the grooves allow no
+/// contact ellipse.
 pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     let rated = NutRatings::of(case)?;
     let mut answer = rated.answer()?;
@@ -301,9 +301,9 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Returns the load ratings of the nut of a case, and the warnings about them with the selection
-/// limits to which the warnings refer. The contact ellipses are not checked here, because the model
-/// of the nut checks them with all balls.
+/// Returns the load ratings of the nut, and warnings about them with the selection limits that they
+/// concern. The contact ellipses are not checked here, because the nut model checks them with all
+/// balls.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     Ok((rated.answer()?, rated.warnings()?))

@@ -1,4 +1,4 @@
-//! Solutions of a model in named quantities with units.
+//! Solutions of a model, in named quantities with units.
 
 use bsm_dyn::{
     Model, ModelWorkspace, Problem, Reason, Solution, Status, SteadyState,
@@ -19,13 +19,13 @@ use crate::{
     Section, Sensitivity, Settings, Table, exact, output, torque_parts,
 };
 
-/// Hertz pressure between ball and groove above which permanent indentations are usual \[Pa\]. It
-/// is the basis of the static load rating of ISO 76.
+/// Hertz pressure between ball and groove above which permanent indentations are expected \[Pa\].
+/// The static load rating of ISO 76 is based on this value.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
-/// Explains why a model was chosen according to the bound of its error.
+/// Explains why model `auto` chose a model, based on the error bound.
 ///
-/// * `bound`: bound of the efficiency error; `None` if the error is undefined because model
+/// * `bound`: bound on the efficiency error; `None` if the error is unknown because model
 ///   `traction` has no solution.
 pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     let Some(bound) = bound else {
@@ -52,17 +52,18 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     format!("efficiency error at most {bound:.1e}: {why}")
 }
 
-/// Result for one point: model, status, numbers, and a message if necessary.
+/// Result at one point: model, status and numbers, and the reason if there are no numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
-    /// Solution; `None` if the inputs do not suffice for the model.
+    /// Solution; `None` if the inputs are invalid for the model.
     solution: Option<Solution>,
     message: Option<String>,
 }
 
 impl Record {
-    /// Wraps the solution of a model. A number that overflows makes the record an error.
+    /// Creates a record from the solution of a model. If an output overflows, the record contains
+    /// an error instead.
     pub fn new(solution: Solution) -> Self {
         let endless =
             |output: &&Output| output.read(&solution).is_some_and(|value| !value.is_finite());
@@ -74,22 +75,22 @@ impl Record {
         Self { model: ModelChoice::Fixed(solution.model), solution: Some(solution), message }
     }
 
-    /// Creates the record of a case whose inputs are invalid for `model`.
+    /// Creates a record for a case whose inputs are invalid for `model`.
     pub fn invalid(model: ModelChoice, error: &CaseError) -> Self {
         Self { model, solution: None, message: Some(error.to_string()) }
     }
 
-    /// Returns the model that solved the case or failed to solve it.
+    /// Returns the model that solved the case or tried to solve it.
     pub fn model(&self) -> ModelChoice {
         self.model
     }
 
-    /// Returns the solution of the model, if there is one.
+    /// Returns the solution of the model, or `None` if the inputs are invalid.
     pub fn into_solution(self) -> Option<Solution> {
         self.solution
     }
 
-    /// Returns the steady state if the solve converged.
+    /// Returns the steady state, if the solve converged.
     pub fn solved(&self) -> Option<&SteadyState> {
         self.solution.as_ref()?.solved()
     }
@@ -99,7 +100,7 @@ impl Record {
         self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
     }
 
-    /// Returns the name of the status in files.
+    /// Returns the status name that is used in files.
     pub fn status_name(&self) -> &'static str {
         self.status().name()
     }
@@ -109,7 +110,7 @@ impl Record {
         output.read(self.solution.as_ref()?)
     }
 
-    /// Returns the value of a numeric output by name, if there is one.
+    /// Returns the value of the numeric output with the given name, if it exists.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.value(Output::named(name.name()).filter(|output| output.json_type == "number")?)
     }
@@ -124,7 +125,7 @@ impl Record {
         self.message.as_deref()
     }
 
-    /// Returns the regime of the motion.
+    /// Returns a description of the slip regime, for example rolling or gross skid.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
         let solved = solution.solved()?;
@@ -145,13 +146,13 @@ impl Record {
         })
     }
 
-    /// Explains the choice of the model, if the bound of its error determined it.
+    /// Explains the choice of the model, if model `auto` chose it.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
-    /// Returns the outputs without an error bound in a result whose efficiency has an error bound:
+    /// Returns the names of the outputs to which the error bound of the efficiency does not apply:
     /// the outputs of the ball and its contacts, if `auto` chose another model than `traction`.
     pub fn unbounded(&self) -> Vec<&'static str> {
         let is_chosen =
@@ -161,12 +162,13 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Returns the warnings about the inputs and about the result, for `bsm solve` and for a row of a table.
+    /// Returns warnings about the inputs and about the result, for `bsm solve` and for a row of a
+    /// table.
     pub fn all_warnings(&self, case: &Case) -> Vec<String> {
         case.warnings().into_iter().chain(self.warnings(case)).collect()
     }
 
-    /// Returns the warnings about the result. `case` contains the inputs.
+    /// Returns warnings about the result. `case` contains the inputs.
     pub fn warnings(&self, case: &Case) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
@@ -246,8 +248,9 @@ impl Record {
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
-    /// Returns a note on the critical lead angle if the ball would roll on the nut. Rows of tables have no such note, because the
-    /// search for the angle takes longer than the solve.
+    /// Returns a note on the critical lead angle if model `rigid` has no solution because the ball
+    /// would roll on the nut. Rows of tables have no such note, because finding the angle takes
+    /// longer than solving the point.
     fn critical_lead_angle(&self, case: &Case, settings: &Settings) -> Option<String> {
         let (Some(Reason::NutContactWouldRoll { .. }), Ok(Problem::Rigid(rigid))) =
             (self.solution.as_ref()?.reason(), case.problem(settings))
@@ -276,8 +279,8 @@ impl Record {
         Some(if nut == screw { nut.to_owned() } else { format!("{nut} (nut), {screw} (screw)") })
     }
 
-    /// Returns a warning if the axial play is so small that friction presses the balls onto a far
-    /// flank.
+    /// Returns a warning if the axial play is so small that friction presses the balls against a
+    /// far flank.
     fn far_flank(&self, case: &Case) -> Option<String> {
         let (solved, fit) = (self.solved()?, case.reader().arch_fit()?);
         let threshold = solved.ball.threshold_play? / UM;
@@ -298,7 +301,7 @@ impl Record {
             });
             return Some(format!("{below} The balls touch the far flank of the {body}{factor}."));
         }
-        // The model has no friction at a third contact.
+        // This model does not calculate the friction at a third contact.
         (solved.far_flank.is_none() && play < threshold).then(|| {
             format!(
                 "{below} The balls touch a far flank, whose friction only model traction calculates, so the loss is larger than stated."
@@ -339,8 +342,8 @@ impl Record {
         warnings
     }
 
-    /// Returns a warning if a contact ellipse extends beyond the bottom of its groove, or beyond
-    /// the axial direction, where no groove exists.
+    /// Returns a warning if a contact ellipse extends beyond the bottom of its groove or beyond the
+    /// axial direction, where the groove ends.
     fn cut_off(&self, ball_radius: f64) -> Option<String> {
         let ball = &self.solved()?.ball;
         [("nut", Site::Nut), ("screw", Site::Screw)].into_iter().find_map(|(member, site)| {
@@ -350,8 +353,8 @@ impl Record {
         })
     }
 
-    /// Converts the record to a JSON object with the names of the outputs. Outputs that the model
-    /// does not calculate are null.
+    /// Converts the record to a JSON object whose keys are the names of the outputs. Outputs that
+    /// the model does not calculate are null.
     pub fn to_json(&self) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model().name()));
@@ -411,7 +414,7 @@ impl Record {
         all.map(|content| Section { member: None, content }).collect()
     }
 
-    /// Returns the answer, with the program version, the case, the settings, the regime and
+    /// Returns the answer with the program version, the case, the settings, the regime and the
     /// warnings.
     pub fn answer(
         &self,
@@ -476,27 +479,27 @@ impl Record {
     }
 }
 
-/// Parts of an answer in addition to the record of a point.
+/// Optional parts of an answer in addition to the record of a point.
 #[derive(Debug, Clone, Default)]
 pub struct Supplement {
-    /// Uncertainty of lubricated friction.
+    /// True if the answer states the uncertainty of lubricated friction.
     pub band: bool,
-    /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)), or a note that
-    /// explains why they are missing.
+    /// True if the answer contains the parts of the screw torque
+    /// ([`torque_parts`](crate::torque_parts)), or a note that explains why they are missing.
     pub parts: bool,
-    /// Sensitivities of efficiency and torque to each input.
+    /// Sensitivities of efficiency and torque to each input, if requested.
     pub sensitivities: Option<Vec<Sensitivity>>,
 }
 
-/// Effects that a lubricated torque neglects.
+/// Effects that the calculated torque of lubricated contacts neglects.
 const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
                          size; contact at four points. Catalog rules for the torque of a preloaded nut give three times the torque of \
                          the contacts.";
 
-/// Columns of the uncertainty of lubricated friction.
+/// Columns of the table of intervals due to the uncertainty of lubricated friction.
 pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
 
-/// Table of the uncertainty of lubricated friction.
+/// Builds the table of intervals due to the uncertainty of lubricated friction.
 fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
     let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]
@@ -509,7 +512,7 @@ fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -
     Table::of(INTERVALS, rows).keyed()
 }
 
-/// Returns a warning if the onset number of skidding shows that raceway control does not hold.
+/// Returns a warning if the skid onset number shows that raceway control does not apply.
 pub(crate) fn skid_warning(onset: f64) -> Option<String> {
     (onset >= MAX_ROLLING_ONSET).then(|| {
         format!(
@@ -519,11 +522,12 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
     })
 }
 
-/// Returns warnings if a film is outside the range of its formulas.
+/// Returns warnings if a lubricant film is outside the range of its formulas.
 fn of_a_film(film: &FilmState) -> Vec<String> {
-    /// Heating that reduces the film thickness by about half \[K\].
+    /// Temperature rise that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Limit of M below which the films of a rigid and an elastic contact differ (theory 17).
+    /// Value of M below which rigid and elastic contacts have different film thicknesses (theory
+    /// 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
@@ -543,7 +547,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// Returns the message of a reason, with numbers in the units of the outputs.
+/// Returns the message for a reason, with numbers in the units of the outputs.
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(
@@ -602,9 +606,9 @@ pub(crate) fn message(reason: &Reason) -> String {
              screw_conformity towards 0.52"
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
-            "the branch of steady motions with saturated friction, followed from small inertia on, ends before this point: \
-             inertia forces / axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
-             value with a solution is {nearest:.3e}. Change axial_load_N or the speed"
+            "the branch of steady motions with saturated friction that starts at small inertia ends before this point: \
+             inertia forces / axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest value with a solution is \
+             {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::BallDoesNotCircle => {
@@ -633,7 +637,9 @@ pub(crate) fn message(reason: &Reason) -> String {
             hottest - ZERO_CELSIUS
         ),
         Reason::PowerDoesNotBalance { imbalance } => {
-            format!("rounding is too large: relative error of the power balance {imbalance:.1e}")
+            format!(
+                "rounding errors are too large: relative error of the power balance {imbalance:.1e}"
+            )
         }
         Reason::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
             status.describe().to_owned()

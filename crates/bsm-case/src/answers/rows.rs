@@ -4,15 +4,17 @@ use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
 use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record, output};
 
-/// Fraction of the scale of its unit below which a number is rounding error and is shown as 0.
+/// Magnitude below which a number counts as rounding error and is shown as 0, relative to the scale
+/// of its unit.
 const ROUNDING: f64 = 1e-12;
 
-/// Scale of each unit in a table: the largest number with this unit, and 180 for angles.
+/// Scale of each unit in a table: the largest magnitude among the numbers with this unit, and 180
+/// for angles.
 #[derive(Debug, Clone)]
 pub struct Scales(Vec<(&'static str, f64)>);
 
 impl Scales {
-    /// Determines the scales from numbers with their units.
+    /// Determines the scales from pairs of unit and number.
     pub fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
         let mut scales = vec![("deg", 180.0)];
         for (unit, value) in numbers {
@@ -24,7 +26,8 @@ impl Scales {
         Self(scales)
     }
 
-    /// Returns a number, or zero if it is rounding error. A number without a unit has no scale.
+    /// Returns the number, or zero if the number is a rounding error. A number without a unit has
+    /// no scale and is returned unchanged.
     pub fn clean(&self, unit: &str, value: f64) -> f64 {
         let scale = self.0.iter().find(|(known, _)| !unit.is_empty() && *known == unit);
         let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);
@@ -36,8 +39,8 @@ impl Record {
     /// Returns the numbers for display, with rounding errors replaced by zero. `case` contains the
     /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
-        // All slip speeds of a rolling ball are rounding error, so their scale is the surface speed of
-        // the ball.
+        // All slip speeds of a rolling ball are rounding errors, so the surface speed of the ball
+        // serves as their scale.
         let surface = self.number(output!(ball_omega_t_rad_s)).map_or(0.0, |omega_t| {
             let rates = [output!(ball_omega_n_rad_s), output!(ball_omega_b_rad_s)]
                 .map(|name| self.number(name));

@@ -10,7 +10,7 @@ use crate::{
     Answer, Case, CaseError, Content, NutProblem, NutReport, OutputName, Settings, Table, output,
 };
 
-/// Quantities of a nut that depend on its errors.
+/// Quantities that depend on the random errors of a nut.
 const SAMPLED: [OutputName; 6] = [
     output!(max_contact_load_N),
     output!(max_over_mean),
@@ -23,31 +23,34 @@ const SAMPLED: [OutputName; 6] = [
 /// Maximum number of samples.
 const MAX_SAMPLES: u64 = 1_000_000;
 
-/// Maximum number of samples of each possible groove. The 5 % quantile of 200 samples is the tenth smallest one.
+/// Maximum number of samples of each possible groove. With 200 samples, the 5 % quantile is the
+/// tenth smallest value.
 const PER_GROOVE: u64 = 200;
 
-/// Many copies of a nut with random balls and random phases of its lead errors.
+/// Random copies of a nut, which differ in their ball diameters and in the phases of their lead
+/// errors.
 #[derive(Debug)]
 pub struct Samples<'a> {
     problem: &'a NutProblem,
     seed: u64,
-    /// Indices of the lead errors with random phases.
+    /// Indices of the lead errors whose phases are random.
     waves: Vec<usize>,
 }
 
-/// Quantities of a random nut; `None` if it does not carry its load or its preload cannot be set.
+/// Quantities of a random copy; `None` if the copy cannot carry the load or its preload cannot be
+/// set.
 type DrawnNut = Option<Vec<Option<f64>>>;
 
 impl<'a> Samples<'a> {
-    /// Probabilities of the quantiles.
+    /// Probabilities for which quantiles are calculated.
     const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-    /// Prepares `number` random copies of the nut of a problem.
+    /// Prepares `number` random copies of the nut.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if the nut has no random quantity, [`CaseError::OutOfRange`] for zero
-    /// or too many samples.
+    /// Returns [`CaseError::Entry`] if nothing in the nut is random, and [`CaseError::OutOfRange`]
+    /// if the number of samples is zero or too large.
     pub fn new(problem: &'a NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
         if number == 0 || number > MAX_SAMPLES {
             let rule = format!("from 1 to {MAX_SAMPLES}");
@@ -66,14 +69,14 @@ impl<'a> Samples<'a> {
         Ok(Self { problem, seed: seed.unwrap_or(problem.seed), waves })
     }
 
-    /// Solves one of the nuts, which depends only on the seed and the number of the nut.
+    /// Solves the copy with the given index. The result depends only on the seed and the index.
     pub fn solve(&self, number: u64) -> DrawnNut {
         let one = self.problem.drawn(self.seed, number, &self.waves);
         let made = one.carried().ok()?;
         Some(NutReport::new(one, made).some(&SAMPLED))
     }
 
-    /// Returns the answer for all nuts: the quantiles of each quantity.
+    /// Returns the answer for all copies: the quantiles of each quantity.
     pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
         let carried: Vec<_> = nuts.iter().flatten().collect();
         let failed = nuts.len() - carried.len();
@@ -101,9 +104,10 @@ impl<'a> Samples<'a> {
             .with_shown(Content::Text("", Some(told)))
     }
 
-    /// Adds the 90 % intervals of the quantiles to an answer, if the groove of its case is estimated.
+    /// Adds the 90 % intervals of the quantiles to an answer, if the groove of its case is
+    /// estimated.
     ///
-    /// * `number`: number of samples of the answer.
+    /// * `number`: number of samples in the answer.
     pub fn over_grooves(
         answer: Answer,
         case: &Case,

@@ -1,4 +1,5 @@
-//! JSON Schema of cases and results, generated from the tables that check and write them.
+//! JSON Schema of cases and results, generated from the tables with which they are checked and
+//! written.
 
 use schemars::JsonSchema;
 use schemars::generate::{Contract, SchemaSettings};
@@ -8,7 +9,7 @@ use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// Returns the schemas of the members of a type that is read or written.
+/// Returns the JSON schemas of the members of a type that is read or written, as `contract` states.
 pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.contract = contract;
@@ -102,7 +103,7 @@ pub fn output_schema() -> Value {
     })
 }
 
-/// Returns name and schema of an output.
+/// Returns the name and the schema of an output.
 fn property(output: &Output) -> (String, Value) {
     let mut property = json!({
         "type": [output.json_type, "null"],

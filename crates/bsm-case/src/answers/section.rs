@@ -1,4 +1,4 @@
-//! Section across the grooves.
+//! Cross section of the grooves.
 
 use bsm_design::{Profile, Thread};
 use bsm_dyn::hertz::Hertz;
@@ -8,34 +8,34 @@ use crate::case::rated_nut;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, OutputName, Record, output};
 
-/// Section across the grooves of nut and screw. The origin is the ball center; coordinates are the
-/// axial position and the distance from the screw axis \[mm\].
+/// Cross section of the grooves of nut and screw. The origin is the ball center. The coordinates
+/// are the axial position and the distance from the screw axis \[mm\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrooveSection {
     /// Radius of the ball \[mm\].
     pub ball_radius: f64,
     /// Contact angle without load \[rad\].
     pub contact_angle: f64,
-    /// Groove and lands of the screw.
+    /// Outline of the groove and the lands of the screw.
     pub screw: Vec<(f64, f64)>,
-    /// Groove and lands of the nut.
+    /// Outline of the groove and the lands of the nut.
     pub nut: Vec<(f64, f64)>,
-    /// Angles at which the flanks of nut and screw begin and end, measured around the ball \[deg\].
+    /// Angles around the ball at which the flanks of nut and screw begin and end \[deg\].
     pub flanks: [[f64; 2]; 2],
     /// Radii of the groove arcs of nut and screw \[mm\].
     pub radii: [f64; 2],
-    /// Distances from the ball center to the centers of the groove arcs \[mm\]: axial, and radial
-    /// away from the groove.
+    /// Distances from the ball center to the centers of the groove arcs \[mm\], in the axial
+    /// direction and in the radial direction away from the groove.
     pub centers: [(f64, f64); 2],
 }
 
 impl GrooveSection {
-    /// Calculates the groove section of a case. It does not depend on the number of balls and
-    /// turns.
+    /// Calculates the cross section of the grooves of a case. The number of balls and turns is not
+    /// required.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or a value violates a rule.
+    /// Returns [`CaseError`] if an input is missing or a value violates a rule.
     pub fn of(case: &Case) -> Result<Self, CaseError> {
         /// Number of chords that approximate a flank.
         const STEPS: u32 = 40;
@@ -50,7 +50,7 @@ impl GrooveSection {
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
-            // The outline continues along the land.
+            // The outline of the groove continues along the land.
             let land = flank.last().map_or(0.0, |(_, depth)| *depth);
             flank.push((half, land));
             let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
@@ -94,9 +94,9 @@ impl GrooveSection {
     }
 }
 
-/// Returns warnings about contacts whose ellipses extend beyond their flanks at nut or screw.
+/// Returns warnings about contacts at nut and screw whose ellipses extend beyond their flanks.
 ///
-/// * `hertz`: contacts at nut and screw.
+/// * `hertz`: Hertz contacts at nut and screw.
 /// * `contacts`: load \[N\] and contact angle \[rad\] at nut and screw.
 pub(crate) fn beyond_the_flanks(
     thread: &Thread,
@@ -115,13 +115,13 @@ pub(crate) fn beyond_the_flanks(
 }
 
 /// Returns a warning if a contact ellipse extends beyond the ends of its flank, where Hertz's
-/// theory does not hold.
+/// theory is not valid.
 ///
-/// * `member`: nut or screw.
+/// * `member`: `nut` or `screw`.
 /// * `flank`: angles at which the flank begins and ends \[deg\].
 /// * `angle`: contact angle \[deg\].
-/// * `half`: semi-axis of the ellipse across the groove, as an angle around the center of the
-///   groove arc \[deg\].
+/// * `half`: length of the semi-axis of the ellipse across the groove, as an angle around the
+///   center of the groove arc \[deg\].
 pub(crate) fn beyond_the_flank(
     member: &str,
     [meet, edge]: [f64; 2],

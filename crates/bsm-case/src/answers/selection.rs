@@ -1,4 +1,4 @@
-//! Selection of nuts from lists: conditions, and the nuts that satisfy them.
+//! Selection of nuts from lists: conditions, and the nuts that meet them.
 
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
@@ -20,7 +20,7 @@ use crate::{
 };
 
 quantities! {
-    /// The columns of a list of nuts. Columns titled "shown" are printed on the screen.
+    /// Columns of a list of nuts. The screen shows only the columns under the title "shown".
     pub CATALOG, read(&Candidate);
     "shown" {
         nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
@@ -74,18 +74,19 @@ quantities! {
     }
 }
 
-/// A column of numbers of a list of nuts.
+/// A numeric column of a list of nuts.
 #[derive(Debug, Clone, Copy)]
 pub struct ListColumn {
     place: usize,
-    /// Name, unit and meaning.
+    /// Output of the column, with name, unit and meaning.
     pub output: &'static Output,
     is_of_sheet: bool,
     is_shown: bool,
 }
 
 impl ListColumn {
-    /// Returns the columns of sizes, including the columns of the axis sheet if there is one.
+    /// Returns the columns of a list of sizes, including the columns of the axis sheet if
+    /// `has_sheets` is true.
     pub fn of_sizes(has_sheets: bool) -> Vec<Self> {
         let of_nut = CATALOG
             .iter()
@@ -104,7 +105,8 @@ impl ListColumn {
             .collect()
     }
 
-    /// Returns the columns of a manufacturer's table. The inputs of the nuts are not shown on the screen.
+    /// Returns the columns of a manufacturer's table. The screen does not show the columns of
+    /// inputs.
     pub fn of_rows(rows: &[ManufacturerRow]) -> Vec<Self> {
         let numbers = rows.first().map_or(&[][..], |row| &row.numbers);
         let column = |(place, number): (usize, &ListNumber)| {
@@ -114,7 +116,8 @@ impl ListColumn {
         numbers.iter().enumerate().map(column).collect()
     }
 
-    /// Returns the column with the given name and the change from the unit of the name.
+    /// Returns the column with the given name, which may have another unit, and the conversion to
+    /// the unit of the column.
     fn named(name: &str, all: &[Self]) -> Result<(Self, UnitChange), CaseError> {
         let names = || all.iter().map(|column| column.output.name);
         let own = || all.iter().find(|column| column.output.name == name);
@@ -138,7 +141,7 @@ impl ListColumn {
     }
 }
 
-/// A condition on a column, given as the range of permitted values.
+/// A condition on a column, stored as the range of permitted values.
 #[derive(Debug, Clone)]
 pub struct Condition {
     text: String,
@@ -147,13 +150,15 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Parses `name>=value`, `name<=value` or `name=value`. The name may have another unit.
+    /// Parses `name>=value`, `name<=value` or `name=value`. The name may have another unit than the
+    /// column.
     ///
     /// * `columns`: columns of the list.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown column, or a value that is not a number.
+    /// Returns [`CaseError`] if the text has another form, the column is unknown, or the value is
+    /// not a number.
     pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
         let form = "name>=value, name<=value or name=value";
         let bad = || CaseError::bad_setting(text, form);
@@ -163,7 +168,7 @@ impl Condition {
         let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
         let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
         let value = change.value(value);
-        // Tables contain decimal numbers, which differ from sizes in meters by rounding.
+        // The decimal numbers in tables can differ from sizes in meters by rounding errors.
         let near = 1e-9 * value.abs();
         let range = match sign {
             ">=" => value - near..=f64::INFINITY,
@@ -179,24 +184,25 @@ impl Condition {
 
     /// Returns true if a nut meets the condition.
     ///
-    /// * `sheet`: numbers of the nut in the axis of a requirement.
+    /// * `sheet`: numbers of the nut on its axis sheet.
     pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
         self.range.contains(&self.column.read(nut, sheet))
     }
 
-    /// Returns the value that is closest to meeting the condition, if there are any values.
+    /// Returns the value that comes closest to meeting the condition, or `None` if there are no
+    /// values.
     fn nearest_of(&self, values: &[f64]) -> Option<f64> {
         let miss = |value: f64| (self.range.start() - value).max(value - self.range.end());
         values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
     }
 }
 
-/// Converts a nut to a JSON object with the names of the columns.
+/// Converts a nut to a JSON object whose keys are the names of the columns.
 pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
     numbers_json(&read(candidate, |_| true))
 }
 
-/// Converts a nut to a case for the other commands. With a requirement, the case is at its
+/// Converts a nut to a case for the other commands. If a requirement is given, the case has its
 /// operating point.
 pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
@@ -218,7 +224,7 @@ pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFil
     Value::Object(nut)
 }
 
-/// Filter and order of nuts in addition to a requirement.
+/// Conditions on nuts and their sort order, in addition to a requirement.
 #[derive(Debug, Clone, Default)]
 pub struct NutFilter {
     of_nut: Vec<Condition>,
@@ -228,15 +234,15 @@ pub struct NutFilter {
 }
 
 impl NutFilter {
-    /// Parses conditions such as `lead_mm=20`.
+    /// Creates a filter from conditions such as `lead_mm=20`.
     ///
     /// * `columns`: columns of the list.
-    /// * `pareto`: keeps only Pareto-optimal nuts with respect to dynamic load rating, stiffness and
-    ///   mass.
+    /// * `pareto`: if true, keeps only the Pareto-optimal nuts with respect to dynamic load rating,
+    ///   stiffness and mass.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form or an unknown column.
+    /// Returns [`CaseError`] if a condition has another form or names an unknown column.
     pub fn new(
         conditions: &[String],
         columns: &[ListColumn],
@@ -251,11 +257,11 @@ impl NutFilter {
         Ok(wanted)
     }
 
-    /// Sorts the nuts by a column.
+    /// Adds a sort order by a column to the filter.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for an unknown column.
+    /// Returns [`CaseError::Unknown`] for an unknown column.
     pub fn sorted_by(
         self,
         name: &str,
@@ -266,13 +272,14 @@ impl NutFilter {
         Ok(Self { order: Some((column, descending)), ..self })
     }
 
-    /// Returns the columns that occur in the conditions and the order.
+    /// Returns the columns that occur in the conditions or in the sort order.
     fn columns(&self) -> impl Iterator<Item = ListColumn> {
         let conditions = self.of_nut.iter().chain(&self.of_sheet).map(|condition| condition.column);
         conditions.chain(self.order.map(|(column, _)| column))
     }
 
-    /// Returns the rows of a manufacturer's table that meet the filter. Rows that pass a requirement come before the others.
+    /// Returns the rows of a manufacturer's table that meet the conditions. Rows that pass a
+    /// requirement come first.
     pub fn choose_rows(&self, rows: Vec<ManufacturerRow>) -> NutList {
         let places = || 0..u32::try_from(rows.len()).unwrap_or(u32::MAX);
         let number =
@@ -287,7 +294,7 @@ impl NutFilter {
         let mut chosen =
             if self.pareto { ManufacturerRow::front(&rows, &within) } else { within.clone() };
         if let Some((column, descending)) = &self.order {
-            // A row without the number comes last in both orders.
+            // A row without this number comes last in ascending and descending order.
             chosen.sort_by(|a, b| {
                 let passes = |place: &u32| rows[*place as usize].passes;
                 let [one, other] = [a, b].map(|place| number(*place, column));
@@ -323,7 +330,7 @@ impl NutFilter {
         }
     }
 
-    /// Returns the nuts of a catalog that meet the filter and a requirement.
+    /// Returns the nuts of a catalog that meet the conditions and the requirement.
     pub fn choose(&self, catalog: Catalog, requirement: Option<&RequirementFile>) -> NutList {
         let catalog = match requirement {
             Some(requirement) => requirement.with_its_material(catalog),
@@ -369,7 +376,7 @@ impl NutFilter {
         self.list(catalog, all.len(), requirement.is_some(), found)
     }
 
-    /// Creates the list of the sizes that were found.
+    /// Creates the list of nuts from the sizes that were found.
     fn list(&self, catalog: Catalog, all: usize, has_sheets: bool, found: Found) -> NutList {
         let Found { within, chosen, sheets, why, warnings } = found;
         NutList {
@@ -384,7 +391,7 @@ impl NutFilter {
         }
     }
 
-    /// Keeps the sizes whose axis sheet meets the conditions on the sheet.
+    /// Keeps the sizes whose axis sheet meets the conditions on columns of the sheet.
     fn judge(&self, requirement: &RequirementFile, catalog: &Catalog, found: &mut Found) {
         let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
         let sheets = catalog.map(&found.within, sheet);
@@ -411,7 +418,8 @@ impl NutFilter {
         found.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
     }
 
-    /// Explains for each condition why no nut remains.
+    /// Returns reasons why no nut meets all conditions: how many nuts would remain without each
+    /// condition, and which value comes closest to it.
     fn nearest(&self, catalog: &Catalog, all: &[u32]) -> Vec<String> {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
@@ -434,7 +442,7 @@ impl NutFilter {
     }
 }
 
-/// Returns the limits of a requirement that no nut of the lists meets.
+/// Returns the limits of a requirement that no nut of the catalog meets.
 fn blocks(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
     match DesignReport::standard(requirement, catalog) {
         Some(report) => report.reasons,
@@ -463,32 +471,32 @@ impl Found {
     }
 }
 
-/// Nuts from which a list is selected.
+/// Source of the nuts in a list.
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "a list contains one")]
 enum Rows {
-    /// Sizes of lists, with the numbers of the axis sheet of those that meet a requirement.
+    /// Standard sizes, with the axis sheet numbers of the sizes that meet a requirement.
     Sizes { catalog: Catalog, sheets: BTreeMap<u32, Vec<f64>> },
     /// Rows of a manufacturer's table.
     Table(Vec<ManufacturerRow>),
 }
 
-/// The selected nuts.
+/// A list of selected nuts.
 #[derive(Debug, Clone)]
 pub struct NutList {
-    /// Number of nuts from which the list is selected.
+    /// Number of nuts among which the selection was made.
     pub all: usize,
-    /// Indices of the nuts that meet the filter and the requirement.
+    /// Indices of the nuts that meet the conditions and the requirement.
     pub within: Vec<u32>,
-    /// Indices of the selected nuts in their order. They are only the Pareto-optimal nuts, if this is
-    /// requested.
+    /// Indices of the selected nuts in sorted order. If requested, only the Pareto-optimal nuts are
+    /// selected.
     pub chosen: Vec<u32>,
     /// Reasons why no nut was selected.
     pub why: Vec<String>,
-    /// Warnings of the axis sheet for the first nut.
+    /// Warnings on the axis sheet of the first nut.
     pub warnings: Vec<String>,
     columns: Vec<ListColumn>,
-    /// Indices of the columns that occur in the conditions and the order.
+    /// Indices of the columns that occur in the conditions or in the sort order.
     named: Vec<usize>,
     rows: Rows,
 }
@@ -499,7 +507,7 @@ impl NutList {
         &self.columns
     }
 
-    /// Returns the catalog, unless the list is a manufacturer's table.
+    /// Returns the catalog, or `None` if the nuts come from a manufacturer's table.
     pub fn catalog(&self) -> Option<&Catalog> {
         match &self.rows {
             Rows::Sizes { catalog, .. } => Some(catalog),
@@ -507,8 +515,8 @@ impl NutList {
         }
     }
 
-    /// Returns the case of a nut for the other commands, at the operating point of the requirement if
-    /// there is one.
+    /// Converts a nut to a case for the other commands. If a requirement is given, the case has its
+    /// operating point.
     pub fn case(&self, place: u32, requirement: Option<&RequirementFile>) -> Value {
         match &self.rows {
             Rows::Sizes { catalog, .. } => {
@@ -519,7 +527,7 @@ impl NutList {
         }
     }
 
-    /// Returns name and unit of each column of the table of the list.
+    /// Returns the name and the unit of each column.
     pub fn heads(&self) -> Vec<(String, &'static str)> {
         match &self.rows {
             Rows::Sizes { .. } => {
@@ -534,9 +542,9 @@ impl NutList {
         }
     }
 
-    /// Returns the values of all columns for a part of the chosen nuts, column by column.
+    /// Returns the values of all columns, column by column, for a range of the selected nuts.
     ///
-    /// * `places`: range of places in the list.
+    /// * `places`: range of positions in the list.
     pub fn values(&self, places: Range<usize>) -> Vec<ColumnValues> {
         let chosen = &self.chosen[places.clone()];
         match &self.rows {
@@ -550,7 +558,8 @@ impl NutList {
                 };
                 self.columns.iter().map(values).collect()
             }
-            // Whether a column has intervals depends on all rows.
+            // The table is built from all rows, because any row can require the columns of
+            // intervals.
             Rows::Table(_) => {
                 let table = ManufacturerRow::table(&self.rows_of(&self.chosen));
                 table.into_iter().map(|(.., values)| values.part(places.clone())).collect()
@@ -566,7 +575,7 @@ impl NutList {
         }
     }
 
-    /// Returns the answer with the first nuts and the given columns alone, for the screen.
+    /// Returns an answer for the screen with the first nuts and only the given columns.
     pub fn answer_of(&self, first: usize, columns: &[ShownColumn]) -> Answer {
         let count = self.chosen.len().min(first);
         let all = self.values(0..count);
@@ -583,12 +592,12 @@ impl NutList {
         answer.with("", Content::Table(table))
     }
 
-    /// Returns true if the column is shown on the screen.
+    /// Returns true if the screen shows the column.
     fn is_shown(&self, column: &ListColumn) -> bool {
         column.is_shown || self.named.contains(&column.place)
     }
 
-    /// Returns the answer with the first nuts.
+    /// Returns the answer with the first nuts of the list.
     pub fn answer(&self, first: usize) -> Answer {
         let count = self.chosen.len().min(first);
         let mut answer = match &self.rows {

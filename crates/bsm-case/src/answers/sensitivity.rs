@@ -9,63 +9,64 @@ use serde_json::json;
 use crate::case::reader::Reader;
 use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 
-/// Number of inputs that are differentiated at a time. Most callers request fewer derivatives, and
-/// the time of a solve with jets grows with their number.
+/// Number of inputs that are differentiated in one solve. The time of a solve increases with this
+/// number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
-/// Columns of the derivatives.
+/// Columns of the table of derivatives.
 pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
     | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
 
-/// A number with its derivatives with respect to some inputs, each in the unit of the input.
+/// A number with its derivatives with respect to several inputs, in the units of these inputs.
 type Jets = Jet<AT_A_TIME>;
 
-/// A case in which some inputs are variables.
+/// A case in which several inputs are variables.
 #[derive(Debug, Clone)]
 pub struct Sensitivities(Vec<Part>);
 
-/// The SI problem, and the inputs that are its variables with their values.
+/// The problem in SI units, and its variables: inputs with their values.
 #[derive(Debug, Clone)]
 struct Part(Problem<Jets>, Vec<(InputKey, f64)>);
 
-/// Sensitivity of an answer to one input.
+/// Sensitivities of efficiency and torque to one input.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensitivity {
-    /// The input.
+    /// Input with respect to which the results are differentiated.
     pub input: &'static Quantity,
-    /// Value of the input, given or default.
+    /// Given or default value of the input.
     pub value: f64,
-    /// Change of the efficiency per unit of the input.
+    /// Derivative of the efficiency with respect to the input, per unit of the input.
     pub efficiency: f64,
-    /// Change of the screw torque per unit of the input \[N·m\], if there is a torque.
+    /// Derivative of the screw torque with respect to the input \[N·m\] per unit of the input, if
+    /// there is a torque.
     pub screw_torque: Option<f64>,
-    /// Relative change of the efficiency per relative change of the input \[%/%\]; `None` if one of
-    /// the values is zero.
+    /// Relative change of the efficiency per relative change of the input \[%/%\]; `None` if the
+    /// efficiency or the input is zero.
     pub relative_efficiency: Option<f64>,
-    /// Relative change of the torque per relative change of the input \[%/%\]; `None` if one of the
-    /// values is zero.
+    /// Relative change of the torque per relative change of the input \[%/%\]; `None` if the torque
+    /// or the input is zero.
     pub relative_torque: Option<f64>,
 }
 
 impl Sensitivities {
-    /// Prepares the problem of a case with all inputs of its model as variables. If an input
-    /// defaults to the value of another input, a change applies to both.
+    /// Prepares the derivatives of a case with respect to all inputs of its model. If an input
+    /// takes its default from another input, a change of the other input changes both.
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::problem`].
+    /// Returns the errors of [`Case::problem`].
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::by(case, settings, InputKey::ALL.into_iter().collect())
     }
 
-    /// Prepares the problem of a case. The variables are the inputs of `wanted` that the model
+    /// Prepares the derivatives of a case with respect to the inputs in `wanted` that the model
     /// uses.
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::problem`].
+    /// Returns the errors of [`Case::problem`].
     pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
-        // The temperatures of a warm state are kept constant when the inputs change.
+        // The derivatives are calculated at constant temperatures of the warm state.
         let case = &case.in_warm_state(settings)?;
         let model = case.ask(settings)?;
         let used = Cell::new(InputSet::default());
@@ -89,12 +90,12 @@ impl Sensitivities {
         Ok(Self(variables.chunks(AT_A_TIME).map(part).collect()))
     }
 
-    /// Returns efficiency and torque, and a row for each variable, ordered by its effect on the
-    /// efficiency.
+    /// Returns efficiency and torque, and a row for each variable. The rows are sorted by the
+    /// effect of the variable on the efficiency.
     ///
     /// # Errors
     ///
-    /// The errors of [`Problem::sensitivities`].
+    /// Returns the errors of [`Problem::sensitivities`].
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,
@@ -127,7 +128,7 @@ impl Sensitivities {
 }
 
 impl Sensitivity {
-    /// Builds the table with one row per input, including unit and value for display.
+    /// Builds a table with one row per input, including its unit and value.
     pub(crate) fn table(rows: &[Self]) -> Table {
         let row = |row: &Self| {
             vec![

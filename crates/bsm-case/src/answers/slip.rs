@@ -61,27 +61,30 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     }
 }
 
-/// Relative difference between friction power and dissipated power that rounding explains. The
-/// motion is reconstructed from outputs, whose largest speeds may be a million times the slip.
+/// Largest relative difference between friction power and dissipated power that rounding errors can
+/// explain. The motion is reconstructed from outputs in which the largest speeds can be a million
+/// times the slip.
 const POWERS_AGREE: f64 = 1e-6;
 
-/// Relative difference between friction power and dissipated power for a lubricated ball. The
-/// friction of a film varies over the ellipse, and model and analysis integrate it at different
-/// points, which causes differences of up to 3e-4.
+/// Largest permitted relative difference between friction power and dissipated power of a
+/// lubricated ball. The friction coefficient of a film varies over the ellipse. Model and analysis
+/// integrate it at different points, which causes differences of up to 3e-4.
 const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 
-/// Calculates gyroscopic angles, differential slip, slip between balls, spin and orbit slip as
-/// printed, as corrected and in exact form, and the power that each part of the slip dissipates.
+/// Calculates the gyroscopic angles, the differential slip, the slip between neighboring balls, the
+/// spin and the orbit slip, with formulas as printed, as corrected and in exact form. Also
+/// calculates the power that each part of the slip dissipates.
 ///
-/// If the case gives running contact angles, the ball rolls at these angles. In this case friction
-/// and its power are not calculated, because the loads are in balance at other angles.
+/// If running contact angles are given, the ball rolls at these angles. Friction and its power are
+/// then omitted, because the given angles are not in equilibrium with the load.
 ///
-/// * `settings`: settings of `solution`.
+/// * `settings`: settings with which `solution` was calculated.
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the model has no motion of the ball, [`CaseError::OutOfRange`] if the
-/// case gives running contact angles and the model is not raceway control.
+/// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball. Returns
+/// [`CaseError::OutOfRange`] if running contact angles are given and the model is not raceway
+/// control.
 pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {
     let (solved, given) =
         MovingBall::of(case, solution)?.at_given_angles(case, settings, solution.model)?;
@@ -93,7 +96,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     }
     if given {
         lacks.push(
-            "friction and its power: needs contact angles in balance with the load instead of given contact angles"
+            "friction and its power: needs contact angles in equilibrium with the load instead of given contact angles"
                 .to_owned(),
         );
     }
@@ -111,22 +114,23 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     Ok(answer)
 }
 
-/// The motion of the ball and its losses.
+/// Motion of the ball and its friction losses.
 struct SlipMotion {
     solved: MovingBall,
-    /// Losses; `None` at given contact angles.
+    /// Friction losses; `None` if the contact angles are given.
     loss: Option<Loss>,
 }
 
 impl SlipMotion {
-    /// Applies a printed formula to nut and screw. In print, each contact uses the contact angle of
-    /// the other loaded contact. There is no formula for the unloaded flank.
+    /// Applies a printed formula to the contacts with nut and screw. As in print, the formula for
+    /// each contact uses the contact angle of the other contact. No formula is printed for the
+    /// unloaded flank.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.solved.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))
     }
 
-    /// Returns the slip at the end of the ellipse that is caused by an angular velocity.
+    /// Returns the slip speed that an angular velocity causes at the end of each contact ellipse.
     fn at_rim(&self, rate: impl Fn(&MovingContact) -> f64) -> Values {
         self.solved.contacts.map(|c| {
             let contact = c?;
@@ -151,8 +155,8 @@ impl Case {
     }
 }
 
-/// Returns the accuracy of the integration over the ellipses of a solution, and its creep speed
-/// relative to `$r_b |W|$`.
+/// Returns the accuracy with which the friction over the contact ellipses of a solution was
+/// integrated, and the creep speed of the solution relative to `$r_b |W|$`.
 pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64) {
     match (solution.model, solution.choice.map(|c| c.basis)) {
         (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
@@ -161,7 +165,7 @@ pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64
     }
 }
 
-/// Friction law at a point: a constant coefficient, or a lubricant.
+/// Local friction law: a constant friction coefficient, or a lubricant film.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Law {
     Dry(Coulomb<f64>),
@@ -186,9 +190,9 @@ impl FrictionLaw<f64> for Law {
 
 impl Law {
     /// Returns the friction law at a contact of a solution. The unloaded flank uses the film of the
-    /// nut.
+    /// loaded nut contact.
     ///
-    /// * `dry`: friction law without a lubricant.
+    /// * `dry`: friction law of dry contacts.
     pub(crate) fn of(site: Site, dry: Coulomb<f64>, solution: &Solution) -> Self {
         match solution.solved().and_then(|solved| solved.film) {
             Some(film) if site == Site::Screw => Self::Oiled(film.screw.law),
@@ -198,13 +202,13 @@ impl Law {
     }
 }
 
-/// Friction power by contact.
+/// Friction power at each contact, and the power that the model dissipates.
 struct Loss {
     contacts: [Option<ContactFriction>; 3],
-    /// Power dissipated according to the model \[W\].
+    /// Power that the model dissipates \[W\].
     dissipated: f64,
-    /// Part of the dissipated power due to sliding at the contacts; equals `dissipated` without a
-    /// lubricant \[W\].
+    /// Part of the dissipated power that sliding at the contacts causes \[W\]. Without a lubricant,
+    /// it equals `dissipated`.
     sliding: f64,
     /// Gyroscopic moment \[N·m\].
     gyroscopic_moment: f64,
@@ -212,11 +216,11 @@ struct Loss {
 
 #[derive(Debug, Clone, Copy)]
 struct ContactFriction {
-    /// Powers of the parts of the slip for all balls \[W\].
+    /// Powers of the slip components, summed over all balls \[W\].
     power: SlipPower<f64>,
-    /// Ratio of friction to normal load.
+    /// Ratio of friction force to normal load.
     used: f64,
-    /// Moment on the ball about the tangent \[N·m\].
+    /// Friction moment on the ball about the tangent \[N·m\].
     moment: f64,
 }
 

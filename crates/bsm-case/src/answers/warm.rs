@@ -28,7 +28,7 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         preload_setting_um = NUT Scalar(|w| Some(state(w)?.preload?.setting / UM));
         steady_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.heat())), "heat flow of contacts, drag, seals, support bearings and motor in the steady state";
         nut_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.nut_heat())), "heat flow of contacts, drag and seals in the steady state, without support bearings and motor";
-        cold_cycle_life_revolutions [""] Scalar(|w| state(w)?.cold_life), "life of the cycle by ISO 3408-5 with the cold preload, revolutions";
+        cold_cycle_life_revolutions [""] Scalar(|w| state(w)?.cold_life), "life under the cycle according to ISO 3408-5 with the cold preload, revolutions";
         cold_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
         no_load_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
         screw_tension_N = INPUTS Scalar(|w| state(w)?.tension);
@@ -59,13 +59,13 @@ fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
 }
 
-/// Columns of the conductances and of the uncertainty ranges.
+/// Columns of the table of conductances.
 pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
 pub(crate) const RANGES: &str = "=number, phase | low:number? | value | high:number?";
 
 impl WarmState {
-    /// Lists the conductances with their origin: given, computed from speeds and sizes, or default
-    /// (zero).
+    /// Builds the table of conductances. Each conductance is given, computed from speeds and sizes,
+    /// or has its default of zero.
     fn conductances(&self, numbers: &Numbers) -> Table {
         let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
         let row = |row: &Row| {
@@ -82,24 +82,25 @@ impl WarmState {
     }
 }
 
-/// Returns the temperature of a node at the fold \[°C\].
+/// Returns the temperature of a network node at the fold \[°C\].
 fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
     Some(celsius(fold.set, &fold.rises)[node])
 }
 
-/// Returns the temperature of a node in the unstable state beyond the fold \[°C\].
+/// Returns the temperature of a network node in the unstable state at the given speeds \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
     Some(celsius(fold.set, &fold.unstable.as_ref()?.rises)[node])
 }
 
-/// Returns true if a number requires following the warm states to the fold.
+/// Returns true if a number can only be calculated by following the branch of warm states to the
+/// fold.
 fn is_of_fold(name: &str) -> bool {
     name.starts_with("fold_") || name.starts_with("unstable_")
 }
 
-/// Numbers of a state that have an uncertainty band.
+/// Numbers of a warm state for which an uncertainty band is calculated.
 const OF_BAND: [&str; 10] = [
     "nut_temperature_C",
     "screw_temperature_C",
@@ -113,14 +114,14 @@ const OF_BAND: [&str; 10] = [
     "loop_gain",
 ];
 
-/// Numbers of each phase with motion that have an uncertainty band.
+/// Numbers of each phase with motion for which an uncertainty band is calculated.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
-/// Returns true for the lower and for the upper bound that a number lacks, because no steady state
+/// Returns whether the lower and the upper bound of a number are missing because no steady state
 /// exists under some assumptions.
 ///
-/// If the axis runs away or becomes too hot, every number grows except for the tension of the
-/// screw, which decreases. If the states end for another reason, neither bound is known.
+/// If the axis runs away thermally or becomes too hot, all numbers increase, except that the screw
+/// tension decreases. If the branch of states ends for another reason, both bounds are unknown.
 fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
@@ -131,7 +132,8 @@ fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Returns the values in a state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase.
+/// Returns the numbers of a warm state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase with
+/// motion.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
     let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
@@ -145,7 +147,7 @@ fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
 }
 
 impl Warm {
-    /// Calculates the warm state of a case that requests it, with its uncertainty band.
+    /// Calculates the warm state and its uncertainty band, if the case requests the warm state.
     pub(crate) fn with_band(
         case: &Case,
         settings: &Settings,
@@ -154,7 +156,8 @@ impl Warm {
         Self::of(case, settings, detail, of_band)
     }
 
-    /// Adds the numbers and the uncertainty band to an answer, if the warm state was requested.
+    /// Adds numbers, conductances and uncertainty band of the warm state to an answer, if the warm
+    /// state was requested.
     pub(crate) fn add_to(warm: Option<&Self>, answer: Answer) -> Answer {
         let Some(warm) = warm else { return answer };
         let numbers = read(warm, |_| true).where_finite();
@@ -203,8 +206,8 @@ impl Warm {
             );
         }
         if state.steady.on_jump {
-            let what = "The friction of some balls jumps at the warm state, because the controlling raceway or the model changes there. \
-                        The state has the friction of one side of the jump.";
+            let what = "The friction of some balls jumps at the warm state, because the controlling raceway or the model changes \
+                        there. The calculated state uses the friction on one side of the jump.";
             notes.push(what.to_owned());
         }
         let Some(band) = &state.band else { return notes };
@@ -244,47 +247,47 @@ impl Warm {
     }
 }
 
-/// Warm steady states of an axis as a function of speed: from standstill to the fold, and back
-/// along the unstable branch.
+/// Branch of warm steady states of an axis: from standstill to the fold, and back along the
+/// unstable states.
 #[derive(Debug, Clone)]
 #[expect(
     non_snake_case,
     reason = "the names end with symbols of units, some of which are capital letters"
 )]
 pub struct WarmBranch {
-    /// States in the order of the branch.
+    /// States in the order in which the branch passes through them.
     pub points: Vec<WarmPoint>,
-    /// Largest speed of the screw in the case \[rpm\].
+    /// Largest screw speed in the case \[rpm\].
     pub speed_rpm: f64,
-    /// Preload as set \[N\]; `None` without a preload.
+    /// Preload as set at assembly \[N\]; `None` without a preload.
     pub cold_preload_N: Option<f64>,
 }
 
-/// A state of a [`WarmBranch`].
+/// A state on a [`WarmBranch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(
     non_snake_case,
     reason = "the names end with symbols of units, some of which are capital letters"
 )]
 pub struct WarmPoint {
-    /// Largest speed of the screw \[rpm\].
+    /// Largest screw speed \[rpm\].
     pub speed_rpm: f64,
     /// Temperatures of nut, screw and balls \[°C\].
     pub temperatures_C: [f64; 3],
     /// Preload without external load \[N\].
     pub preload_N: f64,
-    /// False on the branch beyond the fold.
+    /// True for stable states before the fold, false for unstable states beyond the fold.
     pub stable: bool,
 }
 
 impl WarmBranch {
-    /// Calculates the branch of a case up to `fold_search_factor` times its speeds, or returns
-    /// `None` if the case does not request its warm state.
+    /// Calculates the branch of warm states up to `fold_search_factor` times the speeds of the
+    /// case. Returns `None` if the case does not request its warm state.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or violates its rule, or if there is no state at low
-    /// speed.
+    /// Returns [`CaseError`] if an input is missing or violates its rule, or if no steady state
+    /// exists at low speed.
     #[expect(
         non_snake_case,
         reason = "the names end with symbols of units, some of which are capital letters"
@@ -311,13 +314,14 @@ impl WarmBranch {
         }))
     }
 
-    /// Returns the state of the largest speed if it is a fold, that is, if unstable states follow.
+    /// Returns the state at the fold, which has the largest speed of the branch. Returns `None` if
+    /// no unstable states follow.
     pub fn fold(&self) -> Option<&WarmPoint> {
         let first_beyond = self.points.iter().position(|point| !point.stable)?;
         self.points[..first_beyond].last()
     }
 
-    /// Converts the branch to a JSON object of lists.
+    /// Converts the branch to a JSON object with a list for each member.
     pub fn to_json(&self) -> Value {
         let list = |number: &dyn Fn(&WarmPoint) -> f64| -> Value {
             self.points.iter().map(number).collect()
@@ -334,17 +338,18 @@ impl WarmBranch {
     }
 }
 
-/// Returns the missing inputs of the warm state as text.
+/// Returns the names of the inputs that the warm state needs and that are missing.
 pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     let state = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
     let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
-/// Calculates the numbers of the warm state, or none if the case does not request it.
+/// Calculates the numbers of the warm state. The numbers are empty if the case does not request the
+/// warm state.
 ///
-/// * `wanted`: selects quantities. The fold is only searched if one of its numbers is wanted;
-///   otherwise thermal runaway is an error.
+/// * `wanted`: selects the quantities to calculate. The fold is only searched for if one of its
+///   numbers is selected; otherwise thermal runaway is an error.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,

@@ -1,4 +1,5 @@
-//! Count of the warnings about a solution, for tables. The column `message` contains their texts.
+//! Number of warnings about a solution, for a column of tables. The column `message` contains their
+//! texts.
 
 use bsm_dyn::Solution;
 
@@ -13,7 +14,7 @@ quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
     }
 }
 
-/// Returns the number of warnings about a solution. The reason contains their texts.
+/// Returns the number of warnings about a solution. [`Numbers::why`] contains their texts.
 pub(crate) fn numbers(case: &Case, solution: &Solution) -> Numbers {
     let texts = Record::new(solution.clone()).all_warnings(case);
     read(&texts.len(), |_| true).because((!texts.is_empty()).then(|| texts.join("; ")))

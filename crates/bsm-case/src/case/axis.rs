@@ -20,43 +20,44 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Smallest stroke for which fatigue limits the life, in turns of the screw.
+/// Shortest stroke for which a fatigue life is calculated, in turns of the screw.
 pub(crate) const MIN_STROKE_TURNS: f64 = 0.5;
 
-/// Largest ratio of screw bore to core diameter.
+/// Largest permitted ratio of screw bore to core diameter.
 const MAX_BORE_RATIO: f64 = 0.8;
 
-/// The axis of a case, including the rotating and moving parts.
+/// The axis of a case, with its rotating and its moved parts.
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
-    /// Dynamic and static load rating without factors \[N\], calculated or from the manufacturer.
+    /// Dynamic and static load rating without factors \[N\], either calculated or stated by the
+    /// manufacturer.
     pub(crate) ratings: [f64; 2],
     /// Nut and thread; `None` if only the ratings of the screw are known.
     pub(crate) groove: Option<(Nut, Thread)>,
     pub(crate) body: NutBody,
     pub(crate) carriage: MachineTable,
     pub(crate) drive: DriveTrain,
-    /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
+    /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` if the length is unknown.
     pub(crate) screw: Option<(f64, f64)>,
     /// Moment of inertia of a driven nut \[kg·m²\]; `None` if the screw is driven.
     pub(crate) nut_inertia: Option<f64>,
-    /// Length of the thread \[m\]; `None` without a stroke.
+    /// Length of the thread \[m\]; `None` if the stroke is unknown.
     pub(crate) thread: Option<f64>,
-    /// Stroke \[m\], as given or as the range of the cycle.
+    /// Stroke \[m\], either given or taken from the range of the cycle.
     pub(crate) stroke: Option<f64>,
-    /// Duration of the cycle \[s\] and its travel; `None` for time shares and for a single
+    /// Duration \[s\] and travel of the cycle; `None` for a cycle with time shares and for a single
     /// operating point.
     pub(crate) cycle: Option<(f64, CycleTravel)>,
-    /// Life that is required.
+    /// Required life, if it is given.
     pub(crate) required_life: Option<RequiredLife>,
-    /// The torque-speed curve of the motor.
+    /// Torque-speed curve of the motor, if one is given.
     pub(crate) motor_curve: Option<MotorCurve>,
     /// Axial load of the screw at rest \[N\]. It is positive if it acts against a positive feed.
     pub(crate) rest_load: f64,
-    /// The screw between two fixed bearings; `None` for other supports.
+    /// Screw between two fixed bearings; `None` for other supports.
     pub(crate) held: Option<FixedEnds>,
-    /// Notes on estimated values.
+    /// Notes on estimated values of screw and nut.
     pub(crate) assumed: Vec<String>,
     /// Warning if the manufacturer's ratings do not match the groove.
     pub(crate) warning: Option<String>,
@@ -68,14 +69,14 @@ pub(crate) struct FixedEnds {
     pub(crate) shaft: Shaft,
     /// Stiffness of each bearing \[N/m\].
     pub(crate) bearing: f64,
-    /// Growth of the free screw per kelvin \[m/K\].
+    /// Thermal growth of the free screw \[m/K\].
     growth: f64,
     /// Temperature rise that the pretension compensates \[K\].
     pub(crate) stretched: f64,
 }
 
 impl FixedEnds {
-    /// Returns the fixed ends of a case, if both bearings are fixed.
+    /// Returns the screw between two fixed bearings, or `None` for other supports.
     fn of(case: &Case, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
         let pretension = [InputKey::pretension_N, InputKey::pretension_K];
         if shaft.support != EndFixity::FixedFixed {
@@ -93,16 +94,16 @@ impl FixedEnds {
         Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
     }
 
-    /// Returns the tension of a screw that is warmer than the bed by `rise` \[N\].
+    /// Returns the tension of the screw \[N\] if it is warmer than the bed by `rise` \[K\].
     pub(crate) fn tension(&self, rise: f64) -> f64 {
         self.shaft.tension(self.growth, self.bearing, self.stretched, rise)
     }
 }
 
-/// Rejects a bore that leaves a wall thinner than half a ball diameter.
+/// Rejects a screw bore that leaves a wall thinner than half a ball diameter.
 ///
 /// * `core`: core diameter \[m\].
-/// * `ball`: ball diameter, 0 if unknown \[m\].
+/// * `ball`: ball diameter \[m\]; 0 if unknown.
 fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
     let most = (MAX_BORE_RATIO * core).min(core - ball);
     match case.screw_bore_mm.filter(|bore| bore * MM > most) {
@@ -117,7 +118,7 @@ fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
     }
 }
 
-/// Rejects a screw with given ratings on which no load acts.
+/// Rejects a screw with load ratings on which no load acts.
 fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Result<(), CaseError> {
     let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
     if is_loaded || carriage.is_loaded() || case.is_preloaded() {
@@ -152,11 +153,11 @@ fn drive_train(
     })
 }
 
-/// Nut and thread of a groove, sizes of screw and nut, and a warning about the ratings.
+/// Nut and thread, sizes of the screw and the nut body, and a warning about the ratings.
 type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
 
-/// Returns the groove of a case, the sizes of its screw and nut, and a warning if the given ratings
-/// do not match the groove.
+/// Returns the nut and thread of a case, the sizes of its screw and nut body, and a warning if the
+/// given ratings do not match the groove.
 fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     if case.lacks_groove() {
         return Ok((None, RatedScrew::without_groove(case)?, None));
@@ -164,8 +165,8 @@ fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     let nut = rated_nut::nut(case)?;
     let thread = rated_nut::thread(case, &nut)?;
     if case.has_estimated_groove() {
-        // Core and nut body follow more accurately from lists and rules than from an estimated
-        // groove.
+        // Catalog lists and rules give the core diameter and the nut body more accurately than an
+        // estimated groove does.
         let pitch_circle_diameter_mm = case.pitch_circle_diameter_mm;
         let line = Case { pitch_circle_diameter_mm, ..case.without_estimates() };
         return Ok((Some((nut, thread)), RatedScrew::of(&line)?, None));
@@ -180,12 +181,14 @@ impl Machine {
     /// Calculates the axis of a case. The preload is not included, because it is determined by the
     /// nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        // The process force may be zero or act in the direction of the feed.
+        // The process force may be zero or act in the direction of the feed, so its usual rule is
+        // not checked.
         case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
         let driven = driven_part(case)?;
         let (groove, RatedScrew { screw: size, body, mut assumed }, warning) = screw_and_nut(case)?;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
-        // Ratings of an estimated groove contain no information beyond the ratings of the catalog.
+        // The ratings of an estimated groove contain no information beyond the catalog ratings from
+        // which it was estimated.
         let known = calculated.filter(|_| !case.has_estimated_groove());
         let dynamic = || known.map(|nut| nut.dynamic_rating().rating);
         let rated = || known.map(|nut| nut.static_rating().rating);
@@ -196,7 +199,7 @@ impl Machine {
         let factors = rating_factors(case);
         let stroke = stroke(case)?;
         let shaft = mount(case).shaft(&size, body.length, stroke);
-        // The usual length depends on the lead.
+        // The default length depends on the lead. Without a lead, it is NaN.
         let shaft = shaft.filter(|shaft| !shaft.length.is_nan());
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
         check_bore(case, core, calculated.map_or(0.0, |nut| nut.ball_diameter))?;
@@ -276,15 +279,16 @@ impl Machine {
         })
     }
 
-    /// Returns the stroke and the length of the nut set \[m\], or `None` without a stroke.
+    /// Returns the sum of the stroke and the length of the nut set \[m\], or `None` if the stroke
+    /// is unknown.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the thread is longer than the unsupported length.
+    /// Returns [`CaseError`] if the thread is longer than the unsupported length.
     pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let Some((stroke, thread)) = self.stroke.zip(self.thread) else { return Ok(None) };
         let length = self.axis.shaft.map_or(f64::INFINITY, |shaft| shaft.length);
-        // Decimal lengths in millimeters have rounding errors.
+        // The comparison allows for rounding errors of decimal lengths in millimeters.
         if thread > length * (1.0 + 1e-12) {
             let nut = self.body.length / MM;
             let overrun = mount(case).overrun_of(self.axis.screw.lead) / MM;
@@ -304,9 +308,9 @@ impl Machine {
         Ok(Some(stroke + self.body.length))
     }
 
-    /// Returns the length that the nut travels or covers \[m\]: stroke plus nut set or, without a
-    /// stroke, the unsupported length minus the overrun at both ends. Returns `None` if there is no
-    /// room for the nut.
+    /// Returns the length of screw over which the nut moves \[m\]. It is the stroke plus the length
+    /// of the nut set or, without a stroke, the unsupported length minus the overrun at both ends.
+    /// Returns `None` if there is no room for the nut.
     pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let by_length = || {
             let overrun = mount(case).overrun_of(self.axis.screw.lead);
@@ -316,7 +320,7 @@ impl Machine {
         Ok(self.travel(case)?.or_else(by_length))
     }
 
-    /// Returns the nominal diameter of the screw \[m\] or, if it is unknown, the outer diameter.
+    /// Returns the nominal diameter of the screw or, if it is unknown, the outer diameter \[m\].
     pub(crate) fn nominal(&self, case: &Case) -> f64 {
         case.nominal_diameter_mm.map_or(self.axis.screw.outer, |mm| mm * MM)
     }
@@ -326,8 +330,8 @@ impl Machine {
         self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
-    /// Returns the life under the cycle. It is also `None` if the stroke is shorter than half a
-    /// turn, because such a groove fails by false brinelling.
+    /// Returns the life under the cycle. The life is also `None` if the stroke is shorter than half
+    /// a turn, because the groove then fails by false brinelling.
     pub(crate) fn life(&self) -> Option<Life> {
         let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= MIN_STROKE_TURNS))
@@ -339,14 +343,14 @@ impl Machine {
     }
 }
 
-/// The axial load, which may have any sign in an axis.
+/// Axial load input, which may have any sign for an axis.
 pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
 
-/// Returns the loads on the axis of a case in addition to the process force.
+/// Returns the loads that act on the axis in addition to the process force.
 pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     let equal = case.number(InputKey::screws_count).recip();
     let share = case.load_share.unwrap_or(equal);
-    // Load shares are usually given with two or three digits.
+    // The comparison tolerates load shares that are rounded to two or three digits.
     if share < 0.99 * equal {
         let what = format!(
             "is {share}, but the most loaded of the screws carries at least 1 / screws_count = {}",
@@ -376,20 +380,20 @@ fn screws_per_motor(case: &Case) -> Result<f64, CaseError> {
     Ok(driven)
 }
 
-/// Returns the stroke of a case \[m\], as given or as the range of its cycle.
+/// Returns the stroke of a case \[m\], either given or taken from the range of its cycle.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the cycle is invalid or exceeds the given stroke.
+/// Returns [`CaseError`] if the cycle is invalid or exceeds the given stroke.
 pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
-    // Below a millionth of the stroke, a difference is rounding error.
+    // Differences below a millionth of the stroke are rounding errors.
     const ROUNDING: f64 = 1e-6;
     let given = case.stroke_mm.map(|mm| mm * MM);
     if case.nut.cycle.is_none() {
         return Ok(given);
     }
     let cycle = Cycle::of(case)?;
-    // A cycle of feed rates has the same travel for any lead.
+    // If the whole cycle is given by feed rates, its travel does not depend on the lead.
     let is_known = case.lead().is_some() || cycle.has_only_feeds();
     let travel = is_known.then(|| cycle.travel(case.lead().map_or(1.0, |lead| lead * MM)));
     let range = travel.flatten().map(|travel| travel.range).filter(|range| *range > 0.0);
@@ -407,7 +411,7 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     Ok(given.or(range))
 }
 
-/// Properties that determine the tolerance of the preload torque. Some of them may be unknown.
+/// Properties that determine the tolerance of the preload torque. Grade and length may be unknown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TorqueTolerance {
     /// Accuracy grade of the screw.
@@ -419,7 +423,7 @@ pub(crate) struct TorqueTolerance {
 }
 
 impl TorqueTolerance {
-    /// Returns the permitted variation of a torque \[N·m\] to either side \[%\].
+    /// Returns the permitted variation of a torque \[N·m\] in each direction \[%\].
     pub(crate) fn percent(&self, torque: f64) -> Option<f64> {
         self.grade?.torque_variation(torque, self.length?, self.diameter)
     }
@@ -430,18 +434,18 @@ impl TorqueTolerance {
     }
 }
 
-/// Returns the travel over which the accuracy grade limits the travel error \[m\].
+/// Returns the travel \[m\] for which the accuracy grade limits the travel error.
 pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
     let given = case.useful_travel_mm.map(|mm| mm * MM);
     given.or_else(|| stroke(case).ok().flatten())
 }
 
-/// Returns the part that the motor turns. Defaults to the nut if only the nut turns, else to the
-/// screw.
+/// Returns the part that the motor turns. The default is the nut if only the nut turns, and the
+/// screw otherwise.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if both parts turn, or if the turning part is not the driven one.
+/// Returns [`CaseError`] if both parts turn, or if the turning part is not the given driven part.
 pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
     let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
@@ -465,7 +469,8 @@ pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     }
 }
 
-/// Returns the nut set: for listed circuits by their nut bodies, otherwise by the preload method.
+/// Returns the nut set. If circuits are listed, their nut bodies determine it, otherwise the
+/// preload method.
 pub(crate) fn nut_set(case: &Case) -> NutSet {
     let method = match &case.nut.circuits {
         Some(circuits) if circuits.iter().any(|circuit| circuit.body > 0) => {
@@ -477,10 +482,10 @@ pub(crate) fn nut_set(case: &Case) -> NutSet {
     NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
 }
 
-/// Returns the length of the thread \[m\] or, without a stroke, the unsupported length. Returns
-/// `None` without both.
+/// Returns the length of the thread or, without a stroke, the unsupported length \[m\]. Returns
+/// `None` if both are unknown.
 ///
-/// * `lead`, `nut_length`: lengths \[m\].
+/// * `lead`, `nut_length`: lead and length of the nut \[m\].
 pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f64> {
     let mount = mount(case);
     let thread = |mm: f64| mount.thread_length(lead, nut_length, mm * MM);
@@ -505,12 +510,13 @@ pub(crate) fn mount(case: &Case) -> Mount {
     }
 }
 
-/// Returns the manufacturer's dynamic load rating, converted to a million revolutions \[N\] (BB8).
+/// Returns the manufacturer's dynamic load rating \[N\], converted to one million revolutions
+/// (BB8).
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the basis is given without a rating, or if the basis is a travel and the lead
-/// is missing.
+/// Returns [`CaseError`] if the rating basis is given without a rating, or if the basis is a travel
+/// and the lead is missing.
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
     let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
     let Some(stated) = case.rated_dynamic_load_N else {
@@ -523,15 +529,16 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
     }
 }
 
-/// Returns the required life of a case, which may be given in several units.
+/// Returns the required life, which a case may state in different units.
 ///
-/// * `cycle`: time of a cycle \[s\].
+/// * `cycle`: duration of the cycle \[s\].
 /// * `stroke`: stroke \[m\].
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the life is given in cycles, but the cycle has no times; in strokes without a
-/// stroke; or in years without the hours and days of operation.
+/// Returns [`CaseError`] if the life is given in cycles, but the cycle has no durations; if it is
+/// given in strokes, but the stroke is unknown; or if it is given in years, but the hours or days
+/// of operation are missing.
 pub(crate) fn required_life(
     case: &Case,
     cycle: Option<f64>,
@@ -563,7 +570,7 @@ pub(crate) fn required_life(
     Ok(Some(RequiredLife::Time(HOUR * years * hours)))
 }
 
-/// Returns the hours of operation in a year, if they are given.
+/// Returns the operating hours per year, if they are given.
 pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
     Some(case.operating_h_day? * case.operating_days_year?)
 }
@@ -574,8 +581,8 @@ pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
 ///
 /// # Errors
 ///
-/// [`CaseError`] if torques are given in addition to the curve, if the speeds do not increase, or
-/// if the motor turns faster than the last point of the curve.
+/// Returns [`CaseError`] if motor torques are given in addition to the curve, if the speeds of the
+/// curve do not increase, or if the motor turns faster than the last point of the curve.
 fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
     const NAME: &str = "motor_curve";
     let Some(rows) = &case.nut.motor_curve else { return Ok(None) };
@@ -609,8 +616,8 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
     Ok(Some(curve))
 }
 
-/// Returns the factors of the load ratings. For manufacturers' ratings the accuracy factor only
-/// applies if it is given, because catalogs state the ratings for the accuracy grade of the
+/// Returns the factors of the load ratings. A manufacturer's rating is multiplied by the accuracy
+/// factor only if the factor is given, because catalogs state ratings for the accuracy grade of the
 /// product.
 pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
     let own = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_none();
@@ -622,7 +629,7 @@ pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
     RatingFactors::of(hardness, case.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
-/// Returns the largest speed number that the ball return permits \[mm/min\].
+/// Returns the largest permitted speed number of the ball return \[mm/min\].
 ///
 /// * `lead`, `land`: lead and outer diameter of the screw \[m\].
 pub(crate) fn speed_number_limit(case: &Case, lead: f64, land: f64) -> f64 {
@@ -635,15 +642,16 @@ pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
     case.motor_max_speed_rpm.or(case.motor_rated_speed_rpm)
 }
 
-/// Returns the preload method of the case. Defaults to oversize balls if `ball_oversize_um` is
-/// given, else to a pair of nuts.
+/// Returns the preload method of the case. The default is oversize balls if `ball_oversize_um` is
+/// given, and a double nut otherwise.
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
     let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
     let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };
     case.nut.preload_by.map_or(usual, |Named(method)| method)
 }
 
-/// Returns the preload of a case, and the play \[m\] of a preload class without preload.
+/// Returns the preload of a case, and the axial play \[m\] if the preload class permits play
+/// instead of a preload.
 pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>), CaseError> {
     let force = case.preload_N.map(PreloadSize::Force);
     let Some(word) = case.nut.preload_class else { return Ok((force, None)) };
@@ -658,7 +666,7 @@ pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>),
 }
 
 impl Case {
-    /// Returns the case with the preload class converted to a force and a play.
+    /// Returns the case with its preload class replaced by a preload force or an axial play.
     pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
         let mut case = self.clone();
         if case.nut.preload_class.take().is_none() {
@@ -667,7 +675,7 @@ impl Case {
         let (preload, play) = preload(self)?;
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
-            // Only a preload that depends on the load needs the axis.
+            // The axis is only required for a preload that depends on the load.
             let axis = Machine::of(&case)?.axis;
             case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }
@@ -680,7 +688,7 @@ pub(crate) fn make(case: &Case) -> Make {
     case.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
 }
 
-/// Returns the ratio of the life at the reliability of the case to the life at 90 %.
+/// Returns the ratio of the life at the given reliability to the life at a reliability of 90 %.
 pub(crate) fn reliability(case: &Case) -> f64 {
     case.value_or_default(InputKey::reliability_percent).map_or(1.0, reliability_factor)
 }

@@ -1,4 +1,4 @@
-//! Lists and limits of the catalog of nuts.
+//! Catalog of nuts: lists of sizes, and the limits of their combinations.
 
 use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::Material;
@@ -12,38 +12,39 @@ use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{CaseError, Known, TableFormat, entries, nearest};
 
-/// Standard lists and limits, for users to copy and edit.
+/// Standard lists and limits as JSON text, which users can copy and edit.
 pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
 
-/// Maximum number of combinations of the lists.
+/// Maximum number of combinations of the listed sizes.
 const MAX_COMBINATIONS: usize = 20_000_000;
 
-/// Conformity assumed for manufacturers that do not state the conformity.
+/// Conformity that is assumed for nuts of manufacturers, which do not state the conformity.
 const OF_MANUFACTURERS: f64 = 0.52;
 
-/// Number of nuts compared at a time.
+/// Number of nuts that are compared in one pass of the Pareto selection.
 const CHUNK: usize = 1 << 16;
 
-/// Smallest length in a list \[mm\].
+/// Smallest permitted length in a list \[mm\].
 const MIN_LENGTH_MM: f64 = 1e-3;
 
-/// Lists of sizes, and the limits that each combination must meet.
+/// Lists of sizes, and the limits that a combination of sizes must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalog {
-    /// Lists of sizes.
+    /// Lists of sizes that are combined.
     pub lists: Lists,
-    /// Limits of the combinations.
+    /// Limits for combinations of sizes.
     pub limits: Limits,
 }
 
 keys! {
-    /// Keys of lists of sizes: each takes the standard list, a list, a range or a number.
+    /// Keys of the lists of sizes and of the limits. The value of each key is the standard list,
+    /// another list, a range or a number.
     pub LISTS;
     nominal_diameter_mm ["mm" "d_0"] Within(MIN_LENGTH_MM, 1e4), None, "nominal diameters";
     lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
     ball_diameter_mm ["mm" "D_w"] Within(MIN_LENGTH_MM, 1e3), None, "ball diameters";
     loaded_turns ["" "i"] Above(0.0), None, "loaded turns";
-    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the screw has the same";
+    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the screw has the same values";
     contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None, "contact angles";
     largest_ball_over_lead [""] Above(0.0), None, "largest ball diameter divided by lead";
     smallest_ball_over_lead [""] AtLeast(0.0), None, "smallest ball diameter divided by lead, for leads up to 10 mm";
@@ -65,28 +66,28 @@ impl Catalog {
     ///
     /// # Errors
     ///
-    /// Never fails in practice, because the lists are compiled in.
+    /// Never fails in practice, because the lists are compiled into the program.
     pub fn standard() -> Result<Self, CaseError> {
         Self::from_json(b"{}")
     }
 
-    /// Returns the sizes of THK and HIWIN, with the limits and the contact angle of the standard
-    /// lists.
+    /// Returns the sizes that THK and HIWIN offer, with the limits and the contact angle of the
+    /// standard lists.
     ///
     /// # Errors
     ///
-    /// Never fails in practice, because the sizes are compiled in.
+    /// Never fails in practice, because the sizes are compiled into the program.
     pub fn manufacturers() -> Result<Self, CaseError> {
         Self::of_sizes(offered_sizes())
     }
 
-    /// Reads the sizes of a table with the columns of
+    /// Reads a table of sizes with the columns of
     /// [`MANUFACTURER_SIZES`](crate::MANUFACTURER_SIZES). Returns `None` if the table has no column
     /// `turns`, because it is then a table of nuts.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] that names the row or the column.
+    /// Returns a [`CaseError`] that names the row or the column that is invalid.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Option<Self>, CaseError> {
         let has_turns = |head: &String| format.name(head) == Some("turns");
         if !Cells::read(table, format)?.heads().iter().any(has_turns) {
@@ -114,20 +115,21 @@ impl Catalog {
         Ok(all_sizes)
     }
 
-    /// Reads lists and limits. Missing keys keep their standard values.
+    /// Reads lists and limits from JSON text. Missing keys keep their standard values.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax, unknown keys, values out of range, or too many combinations.
+    /// Returns [`CaseError`] for syntax errors, unknown keys, values out of range, or too many
+    /// combinations.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         Self::from_entries(entries(json)?)
     }
 
-    /// Works like [`from_json`](Self::from_json), with the members of the JSON object.
+    /// Works like [`from_json`](Self::from_json), but takes the members of the JSON object.
     ///
     /// # Errors
     ///
-    /// The errors of [`from_json`](Self::from_json) except for syntax errors.
+    /// Returns the errors of [`from_json`](Self::from_json) except for syntax errors.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, CaseError> {
@@ -139,14 +141,14 @@ impl Catalog {
         given.catalog()
     }
 
-    /// Returns the indices of the nuts within the limits among all combinations, in the order of
-    /// the lists. A nut takes sixty times the memory of its index, so nuts are only created when
+    /// Returns the indices of all combinations that meet the limits, in the order of the lists. A
+    /// nut needs sixty times as much memory as its index, so nuts are only created when they are
     /// needed.
     pub fn indices(&self) -> Vec<u32> {
         self.lists.indices(&self.limits)
     }
 
-    /// Applies `each` to the nuts with the given indices, in order.
+    /// Calls `each` with the nuts of the given indices and collects the results in the same order.
     pub fn map<R: Send>(
         &self,
         indices: &[u32],
@@ -155,12 +157,12 @@ impl Catalog {
         self.lists.map(&self.limits, indices, each)
     }
 
-    /// Keeps the indices of the Pareto-optimal nuts with respect to dynamic load rating, stiffness
-    /// and mass.
+    /// Returns the indices of the nuts that are Pareto-optimal with respect to dynamic load rating,
+    /// stiffness and mass.
     #[must_use]
     pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
-        // A nut that is dominated within a part is also dominated within the whole list.
+        // A nut that is dominated by another nut of its part is also dominated in the whole list.
         for part in indices.chunks(CHUNK) {
             best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
@@ -170,7 +172,7 @@ impl Catalog {
     }
 }
 
-/// Complete set of lists, ranges and numbers.
+/// Complete set of lists, ranges and numbers, as a JSON object.
 struct ListEntries(Map<String, Value>);
 
 impl ListEntries {
@@ -202,7 +204,7 @@ impl ListEntries {
         Ok(())
     }
 
-    /// Returns the numbers of a key in SI units.
+    /// Returns the numbers of a key, converted to SI units.
     fn all(&self, key: &str, unit: f64) -> Vec<f64> {
         let value = self.0.get(key);
         let list = value

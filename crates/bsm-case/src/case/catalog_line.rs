@@ -1,5 +1,5 @@
-//! A case that gives only a row of a catalog: nominal diameter, lead and load ratings. The groove
-//! is estimated before a problem is built, so that every command can use the case.
+//! A case that contains only catalog data: nominal diameter, lead and load ratings. The groove is
+//! estimated before a problem is built, so that every command can use the case.
 
 use bsm_design::{
     CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
@@ -14,20 +14,20 @@ use crate::vocabulary::number::{decimal, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Usual range of catalog efficiencies, and the decrease of the efficiency if the load drives the
-/// screw.
+/// Usual range of catalog efficiencies, and the amount by which the efficiency is lower if the load
+/// drives the screw.
 pub(crate) const USUAL_EFFICIENCIES: ([f64; 2], f64) = ([0.85, 0.95], 0.1);
 
-/// Inputs without which no groove is estimated.
+/// Inputs that are always required to estimate a groove.
 const NEEDED: InputSet = inputs! { nominal_diameter_mm rated_dynamic_load_N };
 
-/// Inputs that an estimate completes.
+/// Inputs that the estimate of a groove adds to a case.
 const GROOVE: InputSet = inputs! {
     ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity screw_conformity
     loaded_balls_per_turn loaded_turns
 };
 
-/// Inputs that an estimate depends on.
+/// Inputs on which the estimate of a groove depends.
 const READ: InputSet = {
     let others = inputs! {
         lead_mm lead_angle_deg rated_static_load_N shaft_diameter_mm circuits_count gap_deg starts
@@ -36,8 +36,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns these inputs and, if they include diameter, lead and dynamic load rating, the inputs
-    /// of the groove that is estimated from them.
+    /// Returns these inputs. If they contain diameter, lead and dynamic load rating, the result
+    /// also contains the inputs of the groove that is estimated from them.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
@@ -50,18 +50,18 @@ impl InputSet {
         }
     }
 
-    /// Returns true if the estimate of a groove depends on one of these inputs.
+    /// Returns true if the estimate of a groove depends on at least one of these inputs.
     pub fn changes_groove(self) -> bool {
         self.meets(READ)
     }
 }
 
 impl Case {
-    /// Returns the inputs of rows that have values in `columns` in addition to this case, including
-    /// the inputs of an estimated groove.
+    /// Returns the inputs that are known for the rows of a table with the input columns `columns`,
+    /// including the inputs of an estimated groove.
     pub fn stated_over(&self, columns: InputSet) -> InputSet {
         let given = self.stated().overridden_by(columns);
-        // Listed circuits have turns and balls.
+        // Listed circuits determine turns and balls.
         let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
         let estimates = lacks_groove && self.nut.estimate_groove != Some(false);
         if estimates { given.with_groove() } else { given }
@@ -72,7 +72,7 @@ impl Case {
         self.nut.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
     }
 
-    /// Returns true if the input of this name is estimated.
+    /// Returns true if the input with this name is estimated.
     pub fn estimates(&self, name: &str) -> bool {
         let mut names = self.nut.estimated_inputs.iter().flatten();
         names.any(|InputName(key)| key.name() == name)
@@ -88,14 +88,14 @@ impl Case {
         case
     }
 
-    /// Returns the case with a complete groove. If the groove is not given in full, it is estimated
-    /// from nominal diameter, lead and load ratings. If these inputs are missing or the groove is
-    /// complete, the case is returned unchanged.
+    /// Returns the case with a complete groove. If the groove is not fully given, it is estimated
+    /// from nominal diameter, lead and load ratings. The case is returned unchanged if the groove
+    /// is complete or if these inputs are missing.
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings` is true;
-    /// [`CaseError::OutOfRange`] if an input violates its rule.
+    /// Returns [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings`
+    /// is true. Returns [`CaseError::OutOfRange`] if an input violates its rule.
     pub fn with_groove(&self) -> Result<Self, CaseError> {
         let line = self.without_estimates();
         let estimate = line.groove_estimate()?;
@@ -129,7 +129,8 @@ impl Case {
         }
     }
 
-    /// Returns the row of a catalog, if this case has the required inputs.
+    /// Returns the catalog data from which a groove can be estimated, or `None` if required inputs
+    /// are missing.
     fn catalog_line(&self) -> Result<Option<CatalogLine>, CaseError> {
         let meters = |key: InputKey| self[key].map(|mm| mm * MM);
         let sizes = meters(InputKey::nominal_diameter_mm).zip(self.lead());
@@ -151,13 +152,13 @@ impl Case {
         }))
     }
 
-    /// Returns the case with the missing inputs taken from an estimated groove.
+    /// Returns the case with its missing inputs taken from an estimated groove.
     fn with(&self, groove: &EstimatedGroove) -> Self {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
         let full_turn = turn_length(groove.pitch_diameter, lead) / groove.ball_diameter;
         let (_, given_turns) = balls_and_turns(self);
-        // The number of turns is an assumption that leaves room for all balls.
+        // The number of turns is assumed such that all balls have room.
         let turns = given_turns.unwrap_or(groove.turns.max(groove.loaded_balls / full_turn));
         let per_turn = (groove.loaded_balls / turns).min(full_turn);
         let angle = groove.contact_angle / DEG;
@@ -181,10 +182,10 @@ impl Case {
         case
     }
 
-    /// Returns the case with one of the possible grooves, to determine the uncertainty of the
-    /// results. If friction is not given, the case also contains a possible catalog efficiency.
+    /// Returns the case with one of the possible grooves, from which the uncertainty of the results
+    /// is determined. If friction is not given, a possible catalog efficiency is added.
     ///
-    /// * `draw`: number of the draw.
+    /// * `draw`: index of the draw.
     pub(crate) fn possible(&self, draw: usize, groove: &EstimatedGroove) -> Self {
         let mut case = self.with(groove);
         if !case.given().has_friction() {
@@ -196,8 +197,8 @@ impl Case {
         case
     }
 
-    /// Returns the message that explains why no groove can be estimated, with the given numbers,
-    /// the nearest groove with its numbers, and possible mistakes.
+    /// Returns the message that explains why no groove can be estimated. It states the given
+    /// numbers, the nearest groove with its numbers, and possible mistakes.
     fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {
@@ -234,7 +235,7 @@ impl Case {
     }
 }
 
-/// Describes a possible mistake.
+/// Describes a possible mistake in the catalog data.
 fn words(reading: Reading) -> &'static str {
     match reading {
         Reading::RatingsInKilogramForce => "the ratings were in kgf",

@@ -9,12 +9,12 @@ use crate::vocabulary::phase::MoveProfile;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, CaseError, InputKey, PhaseEntry};
 
-/// Largest deviation of the sum of all shares from 1 or 100 that is accepted as rounding of the
-/// inputs.
+/// Largest deviation of the sum of all time shares from 1 or 100 that is accepted as a rounding
+/// error of the inputs.
 const SHARE_ROUNDING: f64 = 0.01;
 
-/// Ratio of the speeds at the ends of a ramp below which the ramp is assumed to end at standstill.
-/// Times and accelerations are usually given with two or three digits.
+/// Ratio of the speeds at the ends of a ramp below which the slower end is assumed to be
+/// standstill. Times and accelerations are usually given with only two or three digits.
 const STANDSTILL: f64 = 0.01;
 
 /// The cycle of an axis, or its single operating point.
@@ -31,7 +31,7 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    /// Converts the cycle of a case or, without a cycle, its operating point, which is at
+    /// Converts the cycle of a case. Without a cycle, converts the operating point, which is at
     /// standstill if no speed is given.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         let load_factor = case.number(InputKey::load_factor);
@@ -43,7 +43,7 @@ impl Cycle {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
                     Some(DutySpeed::of_feed(feed / 60.0))
                 }
-                // A screw without a given speed is at rest.
+                // Without a screw speed, the screw is at rest.
                 (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::of_turns(-nut * RPM)),
                 (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::of_turns((screw - nut) * RPM)),
             };
@@ -110,7 +110,7 @@ impl Cycle {
             return Ok(Self { segments, time: Some(sum), rest_force, notes });
         };
         let time = 3600.0 / cycles;
-        // Below a millionth, a difference is rounding of the inputs.
+        // Differences below a millionth are rounding errors of the inputs.
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
                 "is {}, but the cycle takes {} s, so at most {} cycles per hour are possible",
@@ -126,12 +126,12 @@ impl Cycle {
         Ok(Self { segments, time: Some(time.max(sum)), rest_force, notes })
     }
 
-    /// Returns true if every speed of the cycle is given as a feed rate.
+    /// Returns true if all speeds of the cycle are given as feed rates.
     pub(crate) fn has_only_feeds(&self) -> bool {
         self.segments.iter().flat_map(|segment| segment.pace).all(DutySpeed::has_only_feed)
     }
 
-    /// Returns the travel of a cycle with durations.
+    /// Returns the travel of the cycle, or `None` if the cycle has no durations.
     ///
     /// * `lead`: lead \[m\].
     pub(crate) fn travel(&self, lead: f64) -> Option<CycleTravel> {
@@ -140,8 +140,8 @@ impl Cycle {
     }
 }
 
-/// Returns the process force at rest: `hold_force_N` or, if it is missing, a force that is the same
-/// in all entries.
+/// Returns the process force at rest: `hold_force_N` or, if it is not given, a force that is the
+/// same in all entries.
 fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f64 {
     if let Some(force) = case.hold_force_N {
         return force;
@@ -161,9 +161,9 @@ fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f
     force
 }
 
-/// Builds the segments of an entry.
+/// Creates the segments of a cycle entry.
 struct SegmentMaker {
-    /// Index of the entry, from 0.
+    /// Index of the entry, starting at 0.
     place: usize,
     force: [f64; 2],
     load_factor: f64,
@@ -175,7 +175,7 @@ impl SegmentMaker {
         ProfileSegment { entry: Some(place), time, pace, force, load_factor }
     }
 
-    /// Returns an error about the entry.
+    /// Returns an error message about the entry.
     fn error(&self, what: impl Into<String>) -> CaseError {
         let what: String = what.into();
         CaseError::of_value(&format!("cycle[{}]", self.place), &what)
@@ -240,8 +240,8 @@ impl SegmentMaker {
         Ok(parts.map(|(time, pace)| self.segment(time, pace)).collect())
     }
 
-    /// Returns the speeds at start and end of a phase with an acceleration. The speed of the entry
-    /// is the end speed if the axis accelerates, and the start speed otherwise.
+    /// Returns the speeds at the start and the end of a phase with acceleration. The speed of the
+    /// entry is the end speed if the axis accelerates, and the start speed otherwise.
     ///
     /// * `change`: change of the feed rate over the phase \[m/s\].
     fn ramp(
@@ -251,8 +251,8 @@ impl SegmentMaker {
         change: f64,
         notes: &mut Vec<String>,
     ) -> Result<[DutySpeed; 2], CaseError> {
-        // Without a lead, a speed in rpm cannot be converted to a feed rate, but its sign is
-        // known.
+        // Without a lead, a speed in rpm cannot be converted to a feed rate, but the sign of the
+        // feed rate is known.
         let lead = case.lead().map_or(std::f64::consts::TAU, |lead| lead * MM);
         let is_known = case.lead().is_some() || pace.has_only_feed();
         if pace.speed(lead) == 0.0 {

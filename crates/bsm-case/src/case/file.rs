@@ -1,4 +1,4 @@
-//! Reading and checking cases.
+//! Reading, checking and changing cases.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::vocabulary::rules::Relation;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
-/// Key of the description.
+/// Key of the description of a case.
 const DESCRIPTION: &str = "description";
 
 impl Case {
@@ -23,7 +23,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the file cannot be read, is not a case, or violates a rule.
+    /// Returns [`CaseError`] if the file cannot be read, is not a valid case, or violates a rule.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let bytes = fs::read(path)
             .map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
@@ -32,21 +32,21 @@ impl Case {
 
     /// Reads a case from JSON text.
     ///
-    /// A value of `null` counts as missing. Ranges are not checked here (see
+    /// A value of `null` counts as missing. The ranges of the values are not checked here (see
     /// [`check`](Self::check)), so that settings can still complete or correct the case.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
+    /// Returns [`CaseError`] for syntax errors, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         Self::from_entries(entries(json)?)
     }
 
-    /// Works like [`from_json`](Self::from_json), with the members of the JSON object.
+    /// Works like [`from_json`](Self::from_json), but takes the members of the JSON object.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown or repeated keys, and wrong types.
+    /// Returns [`CaseError`] for unknown or repeated keys, and wrong types.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, CaseError> {
@@ -83,7 +83,7 @@ impl Case {
         if CaseEntries::have(key) {
             return self.nut.set(key.to_owned(), value.clone());
         }
-        // The name is checked first, because an unknown input has no type.
+        // The name is checked first, so that an unknown name is reported instead of a wrong type.
         let (input, change) = InputKey::in_unit(key)?;
         let number = match value {
             Value::Null => None,
@@ -94,11 +94,11 @@ impl Case {
         Ok(())
     }
 
-    /// Removes an input.
+    /// Removes the input with the given name.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for an unknown name.
+    /// Returns [`CaseError::Unknown`] for an unknown name.
     pub fn remove(&mut self, name: &str) -> Result<(), CaseError> {
         if name == DESCRIPTION {
             self.description = None;
@@ -113,7 +113,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for an unknown name.
+    /// Returns [`CaseError::Unknown`] for an unknown name.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), CaseError> {
         let mut setting = Self::default();
         setting[InputKey::named(name)?] = Some(value);
@@ -121,12 +121,12 @@ impl Case {
         Ok(())
     }
 
-    /// Applies settings `name=value` together (see [`override_with`](Self::override_with)).
+    /// Applies several settings `name=value` at once (see [`override_with`](Self::override_with)).
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a setting has another form, an unknown name or an invalid number, or if an
-    /// input is set twice.
+    /// Returns [`CaseError`] if a setting has another form, an unknown name or an invalid number,
+    /// or if an input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
         let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
@@ -158,16 +158,16 @@ impl Case {
         Ok(())
     }
 
-    /// Checks every given value against its rule, and combinations of values.
+    /// Checks every given value against its rule, and the relations between the values.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] with key, value and rule.
+    /// Returns a [`CaseError`] that states the key, the value and the violated rule.
     pub fn check(&self) -> Result<(), CaseError> {
         self.check_but(InputSet::default())
     }
 
-    /// Checks all inputs and rules that do not depend on the inputs `open`.
+    /// Checks all inputs and relations that do not depend on the inputs in `open`.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
         let given = self.given().without(open);
         for key in given.iter() {
@@ -184,19 +184,19 @@ impl Case {
         Ok(())
     }
 
-    /// Returns the speeds of screw and nut, or `None` without a screw speed. The nut speed defaults
-    /// to 0.
+    /// Returns the speeds of screw and nut, or `None` if the screw speed is missing. The nut speed
+    /// defaults to 0.
     pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
         let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
         Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
     }
 
-    /// Returns the lead angle \[rad\], from the angle or from lead and pitch circle.
+    /// Returns the lead angle \[rad\], either given or calculated from lead and pitch circle.
     pub fn lead_angle(&self) -> Option<f64> {
         self.reader().lead_angle()
     }
 
-    /// Returns the lead \[mm\], as given or from lead angle and pitch circle.
+    /// Returns the lead \[mm\], either given or calculated from lead angle and pitch circle.
     pub(crate) fn lead(&self) -> Option<f64> {
         self.lead_mm.or_else(|| {
             let pitch = self.pitch_circle_diameter_mm?;
@@ -204,7 +204,7 @@ impl Case {
         })
     }
 
-    /// Returns a note on missing roughness values of a lubricated case.
+    /// Returns a note on the roughness values that are assumed for a lubricated case.
     pub(crate) fn assumed_roughness(&self) -> Option<String> {
         const SURFACES: [InputKey; 3] =
             [InputKey::ball_roughness_um, InputKey::nut_roughness_um, InputKey::screw_roughness_um];
@@ -245,11 +245,12 @@ impl Case {
 }
 
 impl Case {
-    /// Returns a warning if mass or moment of inertia per length of the screw exceeds the value of a
-    /// solid steel rod with its outer diameter.
+    /// Returns a warning if the mass or the moment of inertia per length of the screw exceeds the
+    /// value of a solid steel rod with its outer diameter.
     fn too_heavy(&self) -> Option<String> {
-        /// Outer diameters exceed nominal diameters by up to 2 %, and the moment of inertia grows
-        /// with the fourth power.
+        /// Permitted ratio to the rod with the nominal diameter. Outer diameters exceed nominal
+        /// diameters by up to 2 %, and the moment of inertia increases with the fourth power of the
+        /// diameter.
         const SLACK: f64 = 1.08;
         let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
         let mass = rod_mass_per_length(outer_mm * MM);
@@ -269,22 +270,21 @@ impl Case {
     }
 }
 
-/// Returns the key that a value belongs to. The value `auto` of a preload is a preload class, not a
-/// force.
+/// Returns the key to which a value is assigned. The value `auto` of a preload is a preload class,
+/// not a force.
 fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     let is_least = word == Some("auto") && key == InputKey::preload_N.name();
     if is_least { "preload_class" } else { key }
 }
 
-/// Returns the name of the quantity for a key of a case in any unit, or `None` for an unknown key.
+/// Returns the name of the quantity that a key in any unit gives, or `None` for an unknown key.
 pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     let key = key_of(key, value.as_str());
     let entry = || CaseEntries::KEYS.iter().chain(&[DESCRIPTION]).find(|own| **own == key).copied();
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that affect a screw but are not used by any model of the ball, and the results that
-/// include them.
+/// Inputs that no model of the ball uses, and the results that include them.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [
@@ -294,7 +294,7 @@ const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
 };
 
 impl InputSet {
-    /// Returns warnings about given inputs that no model of the ball uses.
+    /// Returns notes on given inputs that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
         NOT_IN_BALANCE.into_iter().filter_map(move |(unused, part)| {
             let names: Vec<_> =
@@ -310,7 +310,7 @@ impl InputSet {
     }
 }
 
-/// Inputs of the nut that a warm state changes.
+/// Inputs that a warm state calculates for the nut.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;
     [nut, screw, balls, InputKey::screw_tension_N]
@@ -324,7 +324,7 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Case {
-    /// Returns a warning if the case has a moved mass, but the axial load does not include it.
+    /// Returns a warning if a moved mass is given, but the axial load does not include its forces.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {
@@ -335,7 +335,8 @@ impl Case {
         })
     }
 
-    /// Returns the kinematic viscosity of the lubricant at its temperature \[m²/s\], if both are known.
+    /// Returns the kinematic viscosity of the lubricant at its temperature \[m²/s\], if lubricant
+    /// and temperature are known.
     pub(crate) fn viscosity(&self) -> Option<f64> {
         let lubricant = self.reader().lubricant()?;
         match lubricant.temperature {
@@ -345,10 +346,10 @@ impl Case {
     }
 
     /// Returns a note on the torques that are not calculated if the lubricant is too viscous for a
-    /// cold start, or `None` if the drag of the balls is given.
+    /// cold start. Returns `None` if the drag of the balls is given.
     pub(crate) fn cold_lubricant(&self) -> Option<String> {
         /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start
-        /// without heating \[m²/s\], usual value.
+        /// without heating \[m²/s\] (usual value).
         const START: f64 = 1000e-6;
         let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
         self.drag_coefficient.is_none().then(|| {
@@ -360,8 +361,8 @@ impl Case {
         })
     }
 
-    /// Returns the speed inputs of a screw at standstill. The balls of a nut carry their load at
-    /// standstill, too.
+    /// Returns the speed inputs that need not be checked because the screw is at standstill. The
+    /// balls of a nut also carry their load at standstill.
     pub(crate) fn speeds_at_rest(&self) -> InputSet {
         let is_at_rest = self.speeds_rpm().is_some_and(|(screw, nut)| screw - nut == 0.0);
         if is_at_rest {
@@ -376,8 +377,8 @@ impl Case {
         self.nut.warm_state == Some(true)
     }
 
-    /// Returns the case at the temperature at which the preload is set: without temperature rises,
-    /// screw tension and warm state.
+    /// Returns the case as it was when the preload was set: without temperature rises, screw
+    /// tension and warm state.
     pub(crate) fn cold(&self) -> Self {
         let mut cold = self.clone();
         cold.nut.warm_state = None;
@@ -403,8 +404,8 @@ impl Case {
             .any(|key| self[key].is_some_and(|value| value != 0.0))
     }
 
-    /// Returns true if a part of the nut or the screw is warmer than when the preload was set, or
-    /// if the screw is under tension.
+    /// Returns true if the temperature of nut, screw or balls has changed since the preload was
+    /// set, or if the screw is under tension.
     pub(crate) fn is_warm(&self) -> bool {
         WARM.into_iter().any(|key| self[key].is_some_and(|value| value != 0.0))
     }

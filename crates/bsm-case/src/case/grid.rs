@@ -1,4 +1,4 @@
-//! Grids over inputs. Their points are generated on demand.
+//! Grids of points over varied inputs. The points are generated on demand.
 
 use std::fmt::{self, Display, Formatter};
 use std::iter::repeat_n;
@@ -9,7 +9,7 @@ use crate::vocabulary::number;
 use crate::vocabulary::units::UnitChange;
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 
-/// One varied input of a grid.
+/// A varied input of a grid and its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Varied input.
@@ -18,10 +18,10 @@ pub struct Axis {
     values: AxisValues,
 }
 
-/// Values of an axis.
+/// Values of a varied input.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AxisValues {
-    /// A range with both ends.
+    /// Equally spaced values, including both ends.
     Range {
         /// First value.
         start: f64,
@@ -29,16 +29,16 @@ pub enum AxisValues {
         stop: f64,
         /// Number of values, at least 2.
         count: usize,
-        /// True for equal ratios, false for equal steps.
+        /// True if successive values have equal ratios, false if they have equal differences.
         log: bool,
     },
-    /// Values one by one.
+    /// List of individual values.
     List(Vec<f64>),
 }
 
 impl AxisValues {
-    /// Returns the values that decide whether all values meet a rule, because each rule is an
-    /// interval.
+    /// Returns the values that must be checked against a rule. The ends of a range are sufficient,
+    /// because every rule permits an interval.
     fn ends(&self) -> Vec<f64> {
         match self {
             Self::Range { start, stop, .. } => vec![*start, *stop],
@@ -59,11 +59,11 @@ impl AxisValues {
 
 impl Axis {
     /// Parses `name=start:stop:count` (both ends included), `name=start:stop:count:log` for equal
-    /// ratios instead of equal steps, or `name=v1,v2,...`.
+    /// ratios instead of equal differences, or `name=v1,v2,...`.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, and the errors of [`new`](Self::new).
+    /// Returns [`CaseError`] if the text has another form, and the errors of [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
                     count of at least 2; both ends of a log range must be > 0";
@@ -90,16 +90,16 @@ impl Axis {
         Self::new(name.trim(), values)
     }
 
-    /// Creates an axis over an input.
+    /// Creates an axis that varies an input.
     ///
-    /// * `name`: name of the input, with any unit.
-    /// * `values`: values in this unit.
+    /// * `name`: name of the input, which may have another unit.
+    /// * `values`: values in the unit of the name.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for an unknown input, for a value that is not finite or violates the rule of
-    /// the input, for fewer values than 2 in a range or 1 in a list, and for a range of equal ratios
-    /// with an end that is not positive.
+    /// Returns [`CaseError`] for an unknown input, a value that is not finite or violates the rule
+    /// of the input, fewer than 2 values in a range or 1 value in a list, and a range with equal
+    /// ratios whose ends are not both positive.
     pub fn new(name: &str, values: AxisValues) -> Result<Self, CaseError> {
         let (key, change) = InputKey::in_unit(name)?;
         let values = values.in_unit(change);
@@ -134,7 +134,7 @@ impl Axis {
         }
     }
 
-    /// Returns value `i`. The ends of a range are exact.
+    /// Returns the value with index `i`. The ends of a range are exact.
     pub fn value(&self, i: usize) -> f64 {
         match &self.values {
             AxisValues::Range { start, stop, count, log } => {
@@ -163,7 +163,8 @@ impl Axis {
     }
 }
 
-/// Formats the axis for [`Axis::parse`], with the shortest digits that give the same values.
+/// Formats the axis for [`Axis::parse`], with the smallest number of digits that reproduces the
+/// values.
 impl Display for Axis {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
@@ -192,7 +193,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// The errors of [`Axis::parse`] and [`new`](Self::new).
+    /// Returns the errors of [`Axis::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(axes: &[T]) -> Result<Self, CaseError> {
         let axes = axes.iter().map(|axis| Axis::parse(axis.as_ref()));
         Self::new(axes.collect::<Result<_, _>>()?)
@@ -202,7 +203,8 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input appears twice or the number of points is too large to count.
+    /// Returns [`CaseError`] if an input appears twice or the number of points is too large to
+    /// count.
     pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|former| former.key == axis.key) {
@@ -231,7 +233,7 @@ impl Grid {
         &self.axes
     }
 
-    /// Returns the values of point `i`, one per axis.
+    /// Returns the values at point `i`, one per axis.
     pub fn point(&self, i: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.axes.len());
         for axis in 0..self.axes.len() {
@@ -240,9 +242,9 @@ impl Grid {
         values
     }
 
-    /// Appends the values of an axis at some points.
+    /// Appends the values of an axis at a range of points.
     pub fn fill(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
-        // Number of consecutive points with the same value of this axis.
+        // Number of consecutive points that share a value of this axis.
         let run: usize = self.axes[axis + 1..].iter().map(Axis::len).product();
         let (axis, mut at, first) = (&self.axes[axis], points.start, points.start / run);
         let (period, begin) = (run * axis.len(), to.len());
@@ -270,7 +272,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// The errors of [`Case::check`].
+    /// Returns the errors of [`Case::check`].
     pub fn check(&self, base: &Case) -> Result<(), CaseError> {
         base.check_but(self.varied().replaced())
     }
@@ -280,7 +282,7 @@ impl Grid {
     ///
     /// # Errors
     ///
-    /// The errors of [`check`](Self::check) and [`ModelChoice::resolve`].
+    /// Returns the errors of [`check`](Self::check) and [`ModelChoice::resolve`].
     pub fn choose(&self, base: &Case, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.case(base, &self.point(i)));

@@ -11,16 +11,16 @@ use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::{MM, UnitChange, convert};
 use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 
-/// Sizes of THK (general catalog, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), for users to
-/// copy and edit.
+/// Sizes offered by THK (general catalog, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9) as a CSV
+/// table, which users can copy and edit.
 ///
-/// For THK end-cap nuts with a lead of at least the diameter, the catalog only states the product
-/// of circuits and turns. Three or more turns are interpreted as circuits of fewer than three turns
-/// on 2 or 4 thread starts: TBI (SFY) prints 1.8x2 and 2.8x2 for such nuts, which are as long as
-/// nuts with one such circuit (SFH).
+/// For THK end-cap nuts whose lead is at least as large as the diameter, the catalog only states
+/// the product of circuits and turns. A product of three or more is interpreted as circuits of
+/// fewer than three turns on 2 or 4 thread starts. The reason is that TBI (SFY) prints 1.8x2 and
+/// 2.8x2 for such nuts, which are as long as nuts with one such circuit (SFH).
 pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
-/// Columns of a table of sizes that are not inputs of a case.
+/// Columns of a table of sizes that are not named after an input.
 const TEXT_COLUMNS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
 
 static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
@@ -28,13 +28,13 @@ static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
         .expect("the table is compiled in")
 });
 
-/// Reads a table of sizes. A cell of `turns` such as 1.8x2/1.8x4 lists alternatives, each with the
-/// turns per circuit and the number of circuits side by side, which equals the number of starts.
-/// Each alternative is a separate size.
+/// Reads a table of sizes. A cell of the column `turns`, such as 1.8x2/1.8x4, lists alternatives.
+/// Each alternative states the turns per circuit and the number of parallel circuits, which equals
+/// the number of starts. Each alternative becomes a separate size.
 ///
 /// # Errors
 ///
-/// [`CaseError`] that names the row or the column.
+/// Returns a [`CaseError`] that names the row or the column that is invalid.
 pub(crate) fn read_sizes(
     table: &[u8],
     format: &TableFormat,
@@ -42,7 +42,7 @@ pub(crate) fn read_sizes(
     let cells = Cells::read(table, format)?;
     let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
     let sizes = cells.each(&columns, |_, row| {
-        // In a user's table, ball diameters count as published.
+        // Ball diameters in a user's table count as published.
         let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
         let mut all_turns: Vec<(f64, f64)> = Vec::new();
         for ((word, change), text) in row {
@@ -56,7 +56,7 @@ pub(crate) fn read_sizes(
                 "nominal_diameter_mm" => size.diameter = meters(text)?,
                 "lead_mm" => size.lead = meters(text)?,
                 "ball_diameter_mm" => size.ball = meters(text)?,
-                // Estimated ball diameters follow from pitch circle and core.
+                // Ball diameters marked as estimated were calculated from pitch circle and core.
                 "ball" => size.ball_is_printed = text != "estimated",
                 "pitch_circle_diameter_mm" => size.pitch_diameter = Some(meters(text)?),
                 "core_diameter_mm" => size.core = Some(meters(text)?),
@@ -96,10 +96,10 @@ pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
     &SIZES
 }
 
-/// Returns the name of the input for a column and the change to its unit, or `None` if the column
-/// is ignored.
+/// Returns the name of the input in a column and the conversion to its unit, or `None` if the
+/// column is ignored.
 ///
-/// * `words`: columns that are not inputs of a case.
+/// * `words`: known columns that are not named after an input.
 pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,
@@ -120,12 +120,13 @@ pub(crate) fn manufacturer_column(
     })
 }
 
-/// Reads the column names of a user's table: a JSON object that maps them to names of inputs, or to
-/// null for columns that are ignored.
+/// Reads the column names of a user's table: a JSON object that maps each column to the name of an
+/// input, or to null if the column is to be ignored.
 ///
 /// # Errors
 ///
-/// [`CaseError`] for syntax errors, repeated names, and values that are neither a name nor null.
+/// Returns [`CaseError`] for syntax errors, repeated names, and values that are neither a name nor
+/// null.
 pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
     let name = |(key, value): (String, Value)| match value {
         Value::Null => Ok((key, None)),

@@ -1,4 +1,4 @@
-//! Choice of the model, and the inputs that the model requires.
+//! Choice of the model, and the inputs that each model requires.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,14 +15,14 @@ use crate::vocabulary::rules::{covered, not_covered};
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, InputSet, Rule};
 
-/// The model to solve with.
+/// The model that solves a case, or its automatic choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
-    /// The fastest model whose error is below the tolerance or, if the inputs do not suffice to
-    /// estimate the error, the most complete model for which the case has the inputs.
+    /// The fastest model whose error is below the tolerance. If inputs for the error estimate are
+    /// missing, the most complete model for which the case has the inputs.
     #[default]
     Auto,
-    /// The given model.
+    /// A fixed model.
     Fixed(Model),
 }
 
@@ -33,12 +33,12 @@ impl From<Model> for ModelChoice {
 }
 
 impl ModelChoice {
-    /// Returns all names, with `auto` first.
+    /// Returns the names of all choices, with `auto` first.
     pub fn names() -> impl Iterator<Item = &'static str> {
         std::iter::once(Self::Auto.name()).chain(Model::ALL.into_iter().map(Model::name))
     }
 
-    /// Returns the name of the choice.
+    /// Returns the name of the model, or `auto`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -50,7 +50,7 @@ impl ModelChoice {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for an unknown name.
+    /// Returns [`CaseError::Entry`] for an unknown name.
     pub fn from_name(name: &str) -> Result<Self, CaseError> {
         if name == Self::Auto.name() {
             return Ok(Self::Auto);
@@ -61,22 +61,23 @@ impl ModelChoice {
     }
 }
 
-/// The model and its solver settings.
+/// Choice of the model, and settings of the solvers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Model.
+    /// Model that solves the case.
     pub model: ModelChoice,
-    /// Largest error of the efficiency that `auto` may accept (see [`Self::TOLERANCE`]).
+    /// Largest efficiency error that `auto` may accept (see [`Self::TOLERANCE`]).
     pub tolerance: f64,
-    /// Accuracy of the quadrature over the contact ellipses in model `traction`, as an error
-    /// relative to the friction (see [`Self::ACCURACY`]).
+    /// Accuracy of the quadrature over the contact ellipses in model `traction`: its error relative
+    /// to the friction (see [`Self::ACCURACY`]).
     pub accuracy: f64,
-    /// Creep speed relative to `$r_b|W|$` in model `traction`, which smooths the friction law (see
+    /// Creep speed that smooths the friction law in model `traction`, relative to `$r_b|W|$` (see
     /// [`Self::CREEP`]).
     pub creep: f64,
-    /// Controlling raceway in model `raceway-control`. `None` means that the spin moments decide.
+    /// Controlling raceway in model `raceway-control`. If it is `None`, the spin moments decide
+    /// which raceway controls.
     pub control: Option<Control>,
-    /// Location at which model `raceway-control` calculates the friction of a lubricant.
+    /// Location at which model `raceway-control` calculates lubricated friction.
     pub friction: RacewayFriction,
 }
 
@@ -103,20 +104,20 @@ impl From<Model> for Settings {
 impl Settings {
     /// Keys of the JSON object of the settings.
     const KEYS: [&str; 6] = ["name", "tolerance", "accuracy", "creep", "control", "friction"];
-    /// Rule for [`tolerance`](Self::tolerance).
+    /// Permitted range of [`tolerance`](Self::tolerance).
     pub const TOLERANCE: Rule = Rule::Above(0.0);
-    /// Rule for [`accuracy`](Self::accuracy): from the rounding error to the coarsest accuracy for
-    /// which the error bound holds.
+    /// Permitted range of [`accuracy`](Self::accuracy): from the rounding error to the coarsest
+    /// accuracy for which the error bound is valid.
     pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-4);
-    /// Rule for [`creep`](Self::creep).
+    /// Permitted range of [`creep`](Self::creep).
     pub const CREEP: Rule = Rule::Above(0.0);
 
-    /// Returns settings with the given names of model, controlling raceway and location of
-    /// friction. The other settings keep their defaults.
+    /// Returns settings with the given names of the model, the controlling raceway and the location
+    /// of friction. The other settings have their defaults.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for an unknown name.
+    /// Returns [`CaseError::Entry`] for an unknown name.
     pub fn named(
         model: &str,
         control: Option<&str>,
@@ -137,12 +138,13 @@ impl Settings {
         Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
     }
 
-    /// Reads the output of [`to_json`](Self::to_json). Null and missing members mean the default.
+    /// Reads settings in the form of [`to_json`](Self::to_json). Null and missing members take
+    /// their defaults.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for a wrong name or type, [`CaseError::OutOfRange`] for a value out of
-    /// range.
+    /// Returns [`CaseError::Entry`] for a wrong name or type, and [`CaseError::OutOfRange`] for a
+    /// value out of range.
     pub fn from_json(given: &Value) -> Result<Self, CaseError> {
         if !given.is_object() && !given.is_null() {
             return Err(bad("settings", "must be an object"));
@@ -187,13 +189,13 @@ impl Settings {
         })
     }
 
-    /// Checks settings that a user gives: the model must use each setting that differs from its
-    /// default. `auto` may choose any model, so it accepts all settings.
+    /// Checks settings that a user has given. The model must use every setting that differs from
+    /// its default. `auto` accepts all settings, because it may choose any model.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that lists the settings of the model, [`CaseError::OutOfRange`] for a
-    /// value out of range.
+    /// Returns a [`CaseError::Invalid`] that lists the settings of the model, or
+    /// [`CaseError::OutOfRange`] for a value out of range.
     pub fn checked(self) -> Result<Self, CaseError> {
         self.check()?;
         let usual = Self { model: self.model, ..Self::default() };
@@ -212,11 +214,11 @@ impl Settings {
         if others == usual { Ok(self) } else { Err(why()) }
     }
 
-    /// Checks the ranges of the settings.
+    /// Checks that the settings are in their permitted ranges.
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] for a value out of range.
+    /// Returns [`CaseError::OutOfRange`] for a value out of range.
     pub fn check(&self) -> Result<(), CaseError> {
         Self::TOLERANCE.check("tolerance", self.tolerance)?;
         Self::ACCURACY.check("accuracy", self.accuracy)?;
@@ -224,17 +226,17 @@ impl Settings {
     }
 }
 
-/// Inputs without default that a model or an analysis requires.
+/// Inputs without a default that a model or an analysis requires.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Needs {
-    /// All of these inputs.
+    /// Inputs that are all required.
     pub(crate) all: InputSet,
-    /// One form of each of these quantities.
+    /// Quantities of which at least one form must be given.
     pub(crate) quantities: &'static [Quantity],
 }
 
 impl Needs {
-    /// Returns the required inputs of a model for points with the inputs `given`.
+    /// Returns the inputs that a model requires for points with the inputs `given`.
     fn for_points(model: Model, given: InputSet) -> Self {
         if given.is_lubricated() && has_lubricant(model) {
             return Self::LUBRICATED;
@@ -253,7 +255,7 @@ impl Needs {
         Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };
 
-    /// Returns the required inputs of a model with a friction coefficient.
+    /// Returns the required inputs of a model for dry friction with a friction coefficient.
     pub(crate) const fn of(model: Model) -> Self {
         const FRICTION: InputSet = inputs! { contact_angle_deg friction_coefficient };
         const SIZES: InputSet = inputs! { ball_diameter_mm pitch_circle_diameter_mm };
@@ -270,7 +272,7 @@ impl Needs {
         Self { all, quantities: &[LEAD] }
     }
 
-    /// Required inputs of a nut in addition to balls and load.
+    /// Required inputs of a nut, except for the inputs that define its balls and loads.
     pub(crate) const NUT: Self = {
         let all = inputs! {
             ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity
@@ -287,12 +289,12 @@ impl Needs {
     }
 
     /// Returns the missing inputs as text. For a quantity with several forms, the form with the
-    /// fewest missing inputs counts.
+    /// fewest missing inputs is reported.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let (given, mut missing) = (given.completed(), Vec::new());
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
-            // Inputs that every form needs are checked below.
+            // Inputs in `self.all` are reported separately below.
             let lacks = |form: &Form| form.with.without(given).without(self.all);
             match begun.min_by_key(|form| lacks(form).iter().count()) {
                 None => missing.push((*words).to_owned()),
@@ -308,30 +310,30 @@ impl Needs {
     }
 }
 
-/// Load and preload inputs.
+/// Inputs that press the balls against the grooves.
 const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
 
-/// Inputs that describe the play of the gothic arches. With each of them, friction can press a ball
-/// onto a far flank.
+/// Inputs that describe the play of gothic arches. If one of them is given, friction can press a
+/// ball against a far flank.
 pub const PLAY: InputSet = inputs! { axial_play_um radial_gap_um };
 
-/// Returns true if a model supports friction from a lubricant.
+/// Returns true if a model can calculate friction from a lubricant.
 pub(crate) fn has_lubricant(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Traction)
 }
 
 impl ModelChoice {
-    /// Returns the model for points with the inputs `given`. A fixed model is returned unchanged.
+    /// Chooses the model for points with the inputs `given`. A fixed model is returned unchanged.
     ///
-    /// With a lubricant or a play, `auto` becomes `traction`. With the inputs of `raceway-control`,
-    /// which are needed to estimate the error of a model, `auto` remains `auto`, and otherwise it
-    /// becomes the most complete model that the inputs permit.
+    /// With a lubricant or a play, `auto` becomes `traction`. Otherwise `auto` is kept if the
+    /// inputs of `raceway-control` are given, because they are required to estimate the error of a
+    /// model. If they are not given, `auto` becomes the most complete model that the inputs permit.
     ///
-    /// * `covers`: checks that a model covers the values of the inputs.
+    /// * `covers`: checks that the values of the inputs are within the range of a model.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if inputs of even the cheapest model are missing, the error of `covers`
+    /// Returns [`CaseError::Entry`] if even the cheapest model lacks inputs, the error of `covers`
     /// for a fixed model, and [`CaseError::Invalid`] if friction is given twice or in a form that
     /// the model does not support.
     pub fn resolve(
@@ -349,7 +351,8 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // With a play, the contacts depend on friction, and the error of a cheaper model is unknown.
+            // With a play, friction determines which flanks are in contact, so the error of a
+            // cheaper model is unknown.
             Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
@@ -366,7 +369,7 @@ impl ModelChoice {
             let purpose = given.purpose(&by);
             let mut missing = needs.missing(given);
             if self == Self::Auto {
-                // With a lubricant, `auto` chooses a model that calculates its friction.
+                // Friction can also be given by a lubricant, from which `auto` calculates it.
                 let dry = missing.iter_mut().filter(|name| *name == "friction_coefficient");
                 dry.for_each(|name| name.push_str(" (or iso_vg and lubricant_temperature_C)"));
             }
@@ -377,9 +380,9 @@ impl ModelChoice {
 }
 
 impl ModelChoice {
-    /// Chooses the model for an analysis of the motion of the ball, whose numbers have no error
-    /// bound. `auto` chooses the most complete model for which points have the inputs `given`, so
-    /// that all points of a table share one model. If the running contact angles are given, `auto`
+    /// Chooses the model for an analysis of the ball motion, whose numbers have no error bound.
+    /// `auto` chooses the most complete model for which the inputs `given` are sufficient, so that
+    /// all points of a table share one model. If the running contact angles are given, `auto`
     /// chooses raceway control.
     #[must_use]
     pub fn of_motion(self, given: InputSet) -> Self {
@@ -393,12 +396,12 @@ impl ModelChoice {
 }
 
 impl Case {
-    /// Returns the missing inputs of `model`.
+    /// Returns the inputs that `model` requires and that are missing.
     pub fn missing(&self, model: Model) -> Vec<String> {
         Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
-    /// Returns the missing inputs as the end of a sentence. The text is empty if nothing is
+    /// Returns the missing inputs as a clause that ends a message. The text is empty if no input is
     /// missing.
     pub(crate) fn lacks(&self, model: Model) -> String {
         let missing = self.missing(model);
@@ -408,8 +411,8 @@ impl Case {
         format!("; {} required by model {}", list(&missing), model.name())
     }
 
-    /// Returns the missing inputs of a nut, for this case or for points that have the inputs
-    /// `given`.
+    /// Returns the inputs that a nut requires and that are missing, for this case or for points
+    /// with the inputs `given`.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
         let mut missing = Needs::NUT.missing(given);
@@ -432,11 +435,11 @@ impl Case {
         self.given().meets(PRESSED)
     }
 
-    /// Checks that `model` covers the values of the case.
+    /// Checks that the values of the case are within the range of `model`.
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] for a value that the model does not cover.
+    /// Returns [`CaseError::OutOfRange`] for a value that the model does not cover.
     pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
         match covered(model, self) {
             Some(false) => Err(not_covered(model, self)),
@@ -444,7 +447,7 @@ impl Case {
         }
     }
 
-    /// Returns true if the case has the inputs of `model` and the model covers them.
+    /// Returns true if the case has the inputs of `model` and their values are within its range.
     pub fn suits(&self, model: Model) -> bool {
         self.choose(model.into()).is_ok()
     }
@@ -453,21 +456,21 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if inputs are missing, [`CaseError::OutOfRange`] for a value that the
-    /// model does not cover.
+    /// Returns [`CaseError::Entry`] if inputs are missing, and [`CaseError::OutOfRange`] for a
+    /// value outside the range of the model.
     pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         choice.resolve(self.stated(), |model| self.covered_by(model))
     }
 
-    /// Checks settings and case, and chooses the model.
+    /// Checks the settings and the case, and chooses the model.
     pub(crate) fn ask(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
         settings.check()?;
         self.check()?;
         self.choose(settings.model)
     }
 
-    /// Rejects a radial gap at which no contact angle exists, for models whose balls press the
-    /// grooves.
+    /// Rejects a radial gap for which no contact angle exists. The check applies only to models
+    /// whose balls touch the grooves.
     fn check_radial_gap(&self, model: ModelChoice) -> Result<(), CaseError> {
         let has_grooves = !matches!(model, ModelChoice::Fixed(model) if !has_grooves(model));
         let Some(um) = self.radial_gap_um.filter(|_| has_grooves) else { return Ok(()) };
@@ -480,12 +483,13 @@ impl Case {
         Err(CaseError::out_of_range(InputKey::radial_gap_um.name(), um, rule))
     }
 
-    /// Returns the SI problem of a model, in the warm steady state if the case requests it.
+    /// Returns the problem of the model in SI units, in the warm steady state if the case requests
+    /// it.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a setting violates a rule, if an input of the model is missing,
-    /// or if there is no warm state.
+    /// Returns [`CaseError`] if a value or a setting violates a rule, if an input of the model is
+    /// missing, or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.nut.preload_class.is_some() {
             return Err(bad(

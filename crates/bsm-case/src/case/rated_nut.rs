@@ -1,4 +1,4 @@
-//! The nut that a case describes: balls, thread and body.
+//! Nut of a case: balls, thread and body.
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 
@@ -9,7 +9,7 @@ use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Required inputs of the ratings.
+/// Inputs that the ratings require.
 pub(crate) const NEEDS: Needs = Needs {
     all: inputs! {
         ball_diameter_mm pitch_circle_diameter_mm nut_conformity screw_conformity
@@ -27,12 +27,13 @@ pub(crate) fn given(case: &Case) -> InputSet {
     case.given().and(stated.collect())
 }
 
-/// Returns the nut of a case for its ratings.
+/// Returns the nut of a case, as required for its ratings.
 pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
     nut_for(case, || case.given().purpose("for the ratings of a nut"))
 }
 
-/// Returns the nut of a case for a purpose that the message about missing inputs names.
+/// Returns the nut of a case. If inputs are missing, the message names the purpose for which they
+/// are needed.
 pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(case);
@@ -72,12 +73,13 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
     Ok(Nut { contact_angle, ..nut })
 }
 
-/// Returns the load ratings of the nut of a case. The ratings are calculated from the groove. If
-/// the groove was estimated from given ratings, the given ratings are returned instead.
+/// Returns the load ratings of the nut. The ratings are calculated from the groove, unless the
+/// groove was estimated from given ratings; in that case the given ratings are returned.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the basis of the dynamic rating lacks the rating or the lead.
+/// Returns [`CaseError`] if the basis of the dynamic load rating is given without the rating, or if
+/// the lead is missing.
 pub(crate) fn load_ratings(
     case: &Case,
     nut: &Nut,
@@ -93,8 +95,8 @@ pub(crate) fn load_ratings(
     ))
 }
 
-/// Returns the thread of the nut. The groove arcs must allow the play of the case, and the screw
-/// must fit into the nut.
+/// Returns the thread of the nut. Fails if the groove arcs do not permit the given play, or if the
+/// screw does not fit into the nut.
 pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
     let (bore, outside) = nut.usual_lands();
     let bore = case.nut_bore_mm.map_or(bore, |mm| mm * MM);
@@ -115,7 +117,7 @@ pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
     Ok(nut.thread(play * UM, (bore, outside)))
 }
 
-/// Returns the body of the nut, which must enclose its grooves.
+/// Returns the nut body. Fails if the body does not enclose its grooves.
 pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, CaseError> {
     let mut body = NutBody::usual(nut, nut_set(case));
     if let Some(outer) = case.nut_outer_diameter_mm {
@@ -133,17 +135,18 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
     Ok(body)
 }
 
-/// Compares the manufacturer's ratings with the ratings of the groove, and returns a note if they
-/// differ.
+/// Compares the manufacturer's ratings with the ratings calculated from the groove, and returns a
+/// note if they differ.
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if they differ by more than a factor of 2, unless `keep_ratings` is true.
+/// Returns [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless
+/// `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Ratios of calculated to stated ratings that need no note, because the formulas of
-    /// manufacturers differ by as much.
+    /// Ranges of the ratio of calculated to stated rating that need no note, because the formulas
+    /// of manufacturers differ by this much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
-    /// Ratios outside this range mean that the ratings belong to another nut.
+    /// If the ratio is outside this range, the ratings belong to another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);
     let within = |(low, high): (f64, f64), ratio: f64| (low..=high).contains(&ratio);
     let (dynamic, rated) = (nut.dynamic_rating().rating, nut.static_rating().rating);
@@ -169,7 +172,7 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
         if !within(usual, ratio) {
             let name = key.name();
             differ.push(format!(
-                "{name} is {stated:.0} N, and the calculated rating is {calculated:.0} N ({ratio:.2} times)"
+                "{name} is {stated:.0} N, but the calculated rating is {calculated:.0} N ({ratio:.2} times the given value)"
             ));
         }
     }
@@ -182,7 +185,7 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
     }))
 }
 
-/// Returns the note on the assumed preload of a nut without a given load or preload.
+/// Returns a note on the preload that is assumed if neither load nor preload is given.
 ///
 /// * `force`: assumed preload \[N\].
 pub(crate) fn assumed_preload(force: f64) -> String {

@@ -1,5 +1,5 @@
-//! A screw for which only nominal diameter, lead and load ratings are known. Its other sizes follow
-//! from lists and rules of manufacturers.
+//! A screw for which only nominal diameter, lead and load ratings are known. Its other sizes are
+//! estimated from lists and rules of manufacturers.
 
 use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
@@ -12,17 +12,17 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Catalog ratings. Results of an axis need at least one of these ratings.
+/// Catalog ratings, of which the results of an axis need at least one.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
-/// Results that the sheet of a catalog screw omits.
-pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life \
-    from the loads of all balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
-    of a model, and lubricant film; ball return, and jamming.";
+/// Results that are omitted from the sheet of a screw with only catalog data.
+pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life from the loads of all \
+    balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
+    from a ball model, and lubricant film; ball return, and jamming.";
 
 impl InputSet {
     /// Describes the purpose of missing inputs, and names the command for which the given inputs
-    /// suffice.
+    /// are sufficient.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
             "; this nut has only ratings, which suffice for `axis`"
@@ -32,36 +32,37 @@ impl InputSet {
         format!("{purpose}{known}")
     }
 
-    /// Returns true if inputs of the groove are missing.
+    /// Returns true if at least one input of the groove is missing.
     pub(crate) fn lacks_groove(self) -> bool {
         !rated_nut::NEEDS.are_met(self)
     }
 
-    /// Returns true if catalog ratings are given but inputs of the groove are missing.
+    /// Returns true if catalog ratings are given, but at least one input of the groove is missing.
     fn has_ratings_only(self) -> bool {
         self.meets(RATINGS) && self.lacks_groove()
     }
 }
 
 impl Case {
-    /// Returns true if inputs of the groove are missing, so that the axis has a catalog screw.
+    /// Returns true if at least one input of the groove is missing, so that the axis is calculated
+    /// from catalog data.
     pub(crate) fn lacks_groove(&self) -> bool {
         rated_nut::given(self).lacks_groove()
     }
 }
 
-/// Sizes of a screw and its nut \[m\]. An unknown size is NaN, and results that need it are
+/// Sizes of a screw and its nut body \[m\]. Unknown sizes are NaN, and results that need them are
 /// omitted.
 pub(crate) struct RatedScrew {
     pub(crate) screw: Screw,
     pub(crate) body: NutBody,
-    /// Notes on estimated values.
+    /// Notes on the sizes that were estimated.
     pub(crate) assumed: Vec<String>,
 }
 
 impl RatedScrew {
-    /// Returns the screw of a checked case without a groove from catalog data. Every input may be
-    /// missing.
+    /// Returns the screw of a checked case, calculated from catalog data without a groove. All
+    /// inputs are optional.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();
@@ -119,7 +120,8 @@ impl RatedScrew {
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]
         {
-            // A size outside half to twice the nominal diameter belongs to another screw.
+            // A size of half the nominal diameter or less, or of twice the nominal diameter or
+            // more, belongs to another screw.
             if size >= 2.0 * nominal || size <= 0.5 * nominal {
                 let rule = format!("between half and twice nominal_diameter_mm = {nominal_mm}");
                 return Err(CaseError::out_of_range(key.name(), size / MM, rule));
@@ -137,7 +139,7 @@ impl RatedScrew {
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
     }
 
-    /// Returns the screw like [`of`](Self::of), with a note if the case gives only a part of the groove.
+    /// Works like [`of`](Self::of), and adds a note if the case contains only a part of the groove.
     pub(crate) fn without_groove(case: &Case) -> Result<Self, CaseError> {
         let mut size = Self::of(case)?;
         if case.given().meets(inputs! { contact_angle_deg nut_conformity screw_conformity }) {

@@ -1,4 +1,4 @@
-//! Conversion from the inputs of a case to the SI problem of a model.
+//! Conversion of the inputs of a case to a model problem in SI units.
 
 use bsm_dyn::{
     Ball, Coulomb, Direction, ElasticPoint, Load, Material, Model, OperatingPoint, Problem,
@@ -18,8 +18,9 @@ use crate::vocabulary::input_set::lead_angle;
 use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
 use crate::{Case, InputKey, InputSet, ModelChoice, Settings};
 
-/// A function that returns the given or default value of an input, and the base oil of the
-/// lubricant. The values can have any scalar type: numbers for solving, jets for derivatives.
+/// A function that returns the given or default value of an input, together with the base oil of
+/// the lubricant. The values can have any scalar type: numbers for solving, or jets for
+/// derivatives.
 pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 
 impl Case {
@@ -28,28 +29,29 @@ impl Case {
         self.nut.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
     }
 
-    /// Returns the lubricant for all points of a table with the given columns, if the columns
-    /// change at most its temperature and the temperature does not depend on the losses. Missing
-    /// inputs have their defaults.
+    /// Returns the lubricant that all rows of a table share, except for its temperature. Returns
+    /// `None` if the columns change another property of the lubricant, or if the temperature
+    /// depends on the losses. Missing inputs take their defaults.
     pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
         if columns.iter().any(|key| InputSet::OF_ONE_LUBRICANT.contains(key)) {
             return None;
         }
-        // The value is irrelevant, because each row has its own temperature.
+        // The value is a placeholder, because each row has its own temperature.
         let warm = |key| (key == InputKey::lubricant_temperature_C).then_some(40.0);
         let reader = Reader(|key| self.value_or_default(key).or(warm(key)), self.base_oil());
         let lubricant = reader.lubricant()?;
         matches!(lubricant.temperature, Temperature::Known(_)).then_some(lubricant)
     }
 
-    /// Returns a reader of the inputs as numbers.
+    /// Returns a reader for the inputs as plain numbers.
     pub(crate) fn reader(&self) -> Reader<impl Fn(InputKey) -> Option<f64>> {
         Reader(|key| self.value_or_default(key), self.base_oil())
     }
 }
 
 impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
-    /// Builds the problem of a model. [`Case::choose`] must have checked the inputs.
+    /// Builds the problem of a model. The caller must have checked the inputs with
+    /// [`Case::choose`].
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
         let lubricant = self.lubricant();
         let model = match (model, &lubricant) {
@@ -79,13 +81,13 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         (self.0)(key)
     }
 
-    /// Returns an input that the model requires.
+    /// Returns the value of an input that the model requires.
     #[inline]
     fn value(&self, key: InputKey) -> D {
         self.given(key).expect("required inputs were checked")
     }
 
-    /// Returns the lead angle \[rad\], from the angle or from lead and pitch circle.
+    /// Returns the lead angle \[rad\], either given or calculated from lead and pitch circle.
     pub(crate) fn lead_angle(&self) -> Option<D> {
         if let Some(deg) = self.given(InputKey::lead_angle_deg) {
             return Some(deg * DEG);
@@ -101,14 +103,14 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Returns the speeds of screw and nut, if the speed of the screw is given.
+    /// Returns the speeds of screw and nut, or `None` if the screw speed is missing.
     pub(crate) fn drive(&self) -> Option<Drive<D>> {
         let screw = self.given(InputKey::screw_speed_rpm)?;
         let nut = self.value(InputKey::nut_speed_rpm);
         Some(drive_of_rpm(screw, nut))
     }
 
-    /// Returns the direction of drive, which defaults to rotary to linear.
+    /// Returns the direction of drive. The default is rotary to linear.
     fn direction(&self) -> Direction {
         self.drive()
             .and_then(|drive| Direction::of(drive.relative_speed().re()))
@@ -160,7 +162,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         (raceways, balls)
     }
 
-    /// Returns how a ball fits into its gothic arches, if a play is given.
+    /// Returns the fit of a ball in its gothic arches, or `None` if no play is given.
     pub(crate) fn arch_fit(&self) -> Option<ArchFit<D>> {
         let [play, gap] = [InputKey::axial_play_um, InputKey::radial_gap_um]
             .map(|key| self.given(key).map(|um| um * UM));
@@ -184,7 +186,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Returns the viscosities at 40 and 100 °C \[m²/s\], as given or from the viscosity grade.
+    /// Returns the viscosities at 40 and 100 °C \[m²/s\], either given or derived from the
+    /// viscosity grade.
     fn viscosities(&self) -> Option<[D; 2]> {
         let at = |key| Some(self.given(key)? * MM2);
         let given = at(InputKey::viscosity_40C_mm2_s).zip(at(InputKey::viscosity_100C_mm2_s));
@@ -192,7 +195,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         given.map_or_else(|| Some(of_grade()?.map(D::from)), |(warm, hot)| Some([warm, hot]))
     }
 
-    /// Returns the lubricant, if the case has one.
+    /// Returns the lubricant, if the case specifies one.
     pub(crate) fn lubricant(&self) -> Option<Lubricant<D>> {
         let viscosities = self.viscosities()?;
         let base = self.1;
@@ -242,7 +245,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     pub(crate) fn operating_point(&self) -> OperatingPoint<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
-        // Models with a lubricant do not use this value.
+        // Models of lubricated balls do not use this value.
         let friction = self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN));
         OperatingPoint {
             helix: Helix {
@@ -258,21 +261,22 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     }
 }
 
-/// Returns true if the balls of a model press on the grooves.
+/// Returns true if the balls of a model touch the grooves.
 pub(crate) fn has_grooves(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
 }
 
-/// The gothic arches around a ball; only model traction calculates contacts with their far flanks.
+/// Fit and friction of gothic arches. Only model `traction` calculates contacts with their far
+/// flanks.
 #[derive(Default)]
 pub(crate) struct GothicArches<D> {
-    /// How the ball fits into its grooves; `None` if balls have two contacts.
+    /// Fit of the ball in its grooves; `None` if the balls have two contacts.
     fit: Option<ArchFit<D>>,
-    /// Friction coefficient at the far flanks, or `None` if all flanks have the same coefficient.
+    /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
     far_friction: Option<D>,
 }
 
-/// Returns the problem of a model whose balls press the grooves, with or without a lubricant.
+/// Returns the problem of a model whose balls touch the grooves, with or without a lubricant.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
     lubricant: Option<Lubricant<D>>,
@@ -295,7 +299,7 @@ pub(crate) fn in_grooves<D: Scalar>(
         let ball = LubricatedBall { lubricant, model };
         return match fit {
             Some(fit) => {
-                // The ball has the contact angle of its radial gap.
+                // `at` already contains the contact angle that results from the radial gap.
                 let fit = ArchFit { radial_gap: D::from(0.0), ..fit };
                 Problem::LubricatedArch(LubricatedArch { ball, fit, far_friction })
             }

@@ -20,7 +20,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
 use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
 
 keys! {
-    /// Numeric keys that only requirements have.
+    /// Numeric keys that occur only in requirements.
     pub REQUIREMENT_INPUTS;
     screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw; replaces axial_load_N";
     screw_length_mm ["mm"] Above(0.0), None, "length of the screw; alternative: stroke_mm";
@@ -39,14 +39,14 @@ keys! {
     largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius divided by groove radius (step 6 of Lin); defaults to 0.97 for continuous sizes";
 }
 
-/// Friction coefficient assumed for a requirement without one, and its usual range. Greases and
-/// oils give about 0.03 to 0.12.
+/// Friction coefficient that is assumed if a requirement contains none, and its usual range.
+/// Greases and oils have about 0.03 to 0.12.
 const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 
-/// Contact angles that are easy to manufacture \[deg\].
+/// Range of contact angles that are easy to manufacture \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
-/// Keys with text values, and their possible values. The first value is the default.
+/// Keys with text values, and their permitted values. The first value is the default.
 pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     (
@@ -66,14 +66,15 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ),
 ];
 
-/// Inputs of the axis that a requirement does not accept, because the search calculates the numbers
-/// that a catalog states.
+/// Inputs of an axis that a requirement does not accept, because the search itself calculates these
+/// catalog data.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
     catalog_efficiency catalog_back_efficiency rated_rigidity_N_um
 };
 
-/// Inputs of screw and nut that a requirement may fix, and further inputs of its sheet.
+/// Inputs of screw and nut that a requirement may prescribe, and other inputs that only the axis
+/// sheet uses.
 const OF_NUTS: InputSet = inputs! {
     lead_mm lead_angle_deg ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg
     nut_conformity screw_conformity loaded_turns density_kg_m3 youngs_modulus_GPa poisson_ratio
@@ -81,8 +82,8 @@ const OF_NUTS: InputSet = inputs! {
     screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
-/// Returns the inputs of a case that a requirement may contain: inputs that affect the selection,
-/// and inputs that only `bsm axis` uses, so that one file serves all commands.
+/// Returns the case inputs that a requirement may contain: inputs that affect the selection, and
+/// inputs that only `bsm axis` uses. One file can therefore serve all commands.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
@@ -93,11 +94,11 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(*key))
 }
 
-/// Inputs of a single ball. In a design, the number of balls follows from the turns, and the nut
-/// does not turn.
+/// Inputs of the single-ball models. In a design, the number of balls follows from the turns, and
+/// the nut does not turn.
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
-/// Text and list inputs of a case that a requirement may contain.
+/// Text and list inputs that a requirement may contain.
 const ENTRIES_FROM_CASES: [&str; 17] = [
     "driven_part",
     "support",
@@ -118,39 +119,40 @@ const ENTRIES_FROM_CASES: [&str; 17] = [
     "coolant",
 ];
 
-/// A requirement as read from a file.
+/// A requirement, as read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementFile {
-    /// Inputs that requirements share with cases: load, speed, friction, materials and fixed sizes.
+    /// Inputs that requirements have in common with cases: load, speed, friction, materials and
+    /// prescribed sizes.
     pub(crate) case: Case,
     /// Model and solver settings for friction.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
-    /// True if the warnings of an axis that can be permitted do not limit the selection.
+    /// True if the warnings that can be permitted do not limit the selection.
     pub(crate) allow_warnings: bool,
     /// Notes on assumptions.
     pub(crate) notes: Vec<String>,
 }
 
 impl RequirementFile {
-    /// Reads a requirement and applies settings `name=value`.
+    /// Reads a requirement from JSON text and applies settings `name=value`.
     ///
-    /// * `standard`: standard ball diameters, and the leads to choose from if the requirement has
-    ///   none.
+    /// * `standard`: standard ball diameters, and the leads to choose from if the requirement
+    ///   contains no lead.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax errors, unknown keys, values out of range, and missing or
+    /// Returns [`CaseError`] for syntax errors, unknown keys, values out of range, and missing or
     /// contradictory inputs.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         Self::from_entries(entries(json)?, settings, standard)
     }
 
-    /// Works like [`from_json`](Self::from_json), with the members of the JSON object.
+    /// Works like [`from_json`](Self::from_json), but takes the members of the JSON object.
     ///
     /// # Errors
     ///
-    /// The errors of [`from_json`](Self::from_json) except for syntax errors.
+    /// Returns the errors of [`from_json`](Self::from_json) except for syntax errors.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
         settings: &[String],
@@ -167,8 +169,8 @@ impl RequirementFile {
             let (key, text) = (key.trim(), text.trim());
             set.assign(key, &json_or_text(text)?)?;
         }
-        // Elsewhere, lead and lead angle are two forms of the same quantity. In a requirement, both
-        // together determine the pitch circle diameter.
+        // In a case, lead and lead angle are two forms of the same quantity. In a requirement, they
+        // may both be given and then determine the pitch circle diameter.
         let Case { lead_mm, lead_angle_deg, .. } = given.case;
         given.case.override_with(&set.case);
         given.case.lead_mm = set.case.lead_mm.or(lead_mm);
@@ -178,13 +180,13 @@ impl RequirementFile {
     }
 }
 
-/// Keys and values that have been checked one by one.
+/// Keys of a requirement whose values have been checked one by one.
 #[derive(Default)]
 struct RequirementKeys {
     case: Case,
-    /// Numbers and texts that only requirements have.
+    /// Numbers and texts of keys that occur only in requirements.
     own: Map<String, Value>,
-    /// Quantities given so far.
+    /// Names of the quantities that have been given so far.
     given: GivenNames,
 }
 
@@ -223,7 +225,7 @@ impl RequirementKeys {
         self.case.assign_json(key, value)
     }
 
-    /// Returns the name of the quantity that a key gives in any unit, or `None` for an unknown key.
+    /// Returns the name of the quantity that a key in any unit gives, or `None` for an unknown key.
     fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
         let numbers = REQUIREMENT_INPUTS.iter().map(|input| input.name);
         let mut own = numbers.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
@@ -241,7 +243,7 @@ impl RequirementKeys {
         self.own.get(key).and_then(Value::as_str).unwrap_or(first)
     }
 
-    /// Returns the load case: the cycle, the operating point, or a torque.
+    /// Returns the load case: a cycle, an operating point, or a torque.
     fn demand(&self, case: &Case) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
         let Some(torque) = torque else {
@@ -252,7 +254,7 @@ impl RequirementKeys {
             }
             return Ok(LoadCase::Cycle(segments));
         };
-        // The torque includes all loads of the screw, so further loads are not permitted.
+        // The torque includes all loads of the screw, so additional loads are not permitted.
         let loads = [
             ("axial_load_N", case.axial_load_N.is_some()),
             ("cycle", case.nut.cycle.is_some()),
@@ -268,9 +270,10 @@ impl RequirementKeys {
         Ok(LoadCase::Torque(torque, pace))
     }
 
-    /// Returns the smallest and largest value of a number from its two keys in the requirement.
+    /// Returns the smallest and the largest permitted value of a number, which have separate keys
+    /// in a requirement.
     ///
-    /// * `usual`: range without given limits.
+    /// * `usual`: range that applies without given limits.
     fn range(
         &self,
         (low, high): (&'static str, &'static str),
@@ -278,7 +281,7 @@ impl RequirementKeys {
     ) -> Result<(Option<f64>, Option<f64>), CaseError> {
         let limits = (self.number(low), self.number(high));
         let (least, most) = (limits.0.unwrap_or(usual.0), limits.1.unwrap_or(usual.1));
-        // The search needs a range of nonzero width. A fixed value has its own key.
+        // The search needs a range of nonzero width. A fixed value has a separate key.
         if least < most {
             return Ok(limits);
         }
@@ -312,20 +315,19 @@ impl RequirementKeys {
             (Some(_), Some(_)) if case.stroke_mm.is_some() => {
                 return Err(CaseError::given_twice(forms));
             }
-            // The range of the cycle does not replace a given length.
+            // A given screw length takes precedence over the range of the cycle.
             (Some(mm), _) => Travel::Screw(mm * MM),
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
         };
-        // Lead and lead angle together determine the pitch circle diameter.
+        // If both are given, lead and lead angle determine the pitch circle diameter.
         if let (Some(lead), Some(angle), None) =
             (case.lead_mm, case.lead_angle_deg, case.pitch_circle_diameter_mm)
         {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             case.pitch_circle_diameter_mm = Some(diameter);
         }
-        // The whole length of the screw counts as unsupported, unless the unsupported length is
-        // given.
+        // Without a given unsupported length, the whole screw length counts as unsupported.
         if let Travel::Screw(length) = travel {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
@@ -347,7 +349,8 @@ impl RequirementKeys {
         if life.is_none() {
             notes.push("required_life_h is not given, so no life is required.".to_owned());
         }
-        // The optimum angles of a lubricated screw use the usual friction coefficient.
+        // The optimum angles of a lubricated screw are calculated with the usual friction
+        // coefficient.
         let friction = case.friction_coefficient.unwrap_or(usual);
         let conformity = match (case.nut_conformity, case.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
@@ -362,7 +365,7 @@ impl RequirementKeys {
             "linear-to-rotary" => Direction::LinearToRotary,
             _ => Direction::RotaryToLinear,
         };
-        // The motion determines the direction, so the sign of the speed is ignored.
+        // The direction follows from the key `motion`, so the sign of the speed is ignored.
         let towards = |speed: f64| direction.sign() * speed.abs();
         case.screw_speed_rpm = case.screw_speed_rpm.map(towards);
         case.feed_m_min = case.feed_m_min.map(towards);
@@ -374,8 +377,8 @@ impl RequirementKeys {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
-                // Lin's rule uses the largest contact angle, and the lead angle for which this angle is
-                // optimal.
+                // Lin's rule: the largest contact angle, and the lead angle for which this contact
+                // angle is optimal.
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);

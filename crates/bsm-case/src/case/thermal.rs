@@ -1,4 +1,4 @@
-//! The thermal data of an axis: surfaces, given conductances, screw and surroundings.
+//! Thermal data of an axis: surfaces, given conductances, screw and surroundings.
 
 use bsm_design::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
@@ -12,11 +12,11 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
-/// Default temperature of the air \[°C\].
+/// Default temperature of the surrounding air \[°C\].
 const AIR: f64 = 20.0;
 
 /// Usual torques of the seals and of all support bearings of a screw with [`USUAL_DIAMETER`]
-/// \[N·m\]. They are proportional to the square of the diameter.
+/// \[N·m\]. For other screws, the torques are proportional to the square of the diameter.
 const USUAL_TORQUES: (f64, f64) = (0.2, 0.3);
 const USUAL_DIAMETER: f64 = 0.040;
 
@@ -37,8 +37,8 @@ pub(crate) fn bed_over_set(case: &Case) -> f64 {
     given.map_or(air_over_set(case), |celsius| celsius + ZERO_CELSIUS - set_temperature(case))
 }
 
-/// Returns the usual torques of the seals and of all support bearings \[N·m\]. A torque that the
-/// case gives is returned as 0.
+/// Returns the usual torques of the seals and of all support bearings \[N·m\], with 0 for a torque
+/// that the case contains.
 ///
 /// * `nominal`: nominal diameter of the screw \[m\].
 pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
@@ -53,12 +53,12 @@ pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
 /// Returns the thermal data of the axis, or `None` if the length of the screw is unknown or leaves
 /// no room for the nut.
 ///
-/// * `link`: heat transfer through the balls between nut and screw.
+/// * `link`: heat transfer between nut and screw through the balls.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the thread is longer than the unsupported length, or if coolant flows through a
-/// screw without a bore.
+/// Returns [`CaseError`] if the thread is longer than the unsupported length, or if coolant flows
+/// through a screw without a bore.
 pub(crate) fn thermal_axis(
     case: &Case,
     machine: &Machine,

@@ -1,5 +1,5 @@
-//! Warm steady state of an axis. The state is calculated once, and the case is then solved at the
-//! temperatures of the state.
+//! Warm steady state of an axis. The state is calculated once. The case is then solved at the
+//! temperatures of this state.
 
 mod axis;
 
@@ -19,19 +19,20 @@ use crate::{Case, CaseError, InputKey, InputSet, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// The requested warm steady state, and the fold of the branch of states.
+/// Warm steady state that a case requests, and the fold of the branch of states.
 #[derive(Debug)]
 pub(crate) struct Warm {
     /// Steady state; `None` in case of thermal runaway.
     pub(crate) state: Option<WarmState>,
     pub(crate) fold: Option<Fold>,
-    /// Reason why the branch of states ends without a fold.
+    /// Reason why the branch of states ends before a fold.
     pub(crate) end: Option<NoSteadyState>,
-    /// Multiple of the speeds up to which the fold was searched; `None` if there was no search.
+    /// Multiple of the given speeds up to which a fold was searched for; `None` if there was no
+    /// search.
     pub(crate) search: Option<f64>,
 }
 
-/// Optional results that require many additional steady states.
+/// Optional results, each of which requires many additional steady states.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Detail {
     pub(crate) fold: bool,
@@ -42,9 +43,9 @@ pub(crate) struct Detail {
 #[derive(Debug)]
 pub(crate) struct WarmState {
     pub(crate) steady: Steady,
-    /// Temperatures of the nodes \[°C\].
+    /// Temperatures of the network nodes \[°C\].
     pub(crate) celsius: [f64; NODES],
-    /// Free growth of the screw \[m\].
+    /// Thermal growth of the free screw \[m\].
     pub(crate) growth: f64,
     /// Preload without external load; `None` without a preload.
     pub(crate) preload: Option<NutPreload>,
@@ -53,11 +54,11 @@ pub(crate) struct WarmState {
     pub(crate) stiffness: Option<[f64; 2]>,
     /// Life under the cycle with the cold preload \[revolutions\].
     pub(crate) cold_life: Option<f64>,
-    /// The nut in each phase of the cycle.
+    /// Results of the nut in each phase of the cycle.
     pub(crate) phases: Vec<Option<NutInPhase>>,
     /// Tension of a screw between two fixed bearings \[N\].
     pub(crate) tension: Option<f64>,
-    /// Conductances, given or calculated from the case.
+    /// Conductances, either given or calculated from the case.
     pub(crate) conductances: Conductances,
     pub(crate) given: InputSet,
     /// Temperature of the lubricant \[°C\]; `None` for a dry nut.
@@ -65,10 +66,10 @@ pub(crate) struct WarmState {
     pub(crate) band: Option<StateInterval>,
 }
 
-/// Results of a warm nut in a phase of the cycle.
+/// Results of the warm nut in a phase of the cycle.
 #[derive(Debug, Clone)]
 pub(crate) struct NutInPhase {
-    /// Axial force of each body \[N\].
+    /// Axial force on each nut body \[N\].
     pub(crate) bodies: Vec<f64>,
     /// Largest load of a contact \[N\].
     pub(crate) max_load: f64,
@@ -79,9 +80,9 @@ pub(crate) struct NutInPhase {
 }
 
 impl Warm {
-    /// Calculates the warm state of a case that requests it.
+    /// Calculates the warm state, if the case requests it.
     ///
-    /// * `of_band`: returns the numbers of a state that have an uncertainty band.
+    /// * `of_band`: returns the numbers of a state for which an uncertainty band is calculated.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
@@ -138,8 +139,7 @@ impl Warm {
     }
 
     /// Returns the temperature at which the preload is set \[K\], the cold preload \[N\], and the
-    /// steady states from standstill up to the multiple of the speeds at which the search for a
-    /// fold ends.
+    /// steady states from standstill up to the largest speed in the search for a fold.
     pub(crate) fn branch(
         case: &Case,
         settings: &Settings,
@@ -152,13 +152,14 @@ impl Warm {
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 
-    /// Calculates the warm state of a case that requests it, without its uncertainty band.
+    /// Calculates the warm state without its uncertainty band, if the case requests it.
     ///
-    /// * `fold`: true to search also for the fold at higher speeds.
+    /// * `fold`: if true, the fold at higher speeds is searched for, too.
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoWarmState`] if there is no state, including thermal runaway.
+    /// Returns [`CaseError::NoWarmState`] if no steady state exists, for example because of thermal
+    /// runaway.
     pub(crate) fn state_of(
         case: &Case,
         settings: &Settings,
@@ -173,8 +174,8 @@ impl Warm {
         }
     }
 
-    /// Returns the case in this state: with its temperature rises, screw tension and lubricant
-    /// temperature.
+    /// Returns the case with the temperature rises, the screw tension and the lubricant temperature
+    /// of this state.
     pub(crate) fn case(&self, case: &Case) -> Case {
         let mut case = case.cold();
         if let Some(state) = &self.state {
@@ -191,14 +192,14 @@ impl Warm {
 }
 
 impl Case {
-    /// Returns the case in the warm steady state that it requests, with the temperature rises,
-    /// screw tension and lubricant temperature of the state. Returns the case unchanged if it does
-    /// not request a warm state.
+    /// Returns the case with the temperature rises, the screw tension and the lubricant temperature
+    /// of the warm steady state that it requests. If no warm state is requested, the case is
+    /// returned unchanged.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if there is no warm state, or if inputs of the warm state are missing or
-    /// contradictory.
+    /// Returns [`CaseError`] if no warm steady state exists, or if inputs of the warm state are
+    /// missing or contradictory.
     pub fn in_warm_state(&self, settings: &Settings) -> Result<Self, CaseError> {
         let warm = Warm::state_of(self, settings, false)?;
         Ok(warm.map_or_else(|| self.clone(), |warm| warm.case(self)))

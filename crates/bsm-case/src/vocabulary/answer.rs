@@ -1,5 +1,5 @@
-//! Answers of the program: sections of numbers, tables and texts, rules with limit, margin and
-//! source, notes and warnings. The text, JSON and HTML forms of every answer are derived from them.
+//! Answers of the program: sections with numbers, tables and texts, rules with limit, margin and
+//! source, notes, and warnings. Text, JSON and HTML output are all generated from these answers.
 
 use std::borrow::Cow;
 
@@ -8,37 +8,37 @@ use serde_json::{Map, Value, json};
 
 use crate::{Numbers, Output, OutputName, Scope, trimmed};
 
-/// An answer.
+/// An answer of the program, such as an axis sheet.
 #[derive(Debug, Clone, Default)]
 pub struct Answer {
     /// Sections in the order in which they are shown.
     pub sections: Vec<Section>,
     /// Rules that the numbers must meet.
     pub rules: Vec<Criterion>,
-    /// Defaults that were used, and effects that are neglected.
+    /// Notes on defaults that were used and on effects that are neglected.
     pub notes: Vec<String>,
-    /// Warnings.
+    /// Warnings about the results.
     pub warnings: Vec<String>,
-    /// Missing inputs that a number treats as zero or absent.
+    /// Missing inputs that were treated as zero, each with a number that it affects.
     pub not_given: Vec<NotGiven>,
-    /// True if there is no solution, nothing was found or a rule is violated.
+    /// True if there is no solution, if nothing was found, or if a rule is violated.
     pub fails: bool,
 }
 
-/// A missing input that a number treats as zero, so that the number lacks its contribution.
+/// A missing input that was treated as zero, so that a number lacks its contribution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
-    /// Name of the number.
+    /// Name of the affected number.
     pub number: &'static str,
-    /// Description of the missing input and how it is treated.
+    /// Sentence that names the missing input and states how it was treated.
     pub text: String,
 }
 
 /// A section of an answer.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// Name of the member of the JSON object. The numbers of a section with an empty name become
-    /// members of the enclosing object. A section without a name is only shown on the screen.
+    /// Name of the member in the JSON object. If the name is empty, the numbers of the section
+    /// become members of the enclosing object. A section with `None` is only shown on the screen.
     pub member: Option<&'static str>,
     /// Content of the section.
     pub content: Content,
@@ -47,39 +47,39 @@ pub struct Section {
 /// Content of a section.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// Numbers of a table of quantities.
+    /// Values of a table of quantities.
     Numbers {
-        /// The numbers.
+        /// Numbers of the section.
         numbers: Numbers,
-        /// Heading for numbers without a contact or direction.
+        /// Heading of the numbers that do not belong to a contact or a direction.
         whole: &'static str,
-        /// Names of the numbers without an error bound.
+        /// Names of the numbers to which no error bound applies.
         unbounded: Vec<&'static str>,
     },
     /// Rows of numbers and texts.
     Table(Table),
-    /// An optional short text after a label.
+    /// A label, followed by an optional short text.
     Text(&'static str, Option<String>),
-    /// Sentences after a label.
+    /// A label, followed by sentences.
     Texts(&'static str, Vec<String>),
     /// JSON that is not shown on the screen.
     Json(Value),
 }
 
-/// A table with rows that are JSON objects.
+/// A table whose rows become JSON objects.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
-    /// The columns.
+    /// Columns of the table.
     pub columns: Vec<Column>,
     /// Cells, row by row.
     pub rows: Vec<Vec<Value>>,
     /// 90 % intervals of cells that depend on an estimated groove, row by row; empty if
     /// there are none.
     pub bands: Vec<Vec<Option<Band>>>,
-    /// Unit of the numbers of each row, if the rows have different units; otherwise empty.
+    /// Unit of each row, if the rows have different units; empty if the columns have units.
     pub row_units: Vec<&'static str>,
-    /// True if the table is an object of objects, with the names of the rows in the first column;
-    /// false if it is a list of objects.
+    /// True if the JSON form is an object of objects whose keys are in the first column; false if
+    /// it is a list of objects.
     pub keyed: bool,
 }
 
@@ -88,17 +88,17 @@ pub struct Table {
 pub struct Column {
     /// Name in JSON. A column with an empty name is only shown on the screen.
     pub name: &'static str,
-    /// Kind of the cells, as the schema of answers names it. Defaults to a number.
+    /// Kind of the cells, with the name used in the schema of answers. Defaults to `number`.
     pub kind: &'static str,
-    /// Unit as text.
+    /// Unit of the column as text.
     pub unit: &'static str,
-    /// Heading on the screen; `None` for a column that is only in JSON.
+    /// Heading on the screen; `None` for a column that appears only in JSON.
     pub head: Option<Cow<'static, str>>,
 }
 
 impl Column {
-    /// Parses a column: `name`, `name=head`, `=head` for the screen only, or `-name` for JSON only.
-    /// `name:kind` replaces `name` if the cells are not numbers.
+    /// Parses the definition of a column: `name`, `name=head`, `=head` (screen only) or `-name`
+    /// (JSON only). If the cells are not numbers, `name:kind` takes the place of `name`.
     pub(crate) fn of(text: &'static str) -> Self {
         let (shown, head) = text.split_once('=').map_or((text, None), |(a, b)| (a, Some(b)));
         let (name, kind) = shown.split_once(':').unwrap_or((shown, "number"));
@@ -108,45 +108,45 @@ impl Column {
         }
     }
 
-    /// Parses columns that are separated by bars.
+    /// Parses column definitions that are separated by vertical bars.
     pub fn all_of(text: &'static str) -> impl Iterator<Item = Self> {
         text.split('|').map(|column| Self::of(column.trim()))
     }
 }
 
-/// A rule about a number.
+/// A rule that limits a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
-    /// Label.
+    /// Title of the rule.
     pub title: &'static str,
-    /// Name of the number, with its unit as suffix.
+    /// Name of the number, with its unit as a suffix.
     pub name: &'static str,
     /// Symbol of the number.
     pub symbol: &'static str,
-    /// Unit as text.
+    /// Unit of the number as text.
     pub unit: &'static str,
     /// Value of the number.
     pub value: f64,
-    /// Limit; `None` if nothing is required.
+    /// Limit; `None` if there is no requirement.
     pub limit: Option<f64>,
     /// True if the limit is a minimum.
     pub at_least: bool,
-    /// Source of the rule, with the tag of the theory.
+    /// Source of the rule, with the equation tag of the theory.
     pub source: Cow<'static, str>,
-    /// Smallest change of one input with which the rule would be met, if it is violated.
+    /// Smallest changes of single inputs that would meet the rule, if it is violated.
     pub remedy: Option<String>,
     /// 90 % interval of the number, if it depends on an estimated groove.
     pub band: Option<Band>,
 }
 
 impl Criterion {
-    /// Returns true if the rule is met or nothing is required.
+    /// Returns true if the rule is met or there is no requirement.
     pub fn passes(&self) -> bool {
-        // A limit given as a decimal may differ from the value by rounding.
+        // A decimal limit can differ from the value by a rounding error.
         self.margin().is_none_or(|margin| margin >= 1.0 - 1e-9)
     }
 
-    /// Returns the margin of the rule. The rule is met above 1.
+    /// Returns the margin of the rule. The rule is met if the margin is at least 1.
     pub fn margin(&self) -> Option<f64> {
         let limit = self.limit?;
         Some(if self.at_least { self.value / limit } else { limit / self.value })
@@ -156,12 +156,12 @@ impl Criterion {
         if self.at_least { ">=" } else { "<=" }
     }
 
-    /// Returns the requirement as text, or `None` if nothing is required.
+    /// Returns the requirement as text, or `None` if there is no requirement.
     pub fn must_be(&self) -> Option<String> {
         Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
     }
 
-    /// Returns the cells for the columns [`RULES`].
+    /// Returns the cells of the rule for the columns in [`RULES`].
     fn cells(&self) -> Vec<Value> {
         vec![
             json!(self.title),
@@ -179,20 +179,21 @@ impl Criterion {
     }
 }
 
-/// Columns of rules.
+/// Columns of the table of rules.
 pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean | source:string | remedy:string?";
 
-/// Columns of missing inputs.
+/// Columns of the table of missing inputs.
 pub(crate) const NOT_GIVEN: &str = "number:string | text:string";
 
 impl Table {
-    /// Creates a table from columns (see [`Column::all_of`]) and rows.
+    /// Creates a table from column definitions (see [`Column::all_of`]) and rows.
     pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
         let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
         Self { columns, rows, ..Self::default() }
     }
 
-    /// Returns the table as an object of objects, with the first column as key.
+    /// Returns the table with the JSON form of an object of objects, whose keys are in the first
+    /// column.
     #[must_use]
     pub(crate) fn keyed(self) -> Self {
         Self { keyed: true, ..self }
@@ -215,7 +216,8 @@ impl Table {
     }
 }
 
-/// Converts numbers to a JSON object, with null for missing numbers. Statements are omitted.
+/// Converts numbers to a JSON object, with null for missing numbers. True-or-false statements are
+/// omitted.
 pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
     let shown = numbers.all().iter().filter(|row| row.quantity.scope != Scope::Statement);
     let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -227,7 +229,7 @@ pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
 }
 
 impl Content {
-    /// Creates content from the numbers of a table.
+    /// Creates a section content that consists of numbers.
     pub fn numbers(numbers: Numbers, whole: &'static str) -> Self {
         Self::Numbers { numbers, whole, unbounded: Vec::new() }
     }
@@ -244,14 +246,14 @@ impl Content {
 }
 
 impl Answer {
-    /// Adds a section.
+    /// Adds a section with a JSON member name.
     #[must_use]
     pub fn with(mut self, member: &'static str, content: Content) -> Self {
         self.sections.push(Section { member: Some(member), content });
         self
     }
 
-    /// Adds a section if it has content.
+    /// Adds a section if `content` has a value.
     #[must_use]
     pub(crate) fn with_some(self, member: &'static str, content: Option<Content>) -> Self {
         match content {
@@ -267,7 +269,7 @@ impl Answer {
         self
     }
 
-    /// Hides a section from the screen and keeps it in JSON.
+    /// Hides the section with the given member name on the screen, but keeps it in JSON.
     #[must_use]
     pub fn hiding(mut self, member: &str) -> Self {
         for section in self.sections.iter_mut().filter(|section| section.member == Some(member)) {
@@ -276,7 +278,7 @@ impl Answer {
         self
     }
 
-    /// Returns the content of a section by its member name.
+    /// Returns the content of the section with the given member name.
     pub fn section(&self, member: &str) -> Option<&Content> {
         self.sections
             .iter()
@@ -284,7 +286,7 @@ impl Answer {
             .map(|section| &section.content)
     }
 
-    /// Returns the sentences of a section.
+    /// Returns the sentences of the section with the given member name.
     pub fn texts(&self, member: &str) -> &[String] {
         match self.section(member) {
             Some(Content::Texts(_, texts)) => texts,
@@ -292,7 +294,7 @@ impl Answer {
         }
     }
 
-    /// Returns the numbers of all sections.
+    /// Returns the numbers of all sections that have a JSON member name.
     pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
         self.sections.iter().filter_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
@@ -300,7 +302,7 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the last section with numbers that is only shown on the screen.
+    /// Returns the numbers of the last section of numbers that is only shown on the screen.
     pub fn shown_numbers(&self) -> Option<&Numbers> {
         self.sections.iter().rev().find_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_none() => Some(numbers),
@@ -308,7 +310,7 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the first section that contains numbers.
+    /// Returns the numbers of the first section of numbers.
     pub(crate) fn into_numbers(self) -> Numbers {
         let numbers = self.sections.into_iter().find_map(|section| match section.content {
             Content::Numbers { numbers, .. } => Some(numbers),
@@ -317,20 +319,19 @@ impl Answer {
         numbers.unwrap_or_else(|| Numbers::none(&[]))
     }
 
-    /// Returns all numbers with their names and units.
+    /// Returns all numbers with the outputs that define their names and units.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
         self.numbers().flat_map(Numbers::entries)
     }
 
-    /// Returns the missing contributions to a number in one line.
+    /// Returns the descriptions of the missing inputs that affect a number, in one line.
     pub fn lacks(&self, number: &str) -> Option<String> {
         let lacks = self.not_given.iter().filter(|lack| lack.number == number);
         let texts: Vec<_> = lacks.map(|lack| lack.text.as_str()).collect();
         (!texts.is_empty()).then(|| texts.join("; "))
     }
 
-    /// Returns the descriptions of all missing inputs without repetition, in the order of the
-    /// numbers.
+    /// Returns the descriptions of all missing inputs, without repetitions.
     pub fn all_not_given(&self) -> Vec<&str> {
         let mut texts: Vec<&str> = Vec::new();
         for lack in &self.not_given {
@@ -341,13 +342,13 @@ impl Answer {
         texts
     }
 
-    /// Returns a number by name.
+    /// Returns the number with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers().find_map(|numbers| numbers.number(name))
     }
 
-    /// Converts the answer to JSON: the sections by their member names, with rules, notes and
-    /// warnings. If the whole answer is a table, only the table is returned.
+    /// Converts the answer to a JSON object with its sections, rules, notes and warnings. If a
+    /// single table is the whole answer, only this table is returned.
     pub fn to_json(&self) -> Value {
         let mut map = Map::new();
         for Section { member, content } in &self.sections {

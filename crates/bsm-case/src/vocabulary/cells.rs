@@ -1,4 +1,4 @@
-//! Tables that users provide: column names, and rows of cells.
+//! Tables that users provide, as column names and rows of cells.
 
 use std::borrow::Cow;
 
@@ -7,10 +7,10 @@ use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::units::UnitChange;
 use crate::{CaseError, TableFormat};
 
-/// Name of the quantity of a column, and the change to its unit.
+/// Name of the quantity in a column, and the conversion to its unit.
 pub(crate) type NamedColumn = (&'static str, UnitChange);
 
-/// Text table as read from a file.
+/// A table in text form, as read from a file.
 pub(crate) struct Cells {
     heads: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -18,11 +18,11 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Reads a table of at least one row.
+    /// Reads a table with at least one row.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the line.
+    /// Returns a [`CaseError::Invalid`] that names the line with the error.
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
         let wrong = |error: TextError| CaseError::Invalid(error.to_string());
         let mut lines = Lines::new(table);
@@ -48,14 +48,15 @@ impl Cells {
         &self.heads
     }
 
-    /// Returns for each column its quantity and the change to its unit, or `None` for a column that
-    /// is ignored. No two columns may give the same quantity.
+    /// Returns the quantity of each column and the conversion to its unit, or `None` for a column
+    /// that is ignored. Two columns must not give the same quantity.
     ///
-    /// * `column`: finds the quantity of a column by its name.
+    /// * `column`: returns the quantity of a column with a given name.
     ///
     /// # Errors
     ///
-    /// The errors of `column`, and [`CaseError::Entry`] if two columns give the same quantity.
+    /// Returns the errors of `column`, and [`CaseError::Entry`] if two columns give the same
+    /// quantity.
     pub(crate) fn columns(
         &self,
         column: impl Fn(&str) -> Result<Option<NamedColumn>, CaseError>,
@@ -71,7 +72,8 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
-    /// Returns the columns with the requested names that contain text, with all their cells.
+    /// Returns the columns whose name is wanted and of which at least one cell is a text, together
+    /// with all their cells.
     pub(crate) fn texts(&self, wanted: impl Fn(&str) -> bool) -> Vec<(String, Vec<String>)> {
         let cells = |place: usize| self.rows.iter().map(move |row| row[place].clone());
         let is_text = |cell: String| !cell.is_empty() && self.number(&cell).is_err();
@@ -80,7 +82,8 @@ impl Cells {
         texts.map(|place| (self.heads[place].clone(), cells(place).collect())).collect()
     }
 
-    /// Applies a function to each row, with those cells that are neither ignored nor empty.
+    /// Calls a function for each row with the cells that are neither empty nor in an ignored
+    /// column.
     pub(crate) fn each<R>(
         &self,
         columns: &[Option<NamedColumn>],
@@ -102,8 +105,8 @@ impl Cells {
     }
 }
 
-/// Parses a number with the given decimal sign. A number that contains the other decimal sign is
-/// invalid.
+/// Parses a number with the given decimal sign. Returns `None` if the text contains the other
+/// decimal sign.
 pub fn decimal_number(text: &str, decimal: char) -> Option<f64> {
     let other = if decimal == ',' { '.' } else { ',' };
     if text.contains(other) {

@@ -1,15 +1,15 @@
-//! Values of a column of a list.
+//! Values in a column of a list.
 
 use std::ops::Range;
 
 use serde_json::{Value, json};
 
-/// Values of a column.
+/// Values of a column, one per row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColumnValues {
-    /// Numbers, with NaN for an empty cell.
+    /// Numbers; an empty cell is NaN.
     Numbers(Vec<f64>),
-    /// Texts.
+    /// Texts; an empty cell is `None`.
     Texts(Vec<Option<String>>),
 }
 
@@ -27,7 +27,7 @@ impl ColumnValues {
         self.len() == 0
     }
 
-    /// Returns the values of some rows.
+    /// Returns the values of a range of rows.
     pub(crate) fn part(self, places: Range<usize>) -> Self {
         match self {
             Self::Numbers(values) => Self::Numbers(values[places].to_vec()),
@@ -35,7 +35,7 @@ impl ColumnValues {
         }
     }
 
-    /// Returns the value of a row as JSON.
+    /// Returns the value in a row as JSON.
     pub(crate) fn json(&self, row: usize) -> Value {
         match self {
             Self::Numbers(values) => json!(values[row]),

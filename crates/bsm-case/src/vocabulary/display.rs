@@ -1,4 +1,4 @@
-//! Units in which answers are displayed. JSON always has the units of the vocabulary.
+//! Units in which answers are displayed. JSON always uses the units of the vocabulary.
 
 use bsm_design::Band;
 use serde_json::{Value, json};
@@ -14,15 +14,15 @@ use crate::{
 /// System of units for screen, sheet, figures and columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DisplayUnits {
-    /// The units of the vocabulary.
+    /// Units of the vocabulary.
     #[default]
     Metric,
     /// Inches, pounds and degrees Fahrenheit.
     Inch,
 }
 
-/// Units of the vocabulary and their counterparts in the inch system, each with its suffix in names. Other units are the same in both
-/// systems.
+/// Units of the vocabulary and their counterparts in the inch system, each with the suffix that it
+/// has in names. Units that are not listed are the same in both systems.
 const INCH: [[(&str, &str); 2]; 23] = [
     [("mm", "mm"), ("in", "in")],
     [("um", "um"), ("uin", "uin")],
@@ -49,24 +49,24 @@ const INCH: [[(&str, &str); 2]; 23] = [
     [("K", "K"), ("degF", "degF")],
 ];
 
-/// A displayed unit.
+/// A displayed unit, and the conversion to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayUnit {
     /// Unit as text.
     pub text: &'static str,
-    /// Suffix of the displayed unit and of the unit of the vocabulary, if they differ.
+    /// Suffixes of the displayed unit and of the unit of the vocabulary, if the units differ.
     suffixes: Option<(&'static str, &'static str)>,
     change: UnitChange,
 }
 
 impl DisplayUnit {
-    /// Converts a number of the vocabulary. A number whose unit is the same in both systems keeps all
-    /// its bits, including the sign of zero.
+    /// Converts a number from the unit of the vocabulary. If the unit is the same in both systems,
+    /// the number is returned unchanged, including the sign of zero.
     pub fn value(self, value: f64) -> f64 {
         if self.suffixes.is_none() { value } else { self.change.back(value) }
     }
 
-    /// Converts the ends of an interval.
+    /// Converts both ends of an interval.
     pub fn band(self, band: Option<Band>) -> Option<Band> {
         band.map(|Band { low, high }| Band { low: self.value(low), high: self.value(high) })
     }
@@ -79,7 +79,8 @@ impl DisplayUnit {
         renamed.unwrap_or_else(|| name.to_owned())
     }
 
-    /// Returns a requirement such as "<= 12000" with its converted number, or `None` for another text.
+    /// Converts the number in a requirement such as "<= 12000". Returns `None` if the text has
+    /// another form.
     fn limit(self, text: &str) -> Option<String> {
         let (sign, number) =
             text.split_once(' ').filter(|(sign, _)| [">=", "<="].contains(sign))?;
@@ -102,7 +103,7 @@ impl Case {
 }
 
 impl DisplayUnits {
-    /// Returns the displayed unit for a unit of the vocabulary.
+    /// Returns the displayed unit that corresponds to a unit of the vocabulary.
     pub fn of(self, unit: &'static str) -> DisplayUnit {
         let found = INCH.iter().find(|[(own, _), _]| *own == unit).filter(|_| self == Self::Inch);
         match found {
@@ -115,7 +116,8 @@ impl DisplayUnits {
         }
     }
 
-    /// Returns a label such as "axial load, N" with the displayed unit, and this unit.
+    /// Replaces the unit in a label such as "axial load, N" by the displayed unit, and returns the
+    /// label and this unit.
     pub fn label(self, label: &str) -> (String, DisplayUnit) {
         let (words, unit) = label.rsplit_once(", ").unwrap_or((label, ""));
         let known = INCH.iter().map(|[(own, _), _]| *own).find(|own| *own == unit);
@@ -128,9 +130,9 @@ impl DisplayUnits {
         (text, shown)
     }
 
-    /// Formats a length as text with its unit, to the nearest unit in millimeters or to 0.01 in.
+    /// Formats a length with its unit, rounded to 1 mm or to 0.01 in.
     ///
-    /// * `millimeters`: the length \[mm\].
+    /// * `millimeters`: length \[mm\].
     pub fn length(self, millimeters: f64) -> String {
         let unit = self.of("mm");
         match self {
@@ -140,7 +142,7 @@ impl DisplayUnits {
     }
 }
 
-/// A column of a table as it is displayed.
+/// A column of a table in its displayed unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownColumn {
     /// Index among the columns of the table.
@@ -153,14 +155,15 @@ pub struct ShownColumn {
 }
 
 impl ShownColumn {
-    /// Selects columns of a table.
+    /// Selects the columns of a table that are displayed.
     ///
     /// * `heads`: name and unit of each column of the table.
-    /// * `wanted`: names of the selected columns, in any unit; `None` for all columns in the units of `display`.
+    /// * `wanted`: names of the selected columns, in any unit. If it is `None`, all columns are
+    ///   displayed in the units of `display`.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] for a name that is not a column.
+    /// Returns [`CaseError::Unknown`] for a name that is not a column.
     pub fn select(
         heads: &[(String, &'static str)],
         wanted: Option<&[String]>,
@@ -186,7 +189,7 @@ impl ShownColumn {
         wanted.iter().map(named).collect()
     }
 
-    /// Returns the displayed values of the column.
+    /// Returns the values of the column in its displayed unit.
     ///
     /// * `columns`: values of all columns of the table.
     pub fn values(&self, columns: &[ColumnValues]) -> ColumnValues {
@@ -199,7 +202,8 @@ impl ShownColumn {
     }
 }
 
-/// Returns the unit of a name as text; empty if its suffix has no other spelling than in the name.
+/// Returns the unit that a name has as its suffix, as text. The text is empty if [`INCH`] does not
+/// contain the suffix.
 fn unit_of(name: &str) -> &'static str {
     let is_suffix =
         |suffix: &str| name.strip_suffix(suffix).is_some_and(|stem| stem.ends_with('_'));
@@ -222,7 +226,8 @@ impl Numbers {
 }
 
 impl Table {
-    /// Returns the table in displayed units. The numbers of a row that has its own unit are in this unit.
+    /// Returns the table in displayed units. If a row has its own unit, the numbers in this row are
+    /// converted from this unit.
     #[must_use]
     fn in_units(mut self, display: DisplayUnits) -> Self {
         for (place, column) in self.columns.iter_mut().enumerate() {
@@ -284,7 +289,8 @@ impl Criterion {
 }
 
 impl Answer {
-    /// Returns the answer in displayed units. Sentences keep the units of the vocabulary, with which the names of inputs end.
+    /// Returns the answer in displayed units. Sentences keep the units of the vocabulary, because
+    /// they contain names of inputs that end with these units.
     #[must_use]
     pub fn in_units(self, display: DisplayUnits) -> Self {
         if display == DisplayUnits::Metric {
@@ -310,7 +316,7 @@ impl Answer {
 mod tests {
     use super::*;
 
-    /// Every counterpart has a size. Values are calculated by hand.
+    /// Each counterpart has the correct size. The expected values were calculated by hand.
     #[test]
     fn units_have_their_counterparts() {
         for [(own, suffix), (text, shown)] in INCH {
@@ -328,7 +334,7 @@ mod tests {
             ("rpm", 7.0, 7.0),
         ] {
             let found = DisplayUnits::Inch.of(unit).value(value);
-            // Two roundings.
+            // Two roundings can each cause an error of half a unit in the last place.
             assert!((found / expected - 1.0).abs() < 1e-14, "{unit}: {found}");
             assert!((DisplayUnits::Metric.of(unit).value(value) - value).abs() <= 0.0, "{unit}");
         }

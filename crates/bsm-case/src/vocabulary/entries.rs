@@ -20,7 +20,7 @@ use crate::{CaseError, DisplayUnits, INPUTS, InputKey, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
-        /// Entries of a case besides numbers.
+        /// Inputs of a case that are not single numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct CaseEntries {
@@ -32,18 +32,18 @@ macro_rules! entries {
         }
 
         impl CaseEntries {
-            /// Keys in the order of the documentation.
+            /// Names of all entries, in the order of the documentation.
             pub const KEYS: &[&str] = &[$(stringify!($name)),*];
 
-            /// Replaces the entries that `other` gives.
+            /// Replaces the entries that are given in `other`.
             pub(crate) fn override_with(&mut self, other: &Self) {
                 $(if other.$name.is_some() {
                     self.$name.clone_from(&other.$name);
                 })*
             }
 
-            /// Returns an entry as JSON, which is null if the entry is not given, or `None` for an
-            /// unknown key.
+            /// Returns an entry as JSON. The value is null if the entry is not given. Returns
+            /// `None` for an unknown key.
             pub fn get(&self, key: &str) -> Option<Value> {
                 match key {
                     $(stringify!($name) => Some(json!(self.$name)),)*
@@ -64,13 +64,13 @@ macro_rules! entries {
 }
 
 entries! {
-    project: String, "head of the sheet of `axis`: project";
-    drawing: String, "head of the sheet: number of the drawing";
-    revision: String, "head of the sheet: revision";
-    author: String, "head of the sheet: author";
-    date: String, "head of the sheet: date, printed as given";
-    customer: String, "head of the sheet: customer";
-    remark: String, "head of the sheet: remark";
+    project: String, "project, printed in the head of the sheet of `axis`";
+    drawing: String, "number of the drawing, printed in the head of the sheet";
+    revision: String, "revision, printed in the head of the sheet";
+    author: String, "author, printed in the head of the sheet";
+    date: String, "date, printed as given in the head of the sheet";
+    customer: String, "customer, printed in the head of the sheet";
+    remark: String, "remark, printed in the head of the sheet";
     manufacturer: String, "manufacturer of the screw, for the order on the sheet";
     order_code: String, "order code of the screw or the nut, for the order on the sheet";
     display_units: Named<DisplayUnits>,
@@ -142,7 +142,7 @@ entries! {
 }
 
 impl CaseEntries {
-    /// Returns true if the key belongs to an entry.
+    /// Returns true if an entry has this key.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
     }
@@ -155,11 +155,11 @@ impl CaseEntries {
         }
     }
 
-    /// Sets one entry from JSON.
+    /// Sets an entry to a JSON value.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] with the path of the wrong value.
+    /// Returns [`CaseError::Entry`] with the path of the invalid value.
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
         let one: Self = serde_path_to_error::deserialize(one)
@@ -170,11 +170,12 @@ impl CaseEntries {
 }
 
 impl CaseEntries {
-    /// Sets an entry from the cell of a table. A text need not be quoted, also if it consists of digits.
+    /// Sets an entry to the value in a table cell. Text values need no quotes, even if they consist
+    /// of digits.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the entry does not permit the value.
+    /// Returns [`CaseError`] if the entry does not permit the value.
     pub(crate) fn set_cell(&mut self, key: &str, cell: &str) -> Result<(), CaseError> {
         self.set(key.to_owned(), json_or_text(cell)?)
             .or_else(|error| self.set(key.to_owned(), Value::from(cell)).map_err(|_| error))
@@ -263,7 +264,7 @@ pub enum Arrangement {
 pub struct ClassName(&'static (&'static str, PreloadClass));
 
 impl ClassName {
-    /// Returns the meaning of the class.
+    /// Returns the preload or play that the class stands for.
     pub(crate) fn class(self) -> PreloadClass {
         self.0.1
     }
@@ -286,17 +287,17 @@ impl From<ClassName> for String {
     }
 }
 
-/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel, usual values of
-/// ISO 3408-5.
+/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel (usual values of
+/// ISO 3408-5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelFactor(pub f64);
 
-/// Basis of the viscosity ratio of the modified life.
+/// Basis for the viscosity ratio of the modified life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KappaBy {
-    /// The film thickness ratio, if it is known.
+    /// Viscosity ratio from the film thickness, if it is known.
     Film,
-    /// The viscosity only.
+    /// Viscosity ratio from the viscosity alone.
     Viscosity,
 }
 
@@ -346,7 +347,7 @@ choices! {
         "fixed-supported" = Self::FixedSupported, "fixed-fixed" = Self::FixedFixed;
 }
 
-/// A value that a case gives by its name.
+/// A value that a case specifies by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Named<T>(pub T);
 
@@ -389,7 +390,7 @@ schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
     [] InputName = { "type": "string", "enum": INPUTS.iter().map(|input| input.name).collect::<Vec<_>>() };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
-    // Names of accuracy grades, and the numbers of some grades.
+    // Names of accuracy grades, and numbers that identify P grades.
     [] GradeName = {
         "type": ["string", "integer"],
         "enum": Grade::all().map(|grade| json!(grade.name)).chain(NUMBERS.map(Value::from)).collect::<Vec<_>>(),
@@ -400,7 +401,7 @@ fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
     all.iter().map(|(name, _)| *name).collect()
 }
 
-/// An input, given by its name.
+/// An input that is specified by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct InputName(pub InputKey);
@@ -419,21 +420,22 @@ impl From<InputName> for String {
     }
 }
 
-/// Numbers that identify a P grade without its letter.
+/// Numbers that identify a P grade without the letter.
 const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 
-/// An accuracy grade, given by its name or, for a P grade, by its number.
+/// An accuracy grade that is specified by its name or, for a P grade, by its number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
 pub struct GradeName {
-    /// The grade.
+    /// Accuracy grade to which the name or number refers.
     pub grade: &'static Grade,
-    /// Number, if only the number was given.
+    /// Number of a P grade, if the grade was specified without its letter.
     number: Option<u8>,
 }
 
-/// Returns the grades of the same series with the next smaller and the next larger number. The list
-/// is empty unless `name` is a letter and a number, such as `P2` in lists of JIS and GB/T.
+/// Returns the grades of the same series with the next smaller and the next larger number. For
+/// example, `P2` occurs in lists of JIS and GB/T, but is not a known grade. The list is empty
+/// unless `name` consists of a letter and a number.
 fn neighbors(name: &str) -> Vec<&'static str> {
     let split = |name: &str| -> Option<(char, u8)> {
         let letter = name.chars().next().filter(char::is_ascii_alphabetic)?;
@@ -482,8 +484,8 @@ impl From<GradeName> for Value {
 }
 
 impl GradeName {
-    /// Describes the grade and, if only a number was given, the grade of another standard with
-    /// which it could be confused.
+    /// Describes the grade. If only a number was given, the text also names the grade of another
+    /// standard with which it could be confused.
     pub(crate) fn describe(self) -> String {
         let Grade { name, standard, variation, .. } = self.grade;
         let um = |variation: f64| (1e7 * variation).round() / 10.0;
@@ -528,7 +530,7 @@ pub struct LeadErrorEntry {
 mod tests {
     use super::*;
 
-    /// An entry of each kind is written exactly as it was read.
+    /// Each kind of entry is written exactly as it was read.
     #[test]
     fn entries_round_trip_through_json() {
         let all: Value = serde_json::from_str(

@@ -1,4 +1,4 @@
-//! Errors of a case. They state the key, the value and the requirement.
+//! Errors in cases. They state the key, the value and the requirement.
 
 use std::io;
 use std::path::PathBuf;
@@ -10,9 +10,9 @@ use thiserror::Error;
 use super::units::units_of_stem;
 use crate::{InputKey, exact, nearest};
 
-/// A case, a setting or a grid that cannot be used.
+/// Error in a case, a setting or a grid.
 ///
-/// Messages name neither the file nor a command or an option. The caller adds them.
+/// The message names neither the file nor the command or option. The caller adds them.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaseError {
@@ -27,7 +27,7 @@ pub enum CaseError {
     /// The file is not valid JSON.
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
-    /// An unknown name.
+    /// A name is unknown.
     #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
         /// Kind of the name.
@@ -37,55 +37,55 @@ pub enum CaseError {
         /// The most similar known name.
         nearest: Option<String>,
     },
-    /// A number outside its range or outside the range of a model.
+    /// A number is outside its permitted range or outside the range of a model.
     #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
-        /// The key.
+        /// Name of the input or setting.
         key: String,
-        /// Its value.
+        /// Invalid value.
         value: f64,
-        /// The rule as text.
+        /// Permitted range as text after "must be".
         rule: String,
-        /// The model that does not cover the value, if a model limits the range.
+        /// Name of the model that limits the range, if it depends on the model.
         model: Option<&'static str>,
     },
-    /// An input that is invalid or missing.
+    /// An input is invalid or missing.
     #[error("{what}")]
     Entry {
-        /// The key.
+        /// Name of the input.
         key: String,
-        /// Message.
+        /// Message about the input.
         what: String,
     },
     /// An axis has no warm steady state.
     #[error("no warm steady state: {0}")]
     NoWarmState(Box<bsm_nut::thermal::NoSteadyState>),
-    /// A nut does not carry its load, or its preload cannot be set.
+    /// A nut cannot carry its load, or its preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
-    /// Load ratings that no usual groove has, so that no groove can be estimated.
+    /// No usual groove has the given load ratings, so no groove can be estimated.
     #[error("{0}")]
     NoGroove(String),
-    /// The search range of an input is unknown.
+    /// No search range is known for an input.
     #[error("`{key}` is not in the case, and no range to search is given")]
     NoRange {
-        /// The input.
+        /// Name of the input.
         key: &'static str,
     },
-    /// The inputs contradict each other, or have no result.
+    /// The inputs contradict each other, or no result can be calculated from them.
     #[error("{0}")]
     Invalid(String),
     /// A row of a table is invalid.
     #[error("row {row}: {error}")]
     InRow {
-        /// Number of the row, from 1.
+        /// Number of the row, counted from 1.
         row: usize,
-        /// Error in the row.
+        /// Error in this row.
         error: Box<Self>,
     },
 }
 
-/// Kinds of names.
+/// Kinds of names that a message can describe as unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// Inputs of a case.
@@ -111,14 +111,14 @@ impl Known {
 }
 
 impl CaseError {
-    /// Reports a result outside the range of double precision.
+    /// Creates the error for a result outside the range of double precision.
     pub(crate) fn beyond_double(output: &str) -> Self {
         Self::Invalid(format!(
             "{output} is outside the range of double precision; check the magnitudes of the inputs"
         ))
     }
 
-    /// Reports a model that supports only a friction coefficient.
+    /// Creates the error for a model that supports only a friction coefficient.
     pub(crate) fn no_lubricant(model: Model) -> Self {
         let model = model.name();
         Self::Invalid(format!(
@@ -127,7 +127,7 @@ impl CaseError {
         ))
     }
 
-    /// Reports a number outside its range.
+    /// Creates the error for a number outside its permitted range.
     pub(crate) fn out_of_range(
         key: impl Into<String>,
         value: f64,
@@ -136,7 +136,7 @@ impl CaseError {
         Self::OutOfRange { key: key.into(), value, rule: rule.into(), model: None }
     }
 
-    /// Reports a value that a model does not cover.
+    /// Creates the error for a value outside the range of a model.
     pub(crate) fn not_covered(key: InputKey, value: f64, rule: &str, model: Model) -> Self {
         let (key, rule) = (key.name().to_owned(), rule.to_owned());
         Self::OutOfRange { key, value, rule, model: Some(model.name()) }
@@ -146,7 +146,8 @@ impl CaseError {
         Self::Entry { key: key.to_owned(), what }
     }
 
-    /// Reports missing inputs, with the model or analysis that requires them as a phrase.
+    /// Creates the error for missing inputs. `by` is a phrase that names the model or analysis that
+    /// requires them.
     pub(crate) fn missing(missing: &[String], by: &str) -> Self {
         let what = format!("{} required {by}", list(missing));
         match missing {
@@ -155,9 +156,10 @@ impl CaseError {
         }
     }
 
-    /// Reports that an analysis of the motion needs a model with a motion of the ball.
+    /// Creates the error for an analysis of the ball motion with a model that does not calculate
+    /// this motion.
     ///
-    /// * `missing`: inputs of the simplest model with a motion of the ball that the case lacks.
+    /// * `missing`: missing inputs of the simplest model that calculates the motion of the ball.
     pub(crate) fn no_motion(model: Model, missing: &[String]) -> Self {
         let others = match missing {
             [] => "models rigid, raceway-control, elastic and traction do".to_owned(),
@@ -171,7 +173,8 @@ impl CaseError {
         ))
     }
 
-    /// Reports a text that is not one of the known values, with the most similar known value.
+    /// Creates the error for a text that is not one of the known values. The message suggests the
+    /// most similar known value.
     pub(crate) fn unknown_word(kind: &str, name: &str, known: &[&str]) -> Self {
         let near = nearest(name, known.iter().copied());
         let hint =
@@ -180,32 +183,32 @@ impl CaseError {
         Self::entry(name, format!("unknown {kind} `{name}`; {hint} {kind}s are {known}"))
     }
 
-    /// Reports a setting or a grid axis that cannot be parsed.
+    /// Creates the error for a setting or a grid axis that cannot be parsed.
     pub fn bad_setting(text: &str, form: &str) -> Self {
         Self::Invalid(format!("`{}` does not have the form {form}", brief(text)))
     }
 
-    /// Reports a value of the wrong type.
+    /// Creates the error for a value of the wrong type.
     pub(crate) fn wrong_type(key: &str, found: &str, expected: &str) -> Self {
         Self::entry(key, format!("`{key}` is {found}, but must be {expected}"))
     }
 
-    /// Reports more points than can be counted.
+    /// Creates the error for a grid with too many points to count.
     pub(crate) fn grid_too_large(limit: usize) -> Self {
         Self::Invalid(format!("the grid has more than {limit} points; use fewer values per axis"))
     }
 
-    /// Reports an unknown name, with the most similar known name.
+    /// Creates the error for an unknown name. The message suggests the most similar known name.
     pub(crate) fn unknown(known: Known, name: &str, nearest: Option<&str>) -> Self {
         Self::Unknown { known, name: name.to_owned(), nearest: nearest.map(str::to_owned) }
     }
 
-    /// Reports that neither of two alternative keys is given.
+    /// Creates the error for two alternative keys that are both missing.
     pub(crate) fn neither([one, other]: [&str; 2]) -> Self {
         Self::Invalid(format!("give one of {one} and {other}; neither is given"))
     }
 
-    /// Reports an input that is given in two units, or twice under one name.
+    /// Creates the error for an input that is given in two units, or twice with the same name.
     pub(crate) fn same_input(one: &str, other: &str) -> Self {
         if one == other {
             return Self::given_twice([one, other]);
@@ -215,8 +218,8 @@ impl CaseError {
         Self::entry(other, what)
     }
 
-    /// Reports a quantity that is given in two forms, or an input that is given twice under one
-    /// name.
+    /// Creates the error for a quantity that is given in two forms, or for an input that is given
+    /// twice with the same name.
     pub(crate) fn given_twice([one, other]: [&str; 2]) -> Self {
         let what = if one == other {
             format!("`{}` is given twice; give it once", brief(one))
@@ -226,17 +229,17 @@ impl CaseError {
         Self::entry(other, what)
     }
 
-    /// Reports the error of a value, as stated by the reader of the value.
+    /// Creates the error for a value, with the message of the code that reads the value.
     pub(crate) fn of_value(key: &str, error: &str) -> Self {
         Self::entry(key, format!("`{key}`: {error}"))
     }
 
-    /// Reports a text instead of a number.
+    /// Creates the error for a text in place of a number.
     pub fn not_a_number(key: &str, text: &str) -> Self {
         Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }
 
-    /// Returns the error in the row of a table, or the error itself.
+    /// Returns the error inside an error of a table row. Other errors are returned unchanged.
     fn of_row(&self) -> &Self {
         match self {
             Self::InRow { error, .. } => error.of_row(),
@@ -244,7 +247,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the input or column that caused the error, if there is one.
+    /// Returns the name of the input or column that caused the error, if it is known.
     pub fn key(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { key, .. } | Self::Entry { key, .. } => Some(key),
@@ -254,7 +257,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the value that violates a rule.
+    /// Returns the value that violates a rule, if the error is a range error.
     pub fn value(&self) -> Option<f64> {
         match self.of_row() {
             Self::OutOfRange { value, .. } => Some(*value),
@@ -262,7 +265,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the rule that a value violates, as text after "must be".
+    /// Returns the violated rule as text after "must be", if the error is a range error.
     pub fn rule(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { rule, .. } => Some(rule),
@@ -270,7 +273,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the known name that is most similar to an unknown name.
+    /// Returns the known name that is most similar to an unknown name, if the error suggests one.
     pub fn nearest(&self) -> Option<&str> {
         match self.of_row() {
             Self::Unknown { nearest, .. } => nearest.as_deref(),
@@ -278,7 +281,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the invalid row of a table, counted from 1.
+    /// Returns the number of the invalid table row, counted from 1.
     pub fn row(&self) -> Option<usize> {
         match self {
             Self::InRow { row, .. } => Some(*row),
@@ -286,19 +289,19 @@ impl CaseError {
         }
     }
 
-    /// Returns the error as an error in a row of a table, counted from 1.
+    /// Returns the error of a table row that contains this error. Rows are counted from 1.
     #[must_use]
     pub fn in_row(self, row: usize) -> Self {
         Self::InRow { row, error: Box::new(self) }
     }
 
-    /// Returns true if the file system caused the error.
+    /// Returns true if the error comes from the file system.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
     }
 }
 
-/// Reports an invalid entry.
+/// Creates the error for an invalid input.
 ///
 /// * `what`: predicate of a sentence about the key, such as "must be positive".
 pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
@@ -306,9 +309,9 @@ pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError 
     CaseError::Entry { what: format!("`{key}` {what}"), key }
 }
 
-/// Returns the beginning of a user's text for a message, with control characters escaped.
+/// Returns the beginning of a user's text for use in a message, with control characters escaped.
 pub fn brief(text: &str) -> String {
-    // About one line. Names of inputs are at most half as long.
+    // The limit is about one line. The longest name of an input has half as many characters.
     const MAX_CHARACTERS: usize = 60;
     match text.char_indices().nth(MAX_CHARACTERS) {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),
@@ -346,7 +349,7 @@ fn nearest_hint(name: &str, nearest: Option<&str>) -> String {
     }
 }
 
-/// Formats a list such as "a is", "a and b are" or "a, b and c are".
+/// Formats a list with its verb, such as "a is", "a and b are" or "a, b and c are".
 pub(crate) fn list(keys: &[String]) -> String {
     match keys {
         [] => "nothing is".to_owned(),

@@ -1,4 +1,4 @@
-//! The inputs. Case files, checks, schema and help texts are generated from one table.
+//! Inputs of a case. Case files, checks, schema and help texts are generated from one table.
 
 use std::ops::{Index, IndexMut};
 
@@ -10,30 +10,30 @@ use super::rules::Pointwise;
 use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
-/// Largest number up to which a double represents every integer.
+/// Largest number up to which a double can represent every integer.
 pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
-/// Rule for a value.
+/// Rule that a value must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
     /// Any finite number.
     Any,
-    /// Greater than the bound.
+    /// Greater than this bound.
     Above(f64),
-    /// At least the bound.
+    /// Greater than or equal to this bound.
     AtLeast(f64),
-    /// Strictly between the bounds.
+    /// Strictly between these bounds.
     Between(f64, f64),
-    /// Between the bounds, including the bounds.
+    /// Between these bounds or equal to one of them.
     Within(f64, f64),
-    /// An integer that is at least the bound.
+    /// An integer that is greater than or equal to this bound.
     Whole(f64),
-    /// One of these numbers.
+    /// Equal to one of these numbers.
     OneOf(&'static [f64]),
 }
 
 impl Rule {
-    /// Returns the mask of the values that are finite and satisfy the rule.
+    /// Returns a mask that is true for values that are finite and satisfy the rule.
     #[inline(always)]
     pub fn holds<N: Pointwise>(self, value: N) -> N::Mask {
         let finite = value.abs().lt(value.constant(f64::INFINITY));
@@ -64,13 +64,13 @@ impl Rule {
         }
     }
 
-    /// Checks a value.
+    /// Checks that a value satisfies the rule.
     ///
     /// * `key`: name of the input or setting.
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] if the value violates the rule.
+    /// Returns [`CaseError::OutOfRange`] if the value violates the rule.
     pub fn check(self, key: &str, value: f64) -> Result<(), CaseError> {
         if self.holds(value) {
             return Ok(());
@@ -104,14 +104,14 @@ macro_rules! inputs {
     ($($group:literal {
         $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*
     })*) => {
-        /// One operating point in named inputs with units. Every input is optional, and each model
-        /// states the inputs that it requires.
+        /// An operating point, given by named inputs with units. All inputs are optional. Each
+        /// model states which inputs it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
         #[expect(non_snake_case, reason = "the names end with symbols of units, some of which are capital letters")]
         pub struct Case {
-            /// Description as free text.
+            /// Description of the case as free text.
             pub description: Option<String>,
-            /// Entries that are not numbers.
+            /// Inputs that are not single numbers.
             pub nut: CaseEntries,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
@@ -128,7 +128,7 @@ macro_rules! inputs {
             ..Quantity::WHOLE
         },)*)*];
 
-        /// The key of an input: its index in [`INPUTS`] and in a [`Case`].
+        /// Key of an input, which is its index in [`INPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum InputKey {
@@ -141,7 +141,7 @@ macro_rules! inputs {
         }
 
         impl Case {
-            /// Returns the inputs that the case gives.
+            /// Returns the inputs that are given in the case.
             pub fn given(&self) -> InputSet {
                 let mut given = InputSet::default();
                 $($(given.add(InputKey::$name, self.$name.is_some());)*)*
@@ -172,7 +172,7 @@ macro_rules! inputs {
 }
 
 impl InputKey {
-    /// Returns the row of the input in the table.
+    /// Returns the definition of the input.
     #[inline]
     pub fn input(self) -> &'static Quantity {
         &INPUTS[self as usize]
@@ -187,7 +187,7 @@ impl InputKey {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] with the most similar name.
+    /// Returns a [`CaseError::Unknown`] that suggests the most similar name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         Self::known(name).ok_or_else(|| unknown_key(name))
     }
@@ -196,18 +196,18 @@ impl InputKey {
         Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
-    /// Returns the input for a name in any unit, and the change to the unit of the input. For
-    /// example, `axial_load_kN` is `axial_load_N` with a factor of 1000.
+    /// Returns the input for a name that may have another unit, and the conversion to the unit of
+    /// the input. For example, `axial_load_kN` is `axial_load_N` with a factor of 1000.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] with the most similar name.
+    /// Returns a [`CaseError::Unknown`] that suggests the most similar name.
     pub fn in_unit(name: &str) -> Result<(Self, UnitChange), CaseError> {
         Self::known_in_unit(name).ok_or_else(|| unknown_key(name))
     }
 
-    /// Works like [`in_unit`](Self::in_unit), but returns `None` for an unknown name, because the
-    /// search for the most similar name is slow.
+    /// Works like [`in_unit`](Self::in_unit), but returns `None` for an unknown name and so avoids
+    /// the slow search for the most similar name.
     pub(crate) fn known_in_unit(name: &str) -> Option<(Self, UnitChange)> {
         let given = || Some((Self::known(name)?, UnitChange::NONE));
         let converted = || {
@@ -219,13 +219,14 @@ impl InputKey {
 }
 
 impl Case {
-    /// Returns the value of an input: as given, derived from other inputs, or the default.
+    /// Returns the value of an input: the given value, a value derived from other inputs, or the
+    /// default.
     #[inline]
     pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
         self[key].or_else(|| self.follows(key)).or(key.input().default)
     }
 
-    /// Returns the value of an input, or NaN if it has none.
+    /// Returns the value of an input, or NaN if the input has no value.
     pub(crate) fn number(&self, key: InputKey) -> f64 {
         self.value_or_default(key).unwrap_or(f64::NAN)
     }
@@ -498,7 +499,7 @@ inputs! {
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
             "moment of inertia per meter of the screw as stated by the manufacturer; defaults to a value calculated from the cross section";
         support_bearing_axial_load_N ["N"] Above(0.0), None,
-            "largest permitted axial load of the support bearings; load, pretension and hindered growth together must not exceed it";
+            "largest permitted axial load of the support bearings; the sum of load, pretension and force of hindered growth must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
@@ -542,7 +543,7 @@ inputs! {
         cycles_per_hour [""] Above(0.0), None,
             "number of cycles per hour; standstill fills the time between the cycles";
         hold_force_N ["N" "F_c"] Any, None,
-            "process force that acts at rest, in addition to the weight; positive against a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
+            "process force that acts at rest, in addition to the weight; positive if it opposes a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
         stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,
             "deceleration with which the drive stops the axis after brake_delay_s; replaces brake_torque_Nm";
         brake_torque_Nm ["N m"] Above(0.0), None,

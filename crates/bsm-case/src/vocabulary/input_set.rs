@@ -1,4 +1,4 @@
-//! Sets of inputs, and how a given set changes another set.
+//! Sets of inputs, and the effect of new inputs on a set.
 
 use std::f64::consts::PI;
 
@@ -19,7 +19,7 @@ macro_rules! inputs {
 
 pub(crate) use inputs;
 
-/// Number of bits of a word of an [`InputSet`].
+/// Number of bits in one word of an [`InputSet`].
 const BITS: usize = u128::BITS as usize;
 
 /// A set of inputs.
@@ -96,7 +96,7 @@ impl InputSet {
         self.common(other) != Self::default()
     }
 
-    /// Returns the inputs in the order of the documentation.
+    /// Returns an iterator over the inputs, in the order of the documentation.
     pub fn iter(self) -> impl Iterator<Item = InputKey> {
         self.0.into_iter().enumerate().flat_map(|(word, mut left)| {
             std::iter::from_fn(move || {
@@ -108,9 +108,9 @@ impl InputSet {
         })
     }
 
-    /// Returns the inputs that new values for this set replace: the inputs themselves and the other
-    /// forms of the same quantities. For example, a lead replaces a lead angle, and a viscosity
-    /// replaces a friction coefficient.
+    /// Returns the inputs that are replaced if the inputs of this set get new values: these inputs
+    /// and other forms of the same quantities. For example, a lead replaces a lead angle, and a
+    /// viscosity replaces a friction coefficient.
     #[must_use]
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
@@ -126,7 +126,7 @@ impl InputSet {
             .fold(self.and(friction), Self::and)
     }
 
-    /// Returns the set including the inputs that follow from it (see [`following`]).
+    /// Returns the set completed by the inputs that can be calculated from it (see [`following`]).
     #[must_use]
     pub fn completed(self) -> Self {
         let known = |key| self.contains(key).then_some(1.0);
@@ -134,7 +134,7 @@ impl InputSet {
         self.and(follow.filter(|key| following(*key, known).is_some()).collect())
     }
 
-    /// Returns two inputs for each quantity that is given in more than one form.
+    /// Returns two of the given inputs for each quantity that is given in more than one form.
     pub(crate) fn two_forms(self) -> impl Iterator<Item = [InputKey; 2]> {
         QUANTITIES.iter().filter_map(move |quantity| {
             let mut given =
@@ -144,11 +144,11 @@ impl InputSet {
     }
 
     /// Checks that no quantity is given in two forms. Lead and lead angle may both be given, but
-    /// must agree (see [`Relation::LeadsAgree`](crate::Relation::LeadsAgree)).
+    /// must be consistent (see [`Relation::LeadsAgree`](crate::Relation::LeadsAgree)).
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if a quantity is given in two forms.
+    /// Returns [`CaseError::Entry`] if a quantity is given in two forms.
     pub fn check_forms(self) -> Result<(), CaseError> {
         let agrees = |keys: &[InputKey; 2]| keys[0] == LEAD.forms[0].key;
         match self.two_forms().find(|keys| !agrees(keys)) {
@@ -157,7 +157,8 @@ impl InputSet {
         }
     }
 
-    /// Returns the given inputs of a case with this set after `settings` have been applied.
+    /// Returns the inputs of a case that has the inputs of this set, after `settings` have been
+    /// applied to it.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).and(settings)
@@ -184,19 +185,20 @@ pub(crate) struct Quantity {
 pub(crate) struct Form {
     /// Input of the form.
     pub(crate) key: InputKey,
-    /// Further inputs that the form needs, and their purpose.
+    /// Additional inputs that this form needs.
     pub(crate) with: InputSet,
     pub(crate) to: &'static str,
 }
 
 impl Quantity {
-    /// Returns the inputs of all forms.
+    /// Returns the main inputs of all forms of the quantity.
     fn keys(&self) -> InputSet {
         self.forms.iter().map(|form| form.key).collect()
     }
 }
 
-/// Declares the quantities with several forms, each with its text in a message and its inputs.
+/// Declares quantities with several forms. Each quantity has a text for messages and the inputs of
+/// its forms.
 macro_rules! forms {
     ($($(#[doc = $about:literal])* $visible:vis $quantity:ident, $words:literal:
         $($key:ident $(with $other:ident $to:literal)?),+;)*) => {
@@ -215,15 +217,15 @@ macro_rules! forms {
 }
 
 forms! {
-    /// Lead angle, or lead on the pitch circle.
+    /// Lead angle, or lead together with the pitch circle diameter.
     pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
         lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to turn lead_mm into an angle";
-    /// Contact angle, or the distance between the groove bottoms that determines it. Only the
-    /// ratings of a nut read the distance.
+    /// Contact angle, or the distance between the groove bottoms, from which it is calculated. Only
+    /// the ratings of a nut use the distance.
     pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
     /// Speed of the screw, or feed rate of the nut.
     SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to turn feed_m_min into a speed";
-    /// Viscosity of the lubricant, at two temperatures or by its grade.
+    /// Viscosity of the lubricant, given at two temperatures or by its grade.
     pub(crate) VISCOSITY, "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)":
         viscosity_40C_mm2_s with viscosity_100C_mm2_s "for the viscosity at other temperatures", iso_vg;
     /// Temperature of the lubricant, or the inputs from which it is calculated.
@@ -236,7 +238,7 @@ forms! {
         coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
     /// Pretension of a screw between two fixed bearings.
     PRETENSION, "pretension_N (or pretension_K)": pretension_N, pretension_K;
-    /// Life that is required.
+    /// Required life.
     REQUIRED_LIFE, "required_life_h (or _revolutions, _km, _cycles, _strokes or _years)":
         required_life_h, required_life_revolutions, required_life_km, required_life_cycles,
         required_life_strokes, required_life_years;
@@ -245,14 +247,14 @@ forms! {
 }
 
 /// Returns the value of an input that follows from other inputs: the number of balls from the balls
-/// per turn, and the speed from the feed rate.
+/// per turn, or the speed from the feed rate.
 pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     use InputKey as K;
     match key {
         K::loaded_balls => {
             let balls = given(K::loaded_balls_per_turn)? * loaded_turns(&given)?;
             match (given(K::loaded_turns), given(K::circuits_count)) {
-                // A circuit of one turn minus its gap has an integer number of balls.
+                // Each circuit of one turn minus its gap has an integer number of balls.
                 (None, Some(circuits)) => Some((balls / circuits).round() * circuits),
                 _ => Some(balls),
             }
@@ -269,17 +271,18 @@ pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Opti
     }
 }
 
-/// Lead angle: tanα = L / (π d)
+/// Returns the lead angle \[rad\]: tanα = L / (π d).
 pub(crate) fn lead_angle<D: Scalar>(lead_mm: D, pitch_circle_diameter_mm: D) -> D {
     (lead_mm / (pitch_circle_diameter_mm * PI)).atan()
 }
 
-/// Lead: L = π d tanα
+/// Returns the lead \[mm\]: L = π d tanα.
 pub(crate) fn lead_mm(lead_angle: f64, pitch_circle_diameter_mm: f64) -> f64 {
     PI * pitch_circle_diameter_mm * lead_angle.tan()
 }
 
-/// Returns the loaded turns of a nut: as given, or as circuits of one turn minus the gap.
+/// Returns the number of loaded turns: either the given number, or the number of circuits times one
+/// turn minus the gap.
 pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     let by_gap = || {
         let arc = 360.0 - given(InputKey::gap_deg)?;
@@ -288,8 +291,8 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
     given(InputKey::loaded_turns).or_else(by_gap)
 }
 
-/// Inputs that indicate friction from a lubricant. Density and drag coefficient do not, because the
-/// jamming analysis uses them for dry balls as well.
+/// Inputs that show that friction is calculated from a lubricant. Density and drag coefficient are
+/// not among them, because the jamming analysis also uses them for dry balls.
 pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
@@ -298,32 +301,32 @@ pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
 };
 
 impl InputSet {
-    /// Lubricant inputs that must be the same at all points of a table, so that only the
-    /// temperature of the lubricant varies.
+    /// Lubricant inputs that must be constant in a table in which only the temperature of the
+    /// lubricant varies.
     pub(crate) const OF_ONE_LUBRICANT: Self = {
-        // These inputs are also valid for a ball without a lubricant.
+        // These inputs are also valid for a dry ball.
         let more = inputs! {
             lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
         };
         OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
-    /// Running contact angles that replace the contact angles of a model.
+    /// Running contact angles that replace the contact angles calculated by a model.
     pub const RUNNING_ANGLES: Self =
         inputs! { nut_running_contact_angle_deg screw_running_contact_angle_deg };
 
-    /// Returns true if friction comes from a lubricant.
+    /// Returns true if friction is calculated from a lubricant.
     pub fn is_lubricated(self) -> bool {
         self.meets(OF_A_LUBRICANT)
     }
 
-    /// Returns true if friction is given by a coefficient or a lubricant.
+    /// Returns true if a friction coefficient or a lubricant is given.
     pub(crate) fn has_friction(self) -> bool {
         self.contains(InputKey::friction_coefficient) || self.is_lubricated()
     }
 
-    /// Checks that friction is given only once, and that lubricant inputs that need each other are
-    /// given together.
+    /// Checks that friction is given only once, and that inputs that depend on each other are given
+    /// together.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
@@ -351,8 +354,8 @@ impl InputSet {
 }
 
 impl Case {
-    /// Returns the given inputs, the inputs that follow from other entries, and the inputs that the
-    /// warm state determines.
+    /// Returns the inputs whose values are known: given inputs, inputs that follow from other
+    /// entries, and inputs that the warm state determines.
     pub fn stated(&self) -> InputSet {
         let given = self.given();
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
@@ -362,7 +365,7 @@ impl Case {
         given.and(listed.into_iter().chain(found).chain(class).collect())
     }
 
-    /// Returns the value of an input that is not given but follows from other inputs, from the
+    /// Returns the value of an input that is not given, but follows from other inputs, from the
     /// circuits of a nut or from the manufacturing method of a screw.
     #[inline(never)]
     pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
@@ -380,24 +383,24 @@ impl Case {
         }
     }
 
-    /// Applies all values of `settings` together. A form of a quantity replaces the other forms.
+    /// Applies all values of `settings` at once. A new form of a quantity replaces its other forms.
     ///
-    /// Points of a grid and changes of a case are applied by this function.
+    /// Grid points and changes of a case are applied with this function.
     pub fn override_with(&mut self, settings: &Self) {
         let given = settings.given();
         self.remove_replaced(given);
         for key in given.iter() {
             self[key] = settings[key];
         }
-        // A preload class replaces a preload.
+        // A new preload class replaces a preload.
         if settings.nut.preload_class.is_some() && settings.preload_N.is_none() {
             self.preload_N = None;
         }
         self.nut.override_with(&settings.nut);
     }
 
-    /// Applies numbers together, as [`override_with`](Self::override_with) does. Rows of a table
-    /// are applied by this function, which needs no second case.
+    /// Applies several numbers at once, in the same way as [`override_with`](Self::override_with).
+    /// This function applies the rows of a table, for which it needs no second case.
     pub fn override_with_numbers(&mut self, numbers: &[(InputKey, f64)]) {
         self.remove_replaced(numbers.iter().map(|(key, _)| *key).collect());
         for (key, value) in numbers {
@@ -405,16 +408,16 @@ impl Case {
         }
     }
 
-    /// Removes the inputs that new values for `given` replace.
+    /// Removes the inputs that are replaced if the inputs in `given` get new values.
     fn remove_replaced(&mut self, given: InputSet) {
         for key in given.replaced().without(given).iter() {
             self[key] = None;
         }
-        // A given input is not estimated any more.
+        // An input that is given is no longer estimated.
         if let Some(estimated) = &mut self.nut.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }
-        // A preload replaces a preload class.
+        // A new preload replaces a preload class.
         if given.contains(InputKey::preload_N) {
             self.nut.preload_class = None;
         }

@@ -10,21 +10,21 @@ use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
 use crate::{CaseEntries, CaseError, INPUTS, Output};
 
-/// Description of a case in messages.
+/// Description of a case for messages about invalid files.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
-/// Quantities that one source gives, such as a case, the settings of a command or the header of a
-/// table, each with the name used in the source. A quantity may only be given once, in any
-/// unit.
+/// Quantities given by one source, such as a case, the settings of a command or the header of a
+/// table. Each quantity is stored with the name that the source uses, and may only be given once,
+/// in any unit.
 #[derive(Debug, Default)]
 pub struct GivenNames(Vec<(&'static str, String)>);
 
 impl GivenNames {
-    /// Adds a quantity with the name used in the source.
+    /// Adds a quantity with the name that the source uses.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] with both names if the quantity is already present.
+    /// Returns [`CaseError::Entry`] with both names if the quantity is already present.
     pub fn add(&mut self, quantity: &'static str, name: &str) -> Result<(), CaseError> {
         if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == quantity) {
             return Err(CaseError::same_input(former, name));
@@ -34,11 +34,12 @@ impl GivenNames {
     }
 }
 
-/// Reads the members of a JSON object in their order.
+/// Reads the members of a JSON object, in the order of the text.
 ///
 /// # Errors
 ///
-/// [`CaseError`] for invalid syntax, and for a key that occurs twice in an object at any depth.
+/// Returns [`CaseError`] for invalid syntax, and for a key that occurs twice in an object at any
+/// depth.
 pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     // Some editors write a byte order mark at the beginning of a file.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
@@ -51,21 +52,22 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     }
 }
 
-/// Reads a value that JSON can represent, from any format.
+/// Reads a value that JSON can represent from any input format.
 ///
 /// # Errors
 ///
-/// The errors of the deserializer, and an error for a number that is not finite and for a key that
+/// Returns the errors of the deserializer, and errors for a number that is not finite or a key that
 /// occurs twice in an object.
 pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value, D::Error> {
     UniqueKeys(&RefCell::default()).deserialize(deserializer)
 }
 
-/// Reads the value of a setting as JSON or, if it is not JSON, as a text without quotes.
+/// Reads the value of a setting as JSON. If it is not valid JSON, reads it as a text without
+/// quotes.
 ///
 /// # Errors
 ///
-/// [`CaseError::Entry`] for a key that occurs twice in an object.
+/// Returns [`CaseError::Entry`] for a key that occurs twice in an object.
 pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
     match json_value(text.as_bytes()) {
         Err(CaseError::Syntax(_)) => Ok(Value::from(text)),
@@ -73,8 +75,8 @@ pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
     }
 }
 
-/// Reads a JSON value. The crate `serde_json` keeps the last value of a repeated key; this function
-/// rejects it.
+/// Reads a JSON value and rejects repeated keys, of which the crate `serde_json` would keep the
+/// last value.
 fn json_value(json: &[u8]) -> Result<Value, CaseError> {
     let repeated = RefCell::default();
     let mut reader = serde_json::Deserializer::from_slice(json);
@@ -86,7 +88,7 @@ fn json_value(json: &[u8]) -> Result<Value, CaseError> {
     })
 }
 
-/// Reads any JSON value and stores a key that occurs twice in an object.
+/// Deserializer for any JSON value that stores the first key that occurs twice in an object.
 #[derive(Clone, Copy)]
 struct UniqueKeys<'a>(&'a RefCell<Option<String>>);
 
@@ -164,9 +166,9 @@ pub(crate) fn unknown_key(key: &str) -> CaseError {
     CaseError::unknown(Known::Input, key, nearest_input(key))
 }
 
-/// Returns the known input with the most similar name, if any is similar enough.
+/// Returns the input whose name is most similar to `key`, if a name is similar enough.
 pub fn nearest_input(key: &str) -> Option<&'static str> {
-    // The name may be complete except for its unit.
+    // The name may be correct except for its missing unit.
     let whole = long_name(key).unwrap_or(key);
     let meant = |name: &&str| {
         let unit = name.strip_prefix(whole).and_then(|rest| rest.strip_prefix('_'));
@@ -178,9 +180,9 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
     nearest(key, INPUTS.iter().map(|input| input.name).chain(CaseEntries::KEYS.iter().copied()))
 }
 
-/// Returns the name that is most similar to `key`, if any is similar enough.
+/// Returns the name that is most similar to `key`, if a name is similar enough.
 pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // A much longer text is not similar to any name, and the comparison would be slow.
+    // A much longer text is not similar to any name, and comparing it would be slow.
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
@@ -188,7 +190,7 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
         let lower = name.to_lowercase();
         let distance = strsim::damerau_levenshtein(&key, &lower);
         let (begins, has) = (name.starts_with(part), name.contains(part));
-        // Some words may be missing, such as `max` of nut_max_pressure_MPa.
+        // The text may lack some words of the name, such as `max` of nut_max_pressure_MPa.
         let short =
             key.contains('_') && key.split('_').all(|word| lower.split('_').any(|w| w == word));
         let distance = match has {
@@ -197,8 +199,8 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
             true => distance.min(3),
             false => distance,
         };
-        // Among several names that contain the text, names that begin with the text come first, and
-        // then the names that are declared first.
+        // If several names contain the text, names that begin with it are preferred, and then names
+        // that are declared earlier.
         ((distance, !begins, !has, place), name)
     });
     ranked

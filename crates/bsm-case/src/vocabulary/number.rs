@@ -1,14 +1,15 @@
-//! Numbers as text: exact for programs, and with five or two digits for readers.
+//! Conversion of numbers to text: exact for programs, and with five or two digits for readers.
 
 use std::io::{self, Write};
 
 use bsm_design::Band;
 
-/// Formats a number with the fewest decimal digits that give the same number when read back, as in
-/// CSV tables. The exponent is used from 1e16 on and below 1e-5, and integers have no decimal
+/// Formats a number with the fewest decimal digits that reproduce it when read back, as in CSV
+/// tables. Numbers from 1e16 on and below 1e-5 have an exponent, and integers have no decimal
 /// point.
 ///
-/// JSON uses the same digits, but writes integers with `.0` to distinguish them from counts.
+/// JSON output has the same digits, but writes integral numbers with `.0` to distinguish them from
+/// counts.
 pub fn exact(value: f64) -> String {
     let mut text = Vec::with_capacity(24);
     // Writing to memory cannot fail.
@@ -20,7 +21,7 @@ pub fn exact(value: f64) -> String {
 ///
 /// # Errors
 ///
-/// The errors of the writer.
+/// Returns the errors of the writer.
 pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     if !value.is_finite() {
         return write!(to, "{value}");
@@ -32,13 +33,13 @@ pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     Ok(())
 }
 
-/// Formats a number with five significant digits, in fixed notation where it is readable.
+/// Formats a number with five significant digits, in fixed notation if that is readable.
 pub fn number(value: f64) -> String {
     digits(value, 5)
 }
 
-/// Formats a number with the given significant digits and all digits before the decimal point, in
-/// fixed notation where it is readable.
+/// Formats a number with the given number of significant digits, in fixed notation if that is
+/// readable. All digits before the decimal point are shown.
 pub fn digits(value: f64, count: u8) -> String {
     let magnitude = value.abs();
     let after = i32::from(count) - 1;
@@ -53,7 +54,8 @@ pub fn digits(value: f64, count: u8) -> String {
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }
 
-/// Formats a number with at most five significant digits, like [`number`] without trailing zeros.
+/// Formats a number with at most five significant digits, like [`number`] but without trailing
+/// zeros.
 pub fn trimmed(value: f64) -> String {
     let text = number(value);
     if text.contains('e') || !text.contains('.') {
@@ -62,11 +64,11 @@ pub fn trimmed(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Returns a 90 % interval as text, " (low to high)", with three digits, or with five digits if the
-/// interval is narrow. The ends are rounded outward, so that the text contains every value of the
-/// interval. The text is empty if there is no interval.
+/// Formats a 90 % interval as " (low to high)", with three digits, or with five digits if the
+/// interval is narrow. The ends are rounded outward, so the interval in the text contains every
+/// value of the exact interval. The text is empty if there is no interval.
 pub fn interval(band: Option<Band>) -> String {
-    /// Relative width below which three digits do not show an interval.
+    /// Relative width below which three digits are not sufficient to show an interval.
     const NARROW: f64 = 0.02;
     band.map_or_else(String::new, |Band { low, high }| {
         let is_narrow = high - low < NARROW * low.abs().max(high.abs());
@@ -76,10 +78,10 @@ pub fn interval(band: Option<Band>) -> String {
     })
 }
 
-/// Rounds a number to the digits that [`digits`] shows, in a given direction. A number that differs
-/// from such a number by rounding errors alone is rounded to it.
+/// Rounds a number in a given direction to the digits that [`digits`] shows. If the number differs
+/// from such a rounded number only by rounding errors, that number is returned.
 fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
-    /// Rounding errors, relative to the last digit.
+    /// Largest rounding error, relative to the last digit.
     const ROUNDING: f64 = 1e-6;
     if value == 0.0 {
         return value;
@@ -91,8 +93,8 @@ fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
     last * if (units - nearest).abs() < ROUNDING { nearest } else { towards(units) }
 }
 
-/// Formats a number with two significant digits and all digits before the decimal point, for tables
-/// of times and errors. Numbers below 1e-3 have an exponent.
+/// Formats a number with two significant digits, for tables of times and errors. All digits before
+/// the decimal point are shown. Numbers below 1e-3 have an exponent.
 pub fn short(value: f64) -> String {
     if value.abs() > 0.0 && value.abs() < 1e-3 {
         return format!("{value:.1e}");
@@ -100,7 +102,7 @@ pub fn short(value: f64) -> String {
     digits(value, 2)
 }
 
-/// Rounds a size to 1e-9, which removes the rounding error of a unit conversion.
+/// Rounds a size to a multiple of 1e-9, which removes rounding errors of unit conversions.
 pub(crate) fn decimal(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
@@ -109,7 +111,7 @@ pub(crate) fn decimal(value: f64) -> f64 {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "the numbers are rounded or integers by their rules, and at most the maximum number of balls"
+    reason = "the numbers are rounded or are integers by their rules, and they do not exceed the maximum number of balls"
 )]
 pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize
@@ -151,7 +153,8 @@ mod tests {
         }
     }
 
-    /// An interval whose end is the value used to exclude the value: "3.1750 (2.78 to 3.17)".
+    /// Regression test: the text "3.1750 (2.78 to 3.17)" excluded the value at the end of its
+    /// interval.
     #[test]
     fn an_interval_as_text_contains_its_ends() {
         for (low, high, text) in [

@@ -1,4 +1,4 @@
-//! The outputs. Records, tables and schema are generated from one table.
+//! Outputs of the models. Records, tables and the schema are generated from one table.
 
 use std::sync::LazyLock;
 
@@ -14,37 +14,37 @@ use super::quantity::{AnalysisKind, Quantity, Scope};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg, unit_suffix};
 use crate::{INPUTS, InputKey};
 
-/// An output.
+/// Definition of an output.
 #[derive(Debug, Clone, Copy)]
 pub struct Output {
-    /// Name, with its unit as suffix.
+    /// Name, with its unit as a suffix.
     pub name: &'static str,
     /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
-    /// JSON type.
+    /// Type of the value in JSON.
     pub json_type: &'static str,
-    /// Possible texts; empty for numbers.
+    /// Possible texts, if the output is a text; empty for numbers.
     pub words: &'static [&'static str],
-    /// Meaning.
+    /// Meaning of the output.
     pub about: &'static str,
     pub(crate) origin: Origin,
 }
 
-/// Where the value of an output comes from.
+/// Source of the value of an output.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
     /// The solution of a model.
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
-    /// A table of quantities. `kind` is set if it is the table of an analysis.
+    /// A table of quantities. `kind` is set if the table belongs to an analysis.
     Table { kind: Option<AnalysisKind> },
     /// An input of a case.
     Input,
-    /// An end of the 90 % interval of another output over the possible grooves.
+    /// One end of the 90 % interval of another output over the possible grooves.
     Interval { of: &'static Output, is_high: bool },
 }
 
 impl Output {
-    /// Creates the output for a number of a table.
+    /// Creates the definition of an output that belongs to a table of quantities.
     pub(crate) const fn of_table(
         name: &'static str,
         unit: &'static str,
@@ -55,8 +55,8 @@ impl Output {
         Self { name, unit, json_type, words: &[], about, origin: Origin::Table { kind } }
     }
 
-    /// Returns the value in a solution, in the unit of the output, or `None` if the solution does
-    /// not contain it. Flags are 0 or 1, and texts are represented by their index.
+    /// Returns the value of the output in a solution, or `None` if the solution does not contain
+    /// it. Flags are returned as 0 or 1, and texts as the index of the text.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
         let Origin::Solution { key, read } = self.origin else { return None };
         match (&solution.answer, key) {
@@ -67,7 +67,7 @@ impl Output {
         }
     }
 
-    /// Returns the index in [`OUTPUTS`], or `None` for a number of an analysis.
+    /// Returns the key in [`OUTPUTS`], or `None` if the output is not a result of a model.
     pub fn key(&self) -> Option<OutputKey> {
         match self.origin {
             Origin::Solution { key, .. } => Some(key),
@@ -75,7 +75,8 @@ impl Output {
         }
     }
 
-    /// Returns the analysis that calculates the output.
+    /// Returns the analysis that calculates the output, or `None` if the output is not a result of
+    /// an analysis.
     pub fn analysis(&self) -> Option<AnalysisKind> {
         match self.origin {
             Origin::Solution { .. } | Origin::Input => None,
@@ -84,7 +85,8 @@ impl Output {
         }
     }
 
-    /// Returns the output whose 90 % interval has this output as an end, and true for the high end.
+    /// If the output is an end of a 90 % interval, returns the output to which the interval
+    /// belongs, and true for the upper end.
     pub fn interval(&self) -> Option<(&'static Self, bool)> {
         match self.origin {
             Origin::Interval { of, is_high } => Some((of, is_high)),
@@ -92,7 +94,7 @@ impl Output {
         }
     }
 
-    /// Returns an input as a column of numbers.
+    /// Returns the definition of an input as a column of numbers.
     pub(crate) fn input(key: InputKey) -> &'static Self {
         static COLUMNS: LazyLock<Vec<Output>> = LazyLock::new(|| {
             let column = |input: &Quantity| Output {
@@ -108,18 +110,19 @@ impl Output {
         &COLUMNS[key as usize]
     }
 
-    /// Returns true if the column is an input.
+    /// Returns true if the column contains an input.
     pub(crate) fn is_input(&self) -> bool {
         matches!(self.origin, Origin::Input)
     }
 
-    /// Returns the names of the ends of an interval: the name of the number with `low` or `high` before the unit.
+    /// Returns the names of both ends of an interval, which have `low` or `high` before the unit of
+    /// the name.
     pub fn end_names(name: &str, unit: &str) -> [String; 2] {
         let (stem, unit) = name.split_at(name.len() - unit_suffix(name, unit).len());
         ["low", "high"].map(|word| format!("{stem}_{word}{unit}"))
     }
 
-    /// Returns the outputs for the ends of the 90 % interval of an output over the possible
+    /// Returns the outputs for both ends of the 90 % interval of an output over the possible
     /// grooves. Their names have `low` or `high` before the unit.
     fn ends(of: &'static Self) -> [Self; 2] {
         let [low, high] = Self::end_names(of.name, of.unit);
@@ -129,7 +132,7 @@ impl Output {
                 of.about
             );
             Self {
-                // The name is leaked only once per output.
+                // The text is never freed, but it is only created once per output.
                 name: Box::leak(name.into_boxed_str()),
                 about: Box::leak(about.into_boxed_str()),
                 origin: Origin::Interval { of, is_high },
@@ -138,7 +141,7 @@ impl Output {
         })
     }
 
-    /// Returns the end of an interval by its name.
+    /// Returns the output for an end of an interval with the given name.
     pub(crate) fn interval_end(name: &str) -> Option<&'static Self> {
         static ENDS: LazyLock<Vec<Output>> = LazyLock::new(|| {
             let numbers = Output::all().filter(|output| output.json_type == "number");
@@ -147,7 +150,7 @@ impl Output {
         ENDS.iter().find(|end| end.name == name)
     }
 
-    /// Returns true for a number of the ball or of its contacts.
+    /// Returns true if the output describes the ball or its contacts.
     pub(crate) fn is_of_the_ball(&self) -> bool {
         use OutputKey as K;
         let of_the_ball = K::axial_displacement_um as usize..=K::ball_omega_b_rad_s as usize;
@@ -156,14 +159,14 @@ impl Output {
         place.is_some_and(|key| of_the_ball.contains(&key) || of_its_contacts.contains(&key))
     }
 
-    /// Returns the text for a number in a column of texts.
+    /// Returns the text that a number in a column of texts represents.
     pub fn word(&self, number: f64) -> Option<&'static str> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
         let place = number as usize;
         self.words.get(place).filter(|_| !number.is_nan()).copied()
     }
 
-    /// Converts a value to JSON.
+    /// Converts a value of the output to JSON.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
     pub(crate) fn json(&self, value: f64) -> Value {
         match self.json_type {
@@ -175,15 +178,15 @@ impl Output {
     }
 }
 
-/// Declares outputs: `"label" ["unit"] Kind: name member = reader, "meaning";`, with several names
-/// and members for the contacts. A reader returns a number of a solution at a contact. Flags are 0
-/// or 1, and texts are represented by their index.
+/// Declares outputs: `"label" ["unit"] Kind: name member = reader, "meaning";`. Outputs of contacts
+/// have several names and members. The reader returns the value in a solution at a contact. Flags
+/// are 0 or 1, and texts are represented by their index.
 macro_rules! outputs {
     ($($title:literal { $(
         $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $site:ident)+ =
             |$s:tt, $at:tt| $read:expr, $about:literal;
     )* })*) => {
-        /// All outputs of a solution, in the order of the documentation.
+        /// All outputs of the models, in the order of the documentation.
         pub const OUTPUTS: &[Output] = &[$($($(Output {
             name: stringify!($name),
             unit: $unit,
@@ -199,8 +202,8 @@ macro_rules! outputs {
             },
         },)+)*)*];
 
-        /// Outputs for display, with one quantity for all contacts. Quantities with the title
-        /// "hidden" are shown as part of a sentence.
+        /// Outputs as they are displayed, with one quantity for all contacts. Quantities with the
+        /// title "hidden" are only displayed as part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
@@ -212,15 +215,16 @@ macro_rules! outputs {
             ..Quantity::WHOLE
         },)*)*];
 
-        /// The key of an output: its index in [`OUTPUTS`].
+        /// Key of an output, which is its index in [`OUTPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum OutputKey {
             $($($(#[doc = $about] $name,)+)*)*
         }
 
-        /// Stores the outputs of several solutions side by side, if `place` returns an index for
-        /// them. Values are in the unit of the output.
+        /// Passes each output of several solutions to `store` with the index that `place` returns
+        /// for the output. Outputs without an index are skipped. The values have the unit of the
+        /// output.
         #[inline(always)]
         pub fn store_outputs<F: Real>(
             solved: &SteadyState<F>,
@@ -261,8 +265,8 @@ macro_rules! outputs {
     (@words $kind:ident) => { &[] };
 }
 
-/// Calls a reader at a contact. Lanes use the instruction set of the caller only in inlined
-/// functions.
+/// Calls a reader for a contact. The function is inlined, because SIMD lanes can use the
+/// instruction set of the caller only in inlined functions.
 #[inline(always)]
 fn read_at<F: Real>(
     solved: &SteadyState<F>,
@@ -272,24 +276,24 @@ fn read_at<F: Real>(
     read(solved, at)
 }
 
-/// Returns a constant for all solutions.
+/// Returns the same number for all solutions.
 #[inline(always)]
 fn constant<F: Real>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
 }
 
-/// Returns 1 or 0 for each solution.
+/// Returns 1 for each solution for which the mask is true, and 0 for the others.
 #[inline(always)]
 fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
-/// Returns 1 for true and 0 for false.
+/// Converts true to 1 and false to 0.
 fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
 
-/// Returns the angular velocity along t, n or b.
+/// Returns the component of the ball's angular velocity along t, n or b.
 #[inline(always)]
 fn omega<F: Real>(solved: &SteadyState<F>, along: usize) -> Option<F> {
     let [omega] = solved.ball.motion.as_ref()?.omega.data.0;
@@ -357,7 +361,7 @@ outputs! {
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
             "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
         "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
-            "gap between a ball and the nearer far flank at axial_play_um; negative: approach of the third contact";
+            "gap between a ball and the closer of the two far flanks at axial_play_um; a negative gap is the elastic approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
             "normal load of the third contact of a ball, at the far flank of nut or screw";
         "third contact slip speed" ["m/s"] Number: third_contact_slip_m_s whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.slip),
@@ -399,9 +403,9 @@ outputs! {
     }
     "hidden" {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
-            "relative error of the power balance; only rounding error at an exact solution";
+            "relative error of the power balance; for an exact solution, only rounding errors remain";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
-            "Newton steps, or sweeps of `rigid`";
+            "number of Newton steps, or of sweeps in model `rigid`";
         "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),
             "scaled residual of the equations";
         "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(s.film.as_ref()?.outside.seal),
@@ -417,7 +421,7 @@ outputs! {
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
-            "evidence of no_solution: proof; bound (limits measured at many points: the error of an expansion, or where two solutions exist); traced (the curve of states from small inertia on was followed to its end in steps of finite size)";
+            "evidence for no_solution: proof; bound (limits measured at many points: the error of an expansion, or the range in which two solutions exist); traced (the branch of states that starts at small inertia was traced to its end in steps of finite size)";
     }
 }
 
@@ -427,7 +431,7 @@ mod tests {
 
     use super::*;
 
-    /// Columns contain the index of a text.
+    /// A column for the controlling raceway contains the index of its text.
     #[test]
     fn columns_contain_the_index_of_the_controlling_raceway() {
         let output = Output::named("controlling_raceway").expect("an output");
@@ -436,7 +440,7 @@ mod tests {
         }
     }
 
-    /// The unit of every output is recognized at the end of its name, so that `low` and `high` are
+    /// The unit of every output is recognized at the end of its name, so `low` and `high` can be
     /// inserted before the unit.
     #[test]
     fn interval_ends_have_their_word_before_the_unit() {

@@ -1,4 +1,4 @@
-//! The cycle of an axis, consisting of moves, phases and dwells, as read from JSON or from a table.
+//! Cycle of an axis, which consists of moves, phases and dwells, as read from JSON or from a table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,24 +12,24 @@ use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{CaseError, TableFormat, nearest};
 
-/// Shape of a move.
+/// Speed profile of a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoveProfile {
-    /// One third of the time each for acceleration, constant speed and deceleration.
+    /// Acceleration, constant speed and deceleration each take one third of the time.
     Trapezoidal,
-    /// Half of the time for acceleration and half for deceleration.
+    /// Acceleration and deceleration each take half of the time.
     Triangular,
 }
 
 macro_rules! phase {
     ($($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
         keys! {
-            /// Keys of a phase.
+            /// Numeric keys of a cycle entry.
             pub(crate) PHASE_INPUTS;
             $($name [$unit $($symbol)?] $rule, $default, $about;)*
         }
 
-        /// A phase of a cycle.
+        /// An entry of a cycle: a phase, a move or a dwell.
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[schemars(!try_from, deny_unknown_fields)]
         #[serde(try_from = "Map<String, Value>")]
@@ -76,7 +76,7 @@ phase! {
     max_feed_m_min ["m/min"] Above(0.0), None, "highest speed of a move; replaces time_s";
     deceleration_m_s2 ["m/s2" "d"] Above(0.0), None, "deceleration of a move; defaults to acceleration_m_s2";
     dwell_s ["s"] Above(0.0), None, "time of a standstill";
-    force_N ["N" "F"] Any, None, "process force, positive against a positive feed; defaults to 0, and at standstill to hold_force_N";
+    force_N ["N" "F"] Any, None, "process force, positive if it opposes a positive feed; defaults to 0, or to hold_force_N at standstill";
     end_force_N ["N"] Any, None, "process force at the end of a phase with constant speed; the force changes linearly along the travel. Defaults to force_N";
     feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; defaults to 0";
     start_feed_m_min ["m/min"] Any, None, "feed at the start of a ramp; defaults to 0";
@@ -86,7 +86,7 @@ phase! {
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor on the load for life and equivalent load; defaults to load_factor of the case";
 }
 
-/// Key of the shape of a move.
+/// Key for the speed profile of a move.
 const PROFILE: &str = "profile";
 
 /// A kind of cycle entry, with its permitted keys.
@@ -95,7 +95,7 @@ struct EntryKind {
     keys: &'static [&'static str],
 }
 
-/// A move over a distance from standstill to standstill.
+/// A move over a distance, which starts and ends at standstill.
 const MOVE: EntryKind = EntryKind {
     name: "a move (distance_mm)",
     keys: &[
@@ -110,7 +110,7 @@ const MOVE: EntryKind = EntryKind {
     ],
 };
 
-/// A standstill.
+/// A standstill for a given time.
 const DWELL: EntryKind =
     EntryKind { name: "a dwell (dwell_s)", keys: &["dwell_s", "force_N", "load_factor"] };
 
@@ -131,14 +131,14 @@ const PHASE: EntryKind = EntryKind {
     ],
 };
 
-/// Value of a key.
+/// Value of a key in a cycle entry.
 enum EntryValue {
     Number(f64),
     Profile(Named<MoveProfile>),
 }
 
 impl EntryValue {
-    /// Parses the name of the shape of a move.
+    /// Parses the name of a speed profile.
     fn profile(name: Value) -> Result<Self, String> {
         serde_json::from_value(name).map(Self::Profile).map_err(|e| format!("`{PROFILE}`: {e}"))
     }
@@ -163,7 +163,8 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     }
 }
 
-/// Returns the key of a cycle entry for a name in any unit, and the change to its unit.
+/// Returns the key of a cycle entry for a name that may have another unit, and the conversion to
+/// the unit of the key.
 fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
     let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));
@@ -177,7 +178,7 @@ fn phase_key(name: &str) -> Result<NamedColumn, String> {
 }
 
 impl PhaseEntry {
-    /// Creates an entry from values, each in the unit of its name.
+    /// Creates a cycle entry from its keys and values.
     fn of(entries: impl IntoIterator<Item = (NamedColumn, EntryValue)>) -> Result<Self, String> {
         let mut phase = Self::default();
         for ((word, change), value) in entries {
@@ -197,7 +198,7 @@ impl PhaseEntry {
         Ok(phase)
     }
 
-    /// Checks that the given keys describe a move, a dwell or a phase.
+    /// Checks that the given keys together describe a move, a dwell or a phase.
     fn check_keys(&self) -> Result<(), String> {
         let kind = match (self.distance_mm, self.dwell_s) {
             (Some(_), _) => &MOVE,
@@ -272,12 +273,12 @@ impl PhaseEntry {
         Ok(())
     }
 
-    /// Reads a cycle from a table with one row per entry. The columns are the keys of an entry, in
-    /// any unit.
+    /// Reads a cycle from a CSV table with one row per entry. The columns are named after the keys
+    /// of an entry, in any unit.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the row.
+    /// Returns a [`CaseError::Invalid`] that names the row with the error.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let columns =

@@ -1,13 +1,13 @@
-//! Tables of quantities. A row contains name, unit, symbol, scope, meaning, and either the rule of
-//! an input or the reader of a result. Cases, answers, JSON, columns and schema are generated from
-//! these tables.
+//! Tables of quantities. Each row defines the name, unit, symbol, scope and meaning of a quantity,
+//! and either the rule for an input or the reader of a result. Cases, answers, JSON, columns and
+//! the schema are generated from these tables.
 
 use bsm_design::Band;
 
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
-/// An analysis. Its numbers may be columns of a table.
+/// An analysis. Its results can be columns of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnalysisKind {
     /// Slip of the balls.
@@ -18,44 +18,45 @@ pub enum AnalysisKind {
     Optimum,
     /// Ratings, stiffness and thread of a nut.
     Ratings,
-    /// All balls of a nut, `bsm nut`.
+    /// Nut with all its balls (`bsm nut`).
     Nut,
-    /// The axis around a screw.
+    /// Axis around a screw.
     Axis,
-    /// The warm steady state of an axis.
+    /// Warm steady state of an axis.
     Warm,
-    /// The number of warnings about a solution.
+    /// Number of warnings about a solution.
     Warnings,
 }
 
-/// An input or a result: a single number, or one number for each contact or direction.
+/// An input or a result, which consists of a single number or of one number for each contact or
+/// direction.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantity {
-    /// Name, with its unit as suffix.
+    /// Name, with its unit as a suffix.
     pub name: &'static str,
     /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
     /// Standard symbol, such as `C_a`; empty if there is none.
     pub symbol: &'static str,
-    /// Meaning, which also serves as label.
+    /// Meaning of the quantity, which is also its label.
     pub about: &'static str,
-    /// Title of the table of a result, or group of an input.
+    /// Title of the table that contains the result, or group to which the input belongs.
     pub title: &'static str,
-    /// Scope of its numbers.
+    /// Scope of the quantity, which determines how many numbers it has.
     pub scope: Scope,
-    /// Table columns of the numbers. Their names begin with the contact or the direction.
+    /// Columns of the numbers. The names of columns begin with the contact or the direction.
     pub columns: &'static [Output],
-    /// Inputs without default that the quantity needs in addition to the inputs of its answer: one
-    /// input of each set.
+    /// Additional inputs without a default that this quantity needs. At least one input of each set
+    /// is required.
     pub(crate) needs: &'static [InputSet],
-    /// Rule for the value of an input.
+    /// Rule for the value, if the quantity is an input.
     pub rule: Rule,
-    /// Default value.
+    /// Default value, if the quantity is an input.
     pub default: Option<f64>,
 }
 
 impl Quantity {
-    /// A single number without any description.
+    /// Template for a single number, in which all texts are empty.
     pub(crate) const WHOLE: Self = Self {
         name: "",
         unit: "",
@@ -69,8 +70,8 @@ impl Quantity {
         default: None,
     };
 
-    /// Returns the row of a table with the given name, which must exist. The meaning of an input is
-    /// cut at the first semicolon.
+    /// Returns the quantity with the given name, which must exist in the table. Its meaning is cut
+    /// off at the first semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
@@ -87,13 +88,13 @@ impl Quantity {
         }
     }
 
-    /// Returns true if the quantity depends on friction, given as a coefficient or by a lubricant.
+    /// Returns true if the quantity depends on friction, which is given by a coefficient or by a
+    /// lubricant.
     pub fn follows_from_friction(&self) -> bool {
         self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
     }
 
-    /// Returns the missing inputs that the quantity needs in addition to the inputs of its answer,
-    /// as text.
+    /// Returns the names of the additional inputs that the quantity needs and that are missing.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
@@ -103,7 +104,8 @@ impl Quantity {
     }
 }
 
-/// Returns true if two names are the same. The comparison of `str` is not const.
+/// Returns true if two names are equal. The comparison operator of `str` cannot be used in const
+/// functions.
 pub(crate) const fn is_same(one: &str, other: &str) -> bool {
     let (one, other) = (one.as_bytes(), other.as_bytes());
     if one.len() != other.len() {
@@ -119,7 +121,7 @@ pub(crate) const fn is_same(one: &str, other: &str) -> bool {
     true
 }
 
-/// Scope of a quantity.
+/// Scope of a quantity, which determines how many numbers it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
     /// A single number for the ball, the screw or the nut.
@@ -133,7 +135,7 @@ pub enum Scope {
 }
 
 impl Scope {
-    /// Returns the members of the scope as headings of a table.
+    /// Returns the headings of the numbers in a table.
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Scalar | Self::Statement => &[""],
@@ -143,10 +145,10 @@ impl Scope {
     }
 }
 
-/// Numbers of a quantity. A statement is 0 or 1.
+/// Numbers of a quantity. True-or-false statements are stored as 1 and 0.
 pub type Values = [Option<f64>; 3];
 
-/// A type that a quantity reader can return.
+/// A type that the reader of a quantity can return.
 pub(crate) trait Read {
     fn values(self) -> Values;
 }
@@ -166,7 +168,7 @@ read! {
     f64: |number| [Some(number), None, None];
     Option<f64>: |number| [number, None, None];
     Option<bool>: |holds| [holds.map(|holds| f64::from(u8::from(holds))), None, None];
-    // Values at nut and screw, or in both directions.
+    // Values at nut and screw, or in both directions of drive.
     [f64; 2]: |[one, other]| [Some(one), Some(other), None];
     [Option<f64>; 2]: |[one, other]| [one, other, None];
     Option<[f64; 2]>: |pair| pair.map_or([None; 3], Read::values);
@@ -195,10 +197,10 @@ pub(crate) use keys;
 
 /// Declares a table of quantities and the function that reads their numbers.
 ///
-/// The syntax is `name ["unit"] Scope(reader), "meaning";`. Optional parts are a `"symbol"` after
-/// the unit, and after the reader `needs [a, b | c]` or a constant of this form, which lists the
-/// inputs that the quantity needs in addition to those of its answer (here `a`, and one of `b` and
-/// `c`). `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
+/// The syntax is `name ["unit"] Scope(reader), "meaning";`. A `"symbol"` may follow the unit. A
+/// list `needs [a, b | c]`, or a constant of this form, may follow the reader. It contains
+/// additional inputs that the quantity needs (here `a`, and either `b` or `c`). The form `name =
+/// TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
 macro_rules! quantities {
     ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
@@ -218,7 +220,7 @@ macro_rules! quantities {
             },)*)*]
         };
 
-        /// Readers of the table.
+        /// Namespace for the readers of the table.
         #[expect(non_camel_case_types, reason = "the macro makes no names")]
         enum $numbers {}
 
@@ -288,12 +290,13 @@ macro_rules! quantities {
 
 pub(crate) use quantities;
 
-/// Name of a number of an answer. [`output!`](crate::output) creates it at compile time.
+/// Name of an output. The macro [`output!`](crate::output) creates it and checks it at compile
+/// time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct OutputName(pub(crate) &'static str);
 
 impl OutputName {
-    /// Returns the name, with its unit as suffix.
+    /// Returns the name, with its unit as a suffix.
     pub const fn name(self) -> &'static str {
         self.0
     }
@@ -305,24 +308,25 @@ impl From<&Output> for OutputName {
     }
 }
 
-/// Values of a quantity of a table.
+/// A quantity with its values.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// Quantity of the values.
+    /// Quantity to which the values belong.
     pub quantity: &'static Quantity,
-    /// Unit of the values as text, which differs from the unit of the quantity in displayed units.
+    /// Unit of the values as text. It differs from the unit of the quantity if the values are in
+    /// displayed units.
     pub unit: &'static str,
-    /// Values by member of the scope.
+    /// Values, in the order of the members of the scope.
     pub values: Values,
-    /// 90 % intervals by member, of values that depend on an estimated groove.
+    /// 90 % intervals of the values that depend on an estimated groove.
     pub bands: [Option<Band>; 3],
 }
 
-/// Numbers of an answer.
+/// A list of quantities with their values.
 #[derive(Debug, Clone)]
 pub struct Numbers {
     rows: Vec<Row>,
-    /// Reason why some requested numbers are missing.
+    /// Reason why some of the requested numbers are missing.
     why: Option<String>,
     /// Names of quantities that are not shown on the screen.
     unshown: &'static [&'static str],
@@ -344,26 +348,26 @@ impl Numbers {
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
 
-    /// Returns a table without any number.
+    /// Returns the quantities of a table without values.
     pub(crate) fn none(table: &'static [Quantity]) -> Self {
         Self::of(table, |_| [None; 3], |_| false)
     }
 
-    /// Appends other numbers.
+    /// Appends the rows of `other`.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.rows.extend(other.rows);
         self
     }
 
-    /// Keeps the numbers of the quantities that satisfy a condition.
+    /// Keeps only the quantities that satisfy a condition.
     #[must_use]
     pub(crate) fn part(mut self, wanted: impl Fn(&Quantity) -> bool) -> Self {
         self.rows.retain(|row| wanted(row.quantity));
         self
     }
 
-    /// Returns all quantities of the table with their values.
+    /// Returns all quantities, including those without values.
     pub fn all(&self) -> &[Row] {
         &self.rows
     }
@@ -384,38 +388,39 @@ impl Numbers {
         Self { unshown, ..self }
     }
 
-    /// Returns the columns with their values.
+    /// Returns all columns with their values.
     pub fn columns(&self) -> impl Iterator<Item = (&'static Output, Option<f64>)> {
         self.rows.iter().flat_map(|row| row.quantity.columns.iter().zip(row.values))
     }
 
-    /// Returns the existing values with their columns.
+    /// Returns the columns that have a value, with this value.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
         self.columns().filter_map(|(column, value)| Some((column, value?)))
     }
 
-    /// Returns a value by name.
+    /// Returns the number with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.columns().find(|(column, _)| column.name == name.name())?.1
     }
 
-    /// Returns the value of an output of this table. A statement is 0 or 1.
+    /// Returns the value of an output, if the output belongs to this table. True-or-false
+    /// statements are returned as 1 and 0.
     pub fn value(&self, output: &Output) -> Option<f64> {
         self.number(output.into()).filter(|_| matches!(output.origin, Origin::Table { .. }))
     }
 
-    /// Returns the reason why some requested numbers are missing.
+    /// Returns the reason why some of the requested numbers are missing.
     pub fn why(&self) -> Option<&str> {
         self.why.as_deref()
     }
 
-    /// Sets the reason why some numbers are missing.
+    /// Sets the reason why some of the requested numbers are missing.
     #[must_use]
     pub(crate) fn because(self, why: Option<String>) -> Self {
         Self { why, ..self }
     }
 
-    /// Removes numbers that are not finite.
+    /// Removes all numbers that are not finite.
     #[must_use]
     pub(crate) fn where_finite(mut self) -> Self {
         for value in self.rows.iter_mut().flat_map(|row| &mut row.values) {
@@ -424,11 +429,11 @@ impl Numbers {
         self
     }
 
-    /// Returns the numbers if all of them are finite.
+    /// Returns the numbers unchanged if all of them are finite.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the first number that is not finite.
+    /// Returns a [`CaseError::Invalid`] that names the first number that is not finite.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
         let endless = self.entries().find(|(_, value)| !value.is_finite());
         match endless.map(|(column, _)| column.name) {

@@ -1,4 +1,5 @@
-//! Rules for the values of several inputs, for one point or for several points side by side.
+//! Rules that relate the values of several inputs, for one point or for several points side by
+//! side.
 //!
 //! The rule for a single value is a [`Rule`](crate::Rule).
 
@@ -11,10 +12,10 @@ use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Numbers of one point or of several points side by side, to each of which a function of numbers
-/// can be applied.
+/// A number of one point, or numbers of several points side by side, to which functions of scalar
+/// numbers can be applied.
 pub trait Pointwise: Real {
-    /// Applies a function to the number of each point and the corresponding number of another value.
+    /// Applies a function to the numbers of each point in `self` and `other`.
     #[must_use]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
 }
@@ -33,16 +34,16 @@ impl<S: Simd, const N: usize> Pointwise for Lane<S, N> {
     }
 }
 
-/// Inputs of one point or of several points side by side.
+/// Inputs of one point, or of several points side by side.
 pub trait Inputs {
-    /// A number, or several numbers side by side.
+    /// Type of the value of an input: a number, or several numbers side by side.
     type Number: Pointwise;
 
-    /// Returns the value of an input, given or default.
+    /// Returns the given or default value of an input.
     fn value(&self, key: InputKey) -> Option<Self::Number>;
 }
 
-/// Mask with one flag per point.
+/// Mask with one flag for each point.
 type Mask<I> = <<I as Inputs>::Number as Real>::Mask;
 
 impl Inputs for Case {
@@ -53,33 +54,34 @@ impl Inputs for Case {
     }
 }
 
-/// A rule about several inputs that does not depend on the model.
+/// A rule that relates several inputs and does not depend on the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
     /// The balls fit on the pitch circle.
     BallsFit,
-    /// The balls per turn fit into one turn.
+    /// The number of balls per turn fits into one turn.
     TurnHolds,
     /// Lead and lead angle describe the same helix.
     LeadsAgree,
     /// Screw and nut do not turn at the same speed.
     SpeedsDiffer,
-    /// The viscosity at 100 °C is below that at 40 °C.
+    /// The viscosity at 100 °C is less than the viscosity at 40 °C.
     OilThins,
 }
 
-/// Relative rounding error that is permitted for balls that fill a turn completely.
+/// Permitted relative rounding error if balls fill a turn completely.
 const ROUNDED: f64 = 1e-9;
 
-/// Permitted relative difference of lead and lead angle.
+/// Permitted relative difference between the given lead and the lead that follows from the lead
+/// angle.
 const LEADS_AGREE: f64 = 1e-9;
 
 impl Relation {
-    /// All relations.
+    /// All rules that relate several inputs.
     pub const ALL: [Self; 5] =
         [Self::BallsFit, Self::TurnHolds, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
 
-    /// Returns the inputs of the relation.
+    /// Returns the inputs that the rule relates.
     pub fn inputs(self) -> InputSet {
         match self {
             Self::BallsFit => inputs! { ball_diameter_mm pitch_circle_diameter_mm },
@@ -92,7 +94,8 @@ impl Relation {
         }
     }
 
-    /// Returns the mask of the points that satisfy the relation, or `None` if inputs are missing.
+    /// Returns a mask that is true for the points that satisfy the rule, or `None` if inputs are
+    /// missing.
     #[inline(always)]
     pub fn holds<I: Inputs>(self, inputs: &I) -> Option<Mask<I>> {
         Some(match self {
@@ -130,7 +133,7 @@ impl Relation {
         })
     }
 
-    /// Returns the error for a case that violates the relation.
+    /// Returns the error for a case that violates the rule.
     pub(crate) fn broken(self, case: &Case) -> CaseError {
         let pitch = case.number(InputKey::pitch_circle_diameter_mm);
         match self {
@@ -172,7 +175,8 @@ impl Relation {
     }
 }
 
-/// Returns the mask of the points whose inputs the model covers, or `None` if it covers all values.
+/// Returns a mask that is true for the points whose inputs are within the range of the model, or
+/// `None` if the model covers all values.
 #[inline(always)]
 pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
     match model {
@@ -190,7 +194,7 @@ pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
     }
 }
 
-/// Returns the error for a case that a model does not cover.
+/// Returns the error for a case that is outside the range of a model.
 pub(crate) fn not_covered(model: Model, case: &Case) -> CaseError {
     let (key, rule) = match model {
         Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),

@@ -1,4 +1,4 @@
-//! Format of a user's table.
+//! Format of a table that a user provides.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableFormat {
-    /// Delimiter of cells, an ASCII character.
+    /// Delimiter between cells, which must be an ASCII character.
     pub delimiter: char,
     /// Decimal sign.
     pub decimal: char,
-    /// Maps column names of the table to names of inputs, or to `None` for columns that are
+    /// Map from column names of the table to names of inputs, or to `None` for columns that are
     /// ignored.
     pub names: BTreeMap<String, Option<String>>,
 }
@@ -29,7 +29,8 @@ impl TableFormat {
         *self == Self::default()
     }
 
-    /// Returns the name of the input for a column, or `None` if the column is ignored.
+    /// Returns the name of the input in a column, or `None` if the column is ignored. Names that
+    /// are not in the map are returned unchanged.
     pub fn name<'a>(&'a self, own: &'a str) -> Option<&'a str> {
         match self.names.get(own) {
             Some(name) => name.as_deref(),

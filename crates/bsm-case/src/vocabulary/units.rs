@@ -1,5 +1,5 @@
-//! Factors from the units of inputs and outputs to SI units, and alternative units that a name may
-//! have.
+//! Conversion factors from the units of inputs and outputs to SI units, and alternative units that
+//! the names of inputs may have.
 
 use std::f64::consts::PI;
 
@@ -29,15 +29,16 @@ pub fn drive_of_rpm<F: Real>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
 }
 
-/// Returns the label for a name, followed by a comma and the unit: `axial_load_N` becomes "axial
-/// load, N".
+/// Returns a label for a name: the words of the name, a comma and the unit. For example,
+/// `axial_load_N` becomes "axial load, N".
 pub fn label(name: &str, unit: &str) -> String {
     let stem = &name[..name.len() - unit_suffix(name, unit).len()];
     let words = stem.replace('_', " ");
     if unit.is_empty() { words } else { format!("{words}, {unit}") }
 }
 
-/// Returns the part of a name that is its unit, with the underscore in front; empty without a unit.
+/// Returns the suffix of a name that represents its unit, including the underscore. The suffix is
+/// empty if the unit is empty.
 pub(crate) fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
     let unit = if unit == "%" { "percent" } else { unit };
     let by = unit.replace('/', "_");
@@ -48,8 +49,8 @@ pub(crate) fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
     spellings.iter().filter(|_| !unit.is_empty()).find_map(ends).unwrap_or_default()
 }
 
-/// Tolerance within which a direction near -180 deg becomes 180 deg \[deg\]. Rounding determines on
-/// which side of this discontinuity a solve ends.
+/// Tolerance within which a direction near -180 deg is converted to 180 deg \[deg\], because
+/// rounding errors determine on which side of this discontinuity a solution lies.
 const TURN_ROUNDING: f64 = 1e-9;
 
 /// Converts an angle \[rad\] to a direction in (-180, 180\] deg.
@@ -59,20 +60,21 @@ pub fn direction_deg<F: Real>(angle: F) -> F {
     F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }
 
-/// A change from another unit to the unit of the vocabulary: `factor * (value - zero)`.
+/// Conversion from another unit to the unit of the vocabulary: `factor * (value - zero)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitChange {
-    /// Size of the other unit in the unit of the vocabulary.
+    /// Size of the other unit, in the unit of the vocabulary.
     pub factor: f64,
-    /// Value in the other unit at zero in the unit of the vocabulary; 0 except for temperatures.
+    /// Value in the other unit that corresponds to zero in the unit of the vocabulary. It is 0
+    /// except for temperatures.
     pub zero: f64,
 }
 
 impl UnitChange {
-    /// No change.
+    /// Conversion that leaves values unchanged.
     pub const NONE: Self = Self { factor: 1.0, zero: 0.0 };
 
-    /// Converts a value.
+    /// Converts a value to the unit of the vocabulary.
     pub fn value(self, value: f64) -> f64 {
         self.factor * (value - self.zero)
     }
@@ -82,7 +84,7 @@ impl UnitChange {
         self.factor * difference
     }
 
-    /// Converts a value of the vocabulary back.
+    /// Converts a value from the unit of the vocabulary to the other unit.
     pub fn back(self, value: f64) -> f64 {
         value / self.factor + self.zero
     }
@@ -94,13 +96,13 @@ type Unit = (&'static str, f64);
 /// A physical quantity with its units.
 struct Dimension {
     name: &'static str,
-    /// Units that names of the vocabulary end with.
+    /// Units with which the names of the vocabulary end.
     own: &'static [&'static str],
     units: &'static [Unit],
 }
 
-/// Units by quantity. The name of a value determines its quantity, so `g` can be a mass or an
-/// acceleration.
+/// Units of each physical quantity. The quantity is known from the name of the value, so `g` can be
+/// a unit of mass or of acceleration.
 const DIMENSIONS: &[Dimension] = {
     const INCH: f64 = 0.0254;
     const FOOT: f64 = 12.0 * INCH;
@@ -114,7 +116,7 @@ const DIMENSIONS: &[Dimension] = {
     const MINUTE: f64 = 60.0;
     const HOUR: f64 = 60.0 * MINUTE;
     const FAHRENHEIT: f64 = 5.0 / 9.0;
-    /// International table.
+    /// British thermal unit of the International Table.
     const BTU: f64 = 1_055.055_852_62;
     const HORSEPOWER: f64 = 550.0 * POUND_FORCE * FOOT;
     macro_rules! dimensions {
@@ -162,29 +164,29 @@ const DIMENSIONS: &[Dimension] = {
     }
 };
 
-/// Temperatures at 0 degrees Celsius in the units that have another zero.
+/// Values that correspond to 0 °C, for temperature units with another zero point.
 const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
 
-/// Returns all units.
+/// Returns the units of all quantities.
 fn units() -> impl Iterator<Item = &'static Unit> {
     DIMENSIONS.iter().flat_map(|dimension| dimension.units)
 }
 
-/// Short names without units that stand for names of inputs.
+/// Short forms of input names, without units.
 const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
 
-/// Returns the long form of a short name.
+/// Returns the long form of a short name, or `None` if the short name is unknown.
 pub(crate) fn long_name(short: &str) -> Option<&'static str> {
     SHORT_NAMES.iter().find(|(known, _)| *known == short).map(|(_, long)| *long)
 }
 
-/// Returns true if the text is the suffix of a unit.
+/// Returns true if the text is the suffix of a known unit.
 pub(crate) fn is_unit(text: &str) -> bool {
     units().any(|(unit, _)| *unit == text)
 }
 
-/// Returns the name in `known` that differs from `name` only in its unit, and the conversion to
-/// this unit. For example, `axial_load_kN` gives `axial_load_N` and a factor of 1000.
+/// Returns the name in `known` that differs from `name` only in its unit, and the conversion to the
+/// unit of this known name. For example, `axial_load_kN` gives `axial_load_N` and a factor of 1000.
 pub(crate) fn convert<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
@@ -199,14 +201,15 @@ pub(crate) fn convert<'a>(
     })
 }
 
-/// Returns the change from a unit to a unit of the vocabulary, both given by their suffixes.
+/// Returns the conversion from a unit to a unit of the vocabulary. Both units are given by their
+/// suffixes.
 pub(crate) fn change_of(unit: &str, own: &str) -> Option<UnitChange> {
     let of_own = DIMENSIONS.iter().filter(|dimension| dimension.own.contains(&own));
     of_own.chain(DIMENSIONS).find_map(|dimension| dimension.change(unit, own))
 }
 
 impl Dimension {
-    /// Returns the change from one unit of the quantity to another.
+    /// Returns the conversion from one unit of this quantity to another.
     fn change(&self, from: &str, to: &str) -> Option<UnitChange> {
         let size =
             |unit: &str| self.units.iter().find(|(known, _)| *known == unit).map(|(_, size)| *size);
@@ -218,8 +221,8 @@ impl Dimension {
     }
 }
 
-/// Returns the stem, unit and quantity of a name of the vocabulary. The unit is the longest one
-/// with which the name ends.
+/// Splits a name of the vocabulary into its stem, its unit and the physical quantity. If several
+/// units match the end of the name, the longest one is used.
 fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
     let units = DIMENSIONS
         .iter()
@@ -228,22 +231,24 @@ fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
     ends.max_by_key(|(_, own, _)| own.len())
 }
 
-/// Returns the alternative unit suffixes of a name, with the change to the unit of the name. The
-/// list is empty for a unit without alternatives.
+/// Returns the suffixes of alternative units for a name, each with the conversion to the unit of
+/// the name. The list is empty if the unit has no alternatives.
 pub fn other_units(name: &str) -> Vec<(&'static str, UnitChange)> {
     let Some((_, own, dimension)) = own_unit(name) else { return Vec::new() };
     let others = dimension.units.iter().filter(|(unit, _)| *unit != own);
     others.filter_map(|(unit, _)| Some((*unit, dimension.change(unit, own)?))).collect()
 }
 
-/// Returns the units of a known name, its own first, if `name` has the same stem.
+/// Returns the suffixes of all units that a known name can have, beginning with its own unit.
+/// Returns `None` if `name` has another stem.
 pub(crate) fn units_of_stem(name: &str, known: &str) -> Option<Vec<&'static str>> {
     let (stem, own, _) = own_unit(known)?;
     suffix(name, stem)?;
     Some([own].into_iter().chain(other_units(known).into_iter().map(|(unit, _)| unit)).collect())
 }
 
-/// Returns each quantity with its unit suffixes, beginning with the suffixes of the vocabulary.
+/// Returns each physical quantity with the suffixes of its units, beginning with the units of the
+/// vocabulary.
 pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
     DIMENSIONS.iter().map(|dimension| {
         let all = dimension.units.iter().map(|(unit, _)| *unit);
@@ -252,18 +257,18 @@ pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static s
     })
 }
 
-/// Returns a name without its unit suffix, if it has this suffix.
+/// Returns the name without its unit suffix, or `None` if the name does not end with this suffix.
 fn stem<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
     name.strip_suffix(unit)?.strip_suffix('_')
 }
 
-/// Returns the part of a name after a stem and an underscore.
+/// Returns the part of a name that follows the stem and an underscore.
 fn suffix<'a>(name: &'a str, stem: &str) -> Option<&'a str> {
     name.strip_prefix(stem)?.strip_prefix('_')
 }
 
-/// Rounds a factor to 15 digits, if this changes the factor by at most the rounding error of the
-/// division.
+/// Rounds a conversion factor to 15 digits, if this changes the factor by no more than the rounding
+/// error of the division.
 fn digits(factor: f64) -> f64 {
     let rounded = format!("{factor:.14e}").parse().unwrap_or(factor);
     if (rounded - factor).abs() <= 2.0 * f64::EPSILON * factor { rounded } else { factor }
@@ -278,7 +283,8 @@ mod tests {
         INPUTS.iter().map(|input| input.name)
     }
 
-    /// Expected values are calculated by hand. Factors are exact if the units are.
+    /// The expected values were calculated by hand. Factors are exact if the definitions of the
+    /// units are exact.
     #[test]
     fn names_in_other_units_are_converted() {
         for (name, own, factor) in [
@@ -297,7 +303,7 @@ mod tests {
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
             let (found, change) = convert(name, known()).expect(name);
-            // Factors have fifteen digits.
+            // Factors are rounded to fifteen digits.
             assert!(
                 found == own && (change.factor / factor - 1.0).abs() < 1e-14,
                 "{name}: {found} {change:?}"
@@ -309,8 +315,7 @@ mod tests {
         }
     }
 
-    /// The units of a temperature have different zero points, and the units of a temperature rise
-    /// do not.
+    /// Units of temperature have different zero points, but units of temperature rise do not.
     #[test]
     fn temperatures_have_an_offset_and_differences_have_none() {
         let value = |name: &str, value: f64| {
@@ -329,7 +334,7 @@ mod tests {
         }
     }
 
-    /// The expected values are public check values.
+    /// The expected values are published conversion factors.
     #[test]
     fn units_have_their_published_sizes() {
         for (name, given, expected) in [
@@ -338,12 +343,12 @@ mod tests {
             ("rated_rigidity_kgf_um", 32.0, 313.812_8),
         ] {
             let (_, change) = convert(name, known()).expect(name);
-            // The tolerance corresponds to the printed digits.
+            // The tolerance corresponds to the number of printed digits.
             assert!((change.value(given) / expected - 1.0).abs() < 1e-6, "{name}");
         }
     }
 
-    /// Every offered unit can be read, with the same factor.
+    /// Every offered unit can be read back, with the same factor.
     #[test]
     fn other_units_are_read_back() {
         let mut offered = 0;
@@ -355,11 +360,12 @@ mod tests {
                 offered += 1;
             }
         }
-        // A smaller number would mean that this test builds wrong names.
+        // A smaller number would mean that the test does not construct the names correctly.
         assert!(offered > 300, "{offered}");
     }
 
-    /// Every unit suffix of an input is in the table, except for units that only one quantity has.
+    /// The table contains every unit suffix of an input, except for units that only one quantity
+    /// has.
     #[test]
     fn the_table_has_the_units_of_the_vocabulary() {
         let own = ["N/um^1.5", "N m/mrad", "h/day", "%", "", "1/GPa", "W/(m K)", "HRC", "HV10"];
@@ -368,7 +374,7 @@ mod tests {
         }
     }
 
-    /// Labels of plot axes are texts with units instead of column names.
+    /// Plot axes have labels with words and units instead of column names.
     #[test]
     fn labels_are_texts_with_units() {
         for (name, unit, expected) in [
@@ -390,7 +396,7 @@ mod tests {
         }
     }
 
-    /// Each unit has one positive size, so conversions in both directions are consistent.
+    /// Each unit has a single positive size, so conversions in both directions are consistent.
     #[test]
     fn each_unit_has_one_size() {
         for dimension in DIMENSIONS {

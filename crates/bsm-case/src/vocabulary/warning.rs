@@ -1,4 +1,4 @@
-//! Warnings of a sheet, and the warnings that a selected screw may not have.
+//! Warnings on an axis sheet, and the selection limits that correspond to some of them.
 
 /// A limit of `select` that corresponds to a warning of `axis`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -7,10 +7,9 @@ pub enum SelectionLimit {
     ScrewLength,
     /// The nut has more or fewer loaded turns than usual.
     LoadedTurns,
-    /// The balls leave too little land between the grooves.
+    /// The land between the grooves is too narrow for these balls.
     BallOverLead,
-    /// The nut with all its balls has no solution, so that the rules about its preload cannot be
-    /// checked.
+    /// The nut with all its balls has no solution, so its preload rules cannot be checked.
     UnsolvedNut,
     /// The steady-state temperature rise is too high.
     TemperatureRise,
@@ -31,29 +30,29 @@ impl SelectionLimit {
         }
     }
 
-    /// Returns true if `allow_warnings` of a requirement lifts the limit.
+    /// Returns true if `allow_warnings` in a requirement disables the limit.
     pub fn can_be_allowed(self) -> bool {
         matches!(self, Self::TemperatureRise | Self::NutResonance)
     }
 }
 
-/// A warning, and the selection limit that it states, if any.
+/// A warning, and the selection limit to which it corresponds, if any.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Warning {
     /// Text of the warning.
     pub text: String,
-    /// Limit of the selection. `None` means that a selected screw may have the warning, which
-    /// `select` then prints.
+    /// Corresponding selection limit. If it is `None`, a screw with this warning may be selected,
+    /// and `select` prints the warning.
     pub limit: Option<SelectionLimit>,
 }
 
 impl Warning {
-    /// Creates a warning that a selected screw may have.
+    /// Creates a warning that does not prevent the selection of a screw.
     pub(crate) fn advice(text: impl Into<String>) -> Self {
         Self { text: text.into(), limit: None }
     }
 
-    /// Creates a warning that is a selection limit.
+    /// Creates a warning that corresponds to a selection limit.
     pub(crate) fn limit(limit: SelectionLimit, text: impl Into<String>) -> Self {
         Self { text: text.into(), limit: Some(limit) }
     }

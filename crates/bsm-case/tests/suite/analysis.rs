@@ -1,5 +1,5 @@
-//! Properties that analyses of a motion must have in general. Published trends are checked by
-//! `bsm validate`.
+//! Tests of general properties of the motion analyses. Published trends are checked by `bsm
+//! validate`.
 
 use bsm_case::{
     AnalysisKind, Answer, Case, CaseError, Catalog, EllipseFields, INPUTS, ModelChoice,
@@ -40,8 +40,8 @@ fn number(report: &Answer, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
-/// Slip and spin of the slip report equal the outputs of the model, for every combination of
-/// speeds.
+/// Slip and spin in the slip report equal the outputs of the model, for every combination of screw
+/// and nut speeds.
 #[test]
 fn slip_report_matches_the_model() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
@@ -65,10 +65,10 @@ fn slip_report_matches_the_model() {
     }
 }
 
-/// The power adds up for the accuracy and the creep speed given to the model, and for the accuracy
-/// chosen by `auto`.
+/// The slip powers add up to the dissipated power for a given accuracy and creep speed, and for the
+/// accuracy that `auto` chooses.
 #[test]
-fn powers_add_up_with_the_settings() {
+fn slip_powers_add_up_for_given_and_chosen_settings() {
     let case = case(XU, &[("screw_speed_rpm", 12000.0)]);
     let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
@@ -76,19 +76,19 @@ fn powers_add_up_with_the_settings() {
         let solution = solved(&case, &settings);
         assert_eq!(solution.model, Model::Traction);
         let report = bsm_case::slip(&case, &settings, &solution).expect("a motion");
-        // The model keeps its quadrature nodes fixed in the last steps, while the report uses the
-        // nodes of the final motion. The difference is a fraction of the accuracy.
+        // The model keeps its quadrature nodes fixed in the last iterations, while the report uses
+        // the nodes of the final motion. The resulting difference is a fraction of the accuracy.
         let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
         assert!(number(&report, "power_difference").abs() < apart);
         assert!(report.warnings.iter().all(|w| !w.contains("add up")), "{:?}", report.warnings);
     }
 }
 
-/// The printed formulas of one contact use the contact angle of the other contact. If both angles
-/// are equal, the printed results equal the corrected results. Otherwise they equal the corrected
-/// spin slip with exchanged contacts. The unloaded flank has no formula.
+/// The printed formula for each contact uses the contact angle of the other contact. If both angles
+/// are equal, the printed and the corrected results are equal. Otherwise the printed results equal
+/// the corrected spin slip with the contacts exchanged. There is no formula for the unloaded flank.
 #[test]
-fn printed_spin_slips_use_the_angle_of_the_other_contact() {
+fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
     for form in ["spin", "orbit"] {
         for contact in ["nut", "screw"] {
@@ -107,8 +107,8 @@ fn printed_spin_slips_use_the_angle_of_the_other_contact() {
     assert!((printed[0] / corrected[0] - 1.0).abs() > 1e-2, "{printed:?} {corrected:?}");
 }
 
-/// The rigid model has three contacts and no contact ellipses. The report states this and leaves
-/// the values empty.
+/// Model `rigid` has three contacts, but no contact ellipses. The report states this and contains
+/// no values that depend on the ellipses.
 #[test]
 fn rigid_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
@@ -127,10 +127,10 @@ fn rigid_reports_no_contact_ellipses() {
     assert!(report.number(output!(locking_ratio)).is_none());
 }
 
-/// A part of the jamming report with a missing input names the input, and the other parts are
-/// calculated.
+/// If an input is missing, the jamming report names it in place of the part that needs it, and
+/// still calculates the other parts.
 #[test]
-fn missing_inputs_of_jamming_are_named() {
+fn jamming_report_names_missing_inputs() {
     let names = [
         "raceway_yield_strength_MPa",
         "drag_coefficient",
@@ -160,8 +160,9 @@ fn statement(report: &Answer, name: &str) -> (bool, String) {
     (verdict["answer"].as_bool().expect("a statement"), verdict["words"].to_string())
 }
 
-/// The margin decides the verdict. A rolling ball has no friction along the track, so a criterion
-/// based on this friction used to find a jam at any thrust. Stopped balls slide.
+/// The verdict depends on the ball-return margin. A rolling ball has no friction along the track,
+/// so a criterion that was based on this friction reported jamming at any thrust. The friction of
+/// stopped balls is not zero.
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
@@ -176,24 +177,24 @@ fn rolling_balls_do_not_jam_at_any_thrust() {
     assert!(number(&rolls, "published_margin").abs() < f64::EPSILON);
 }
 
-/// Eq 21 uses the screw contact. At 8 kN and 2500 rpm the contact with less friction would have
-/// reversed the verdict of the published criterion.
+/// Eq 21 is evaluated at the screw contact. At 8 kN and 2500 rpm, the contact with less friction
+/// would reverse the verdict of the published criterion.
 #[test]
-fn the_published_criterion_uses_the_screw_contact() {
+fn published_jamming_criterion_uses_the_screw_contact() {
     let report = jam(&case(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
     let [screw, weaker] =
         ["published_margin", "weaker_contact_margin"].map(|name| number(&report, name));
     assert!(screw > weaker, "{screw} {weaker}");
     let ratio =
         number(&report, "screw_track_friction_N") / number(&report, "weaker_track_friction_N");
-    // Both ratios have the same thrust.
+    // Both ratios are calculated with the same thrust.
     assert!((screw / weaker / ratio - 1.0).abs() < 1e-12);
 }
 
-/// A ball in steady motion never needs more friction across the grooves than is available. Every
-/// ball in balance therefore meets the wedge criterion, which can raise no alarm.
+/// In steady motion, a ball never needs more friction across the grooves than is available. It
+/// therefore always meets the wedge criterion, and the analysis does not report a jam.
 #[test]
-fn every_ball_in_balance_is_held_by_its_wedge() {
+fn ball_in_steady_motion_meets_the_wedge_criterion() {
     for model in [Model::RacewayControl, Model::Traction] {
         for (speed, load) in [(100.0, 2e4), (2500.0, 8e3), (5000.0, 2.4e4), (-2500.0, 8e3)] {
             let changes = [("screw_speed_rpm", speed), ("axial_load_N", load)];
@@ -206,8 +207,8 @@ fn every_ball_in_balance_is_held_by_its_wedge() {
     }
 }
 
-/// A screw is self-locking if friction alone holds the load. The margin decreases with friction,
-/// and increases with the load, which makes the contact angles steeper.
+/// A screw is self-locking if friction alone holds the load. The margin decreases as friction
+/// increases. It increases with the load, because the load makes the contact angles steeper.
 #[test]
 fn self_locking_margin_depends_on_friction_and_load() {
     let at = |changes: &[(&str, f64)]| {
@@ -228,10 +229,11 @@ fn self_locking_margin_depends_on_friction_and_load() {
 const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-/// A case that is designed to jam does jam. The margin decreases with speed, return angle and step
-/// height. It increases with load and friction, because the loaded balls push with both.
+/// The analysis reports jamming for a case that was designed to jam. The margin decreases with
+/// speed, return angle and step height. It increases with load and friction, because the loaded
+/// balls push with both.
 #[test]
-fn a_case_designed_to_jam_jams() {
+fn jamming_is_reported_for_a_case_designed_to_jam() {
     let margin = |changes: &[(&str, f64)]| {
         let report = jam(&case(JAMMING, changes), Model::RacewayControl);
         let (jams, words) = statement(&report, "jams");
@@ -247,7 +249,7 @@ fn a_case_designed_to_jam_jams() {
     assert!(margin(&[("friction_coefficient", 0.15)]) > base);
     let healthy = [("return_angle_deg", 30.0), ("screw_speed_rpm", 1000.0)];
     assert!(margin(&healthy) > 1.0);
-    // The balls still pass a step of half the ball radius, but not a step of the ball radius.
+    // The balls can pass a step of half the ball radius, but not a step of the full ball radius.
     let high = jam(
         &case(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
         Model::RacewayControl,
@@ -256,11 +258,11 @@ fn a_case_designed_to_jam_jams() {
     assert!(jams && words.contains("No thrust lifts"), "{words}");
 }
 
-/// Inputs of a usual ball return that jamming needs.
+/// Inputs of a typical ball return that the jamming analysis needs.
 const RETURN: [(&str, f64); 3] =
     [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
 
-fn no_alarm(case: &Case) {
+fn assert_no_alarm(case: &Case) {
     let settings = Settings::default();
     let mut work = ModelWorkspace::default();
     let moving = MotionAnswer::of(case, &settings, &mut work).expect("complete");
@@ -272,12 +274,12 @@ fn no_alarm(case: &Case) {
     assert!(report.number(output!(ball_return_margin)).is_none_or(|margin| margin > 1.0));
 }
 
-/// A healthy screw raises no alarm. `bsm jam` used to report self-locking balls in every healthy
-/// screw.
+/// The jamming analysis reports nothing for healthy screws. It used to report self-locking balls
+/// for every healthy screw.
 #[test]
 fn jamming_raises_no_alarm_for_healthy_screws() {
-    no_alarm(&case(FEED, &[]));
-    no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
+    assert_no_alarm(&case(FEED, &[]));
+    assert_no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalog = Catalog::standard().expect("lists");
     let places = catalog.indices();
     let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
@@ -295,48 +297,48 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
             ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
-            // The step height is the step height of the feed drive. For smaller balls it is the
-            // same fraction of the ball diameter.
+            // The step height of the feed drive is used. For smaller balls, it is reduced in
+            // proportion to the ball diameter.
             ("step_height_mm", (number("ball_diameter_mm") * 0.3 / 6.35).min(0.3)),
-            // The load is a fifth of the dynamic load rating, and the speed is half of the
+            // The load is one fifth of the dynamic load rating, and the speed is half of the
             // permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
-            // The steel is hardened to 60 HRC.
+            // These yield strengths correspond to steel with a hardness of 60 HRC.
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
-        no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
+        assert_no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
     }
 }
 
-/// When the speed reverses, the wedge reverses, too: the ball climbs from one side of the groove to
-/// the other.
+/// If the speed is reversed, the wedge is reversed, too: the ball climbs the other side of the
+/// groove.
 #[test]
-fn reversal_of_the_speed_reverses_the_wedge() {
+fn reversing_the_speed_reverses_the_wedge() {
     let wedge = |rpm| {
         let report = jam(&case(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
         number(&report, "wedge_angle_deg")
     };
     let (forth, back) = (wedge(2500.0), wedge(-2500.0));
-    // The wedge is open by a large angle in both directions. The centrifugal force, which does not
-    // reverse, changes it by 0.002 deg.
+    // The wedge angle is large in both directions. The centrifugal force, which does not change its
+    // direction, changes the angle by 0.002 deg.
     assert!(forth > 1.0 && back < -1.0, "{forth} {back}");
 }
 
-/// The thrust of an impact depends on the given inputs of the ball return.
+/// The thrust due to the impact depends on the given inputs of the ball return.
 #[test]
-fn inputs_of_the_ball_return_are_used() {
+fn step_thrust_depends_on_ball_return_inputs() {
     let thrust = |changes: &[(&str, f64)]| {
         let report = jam(&case(DONG, changes), Model::RacewayControl);
         number(&report, "step_thrust_N")
     };
     let base = thrust(&[("step_normal_force_N", 10.0)]);
-    // The hand calculation is 2 F_N / ((μ + 1/μ) cos 30°).
+    // The expected value from a hand calculation is 2 F_N / ((μ + 1/μ) cos 30°).
     assert!((base - 20.0 / (10.1 * 30.0_f64.to_radians().cos())).abs() < 1e-12);
     let speed = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 1.0)];
     let double = [("return_approach_speed_m_s", 2.0), ("return_stiffness_N_um15", 1.0)];
-    // The force follows F ~ v^{6/5} K^{2/5}.
+    // The impact force is proportional to v^{6/5} K^{2/5}.
     let ratio = thrust(&double) / thrust(&speed);
     assert!((ratio - 2.0_f64.powf(1.2)).abs() < 1e-12, "{ratio}");
     let stiff = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 32.0)];
@@ -345,7 +347,7 @@ fn inputs_of_the_ball_return_are_used() {
 }
 
 #[test]
-fn analyses_reject_models_without_a_motion() {
+fn analyses_reject_models_that_do_not_calculate_the_motion() {
     let case = case(XU, &[]);
     let settings = Model::QuasiStatic.into();
     let solution = solved(&case, &settings);
@@ -359,11 +361,11 @@ fn analyses_reject_models_without_a_motion() {
     assert_eq!(fixed.solution, solution);
 }
 
-/// `auto` used to choose the model of an analysis by the error of the efficiency, which says
-/// nothing about slip and wedge. Between 6 and 8 kN the contact angle at the screw jumped from 47
-/// to 51 deg.
+/// `auto` used to choose the model of an analysis based on the efficiency error, which does not
+/// limit the errors of slip and wedge. As a result, the contact angle at the screw jumped from 47
+/// to 51 deg between 6 and 8 kN.
 #[test]
-fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
+fn model_choice_for_analyses_ignores_the_efficiency_error() {
     let mut work = ModelWorkspace::default();
     for (load, tolerance) in [(6e3, 1e-2), (8e3, 1e-2), (8e3, 0.9)] {
         let case = case(DONG, &[("axial_load_N", load), ("friction_coefficient", 0.06)]);
@@ -372,7 +374,7 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
         assert_eq!(moving.solution.model, Model::Traction);
         assert_eq!(moving.settings.model, ModelChoice::Fixed(Model::Traction));
     }
-    // Without conformities only one model has a motion.
+    // Without conformities, only one model calculates the motion.
     let mut bare = case(XU, &[("lead_mm", 40.0)]);
     (bare.nut_conformity, bare.screw_conformity) = (None, None);
     let moving = MotionAnswer::of(&bare, &Settings::default(), &mut work).expect("complete");
@@ -381,17 +383,17 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
 
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
-/// Without film, rolling resistance and hysteresis, jamming of a lubricated ball equals jamming of
-/// a dry ball with the friction coefficient of the asperities. Jamming used to be rejected for a
-/// lubricated ball.
+/// Without film, rolling resistance and hysteresis, the jamming results of a lubricated ball equal
+/// those of a dry ball with the friction coefficient of the asperities. The analysis used to reject
+/// lubricated balls.
 #[test]
-fn jamming_without_a_film_is_dry() {
+fn jamming_without_a_film_equals_dry_jamming() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
     let oil = case(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
     dry.friction_coefficient = Some(0.12);
-    // The film carries 2e-9 of the load. The stated error of the integrals of model `traction` is
-    // 6e-5 of the loss.
+    // The film carries a fraction of 2e-9 of the load. Model `traction` integrates the loss with a
+    // stated error of 6e-5.
     for (model, error) in [(Model::RacewayControl, 1e-6), (Model::Traction, 1e-4)] {
         let [oil, dry] = [&oil, &dry].map(|case| jam(case, model));
         for name in [
@@ -414,11 +416,11 @@ fn jamming_without_a_film_is_dry() {
     }
 }
 
-/// Each location has its own friction coefficient: the contacts in motion, a stopped ball, and
-/// surfaces without a film. The slip speed of a stopped ball is the speed of the screw groove, W d,
-/// except for the small radius of the contact.
+/// The contacts in motion, a stopped ball and surfaces without a film have different friction
+/// coefficients. The slip speed of a stopped ball is the speed of the screw groove, W d, apart from
+/// the small radius of the contact.
 #[test]
-fn jamming_of_a_lubricated_ball_has_several_coefficients() {
+fn jamming_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
     let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
@@ -427,13 +429,13 @@ fn jamming_of_a_lubricated_ball_has_several_coefficients() {
     for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
         assert!(report.notes.iter().any(|note| note.contains(&bsm_case::number(coefficient))));
     }
-    // The stopped ball slides faster than the ball in motion, and its friction is below the limit
-    // of the oil.
+    // A stopped ball slides faster than a moving ball, and its friction coefficient is below the
+    // limit of the oil.
     assert!(film.screw.friction < stopped && stopped < film.screw.law.most(), "{stopped}");
     let pushes = number(&report, "stopped_track_friction_N") / stopped;
     let load = number(&report, "screw_load_with_permanent_set_N");
     assert!((pushes / (20.0 * load) - 1.0).abs() < 1e-12, "the balls of a turn");
-    // Every number of slip and jamming is available as a column.
+    // All results of the slip and jamming analyses are available as columns.
     for name in ["ball_return_margin", "stopped_friction_coefficient", "nut_spin_power_W"] {
         let column = Output::named(name).expect("a column");
         column.check(&oil, oil.stated(), ModelChoice::Auto).expect("of a lubricant too");
@@ -441,7 +443,7 @@ fn jamming_of_a_lubricated_ball_has_several_coefficients() {
 }
 
 /// The powers of the slip components add up to the sliding power of the model. The slip analysis
-/// used to reject a lubricated ball.
+/// used to reject lubricated balls.
 #[test]
 fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
     for speed in [30.0, 500.0, 3000.0] {
@@ -453,7 +455,7 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
             let report = bsm_case::slip(&oil, &settings, &solution).expect("a motion");
             let total = number(&report, "total_friction_power_W");
             // Model and analysis integrate the friction of the films at different points. The
-            // tolerance is the limit above which slip gives a warning.
+            // tolerance equals the limit above which the slip analysis gives a warning.
             let difference = (total - film.sliding_power).abs();
             assert!(difference <= 1e-3 * film.sliding_power, "{speed} {model:?}: {difference}");
             assert!(!report.warnings.iter().any(|w| w.contains("add up")), "{:?}", report.warnings);
@@ -465,10 +467,11 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
     }
 }
 
-/// Pressure and friction integrated over the ellipses give load and friction force.
+/// The integral of the pressure over the ellipses equals the load, and the integral of the friction
+/// equals the friction force.
 #[test]
-fn fields_over_the_ellipses_integrate_to_the_forces() {
-    /// Number of cells on a semi-axis.
+fn ellipse_fields_integrate_to_load_and_friction_force() {
+    /// Number of grid cells on each semi-axis.
     const POINTS: u32 = 100;
     let dry = include_bytes!("../../../../examples/feed_drive.json");
     for (json, model) in
@@ -498,9 +501,9 @@ fn fields_over_the_ellipses_integrate_to_the_forces() {
                 };
                 cell * table.rows.iter().map(read).sum::<f64>()
             };
-            // The pressure falls to zero like a square root, so a cell at the rim has an error of
-            // about (1/100)^1.5 = 1e-3. Over the 600 cells of the rim the errors average out, to
-            // 4e-5 if they are random.
+            // Near the rim, the pressure falls to zero like a square root, so a cell at the rim has
+            // an error of about (1/100)^1.5 = 1e-3. The errors of the 600 cells at the rim average
+            // out to 4e-5 if they are random.
             let tolerance = 1e-4 * load;
             assert!((sum("") - load).abs() < tolerance, "{site}: {} for {load}", sum(""));
             for (i, name) in ["friction_across", "friction_along"].into_iter().enumerate() {
@@ -515,8 +518,8 @@ fn fields_over_the_ellipses_integrate_to_the_forces() {
     }
 }
 
-/// The case of Xu and Tang has 50 deg at the nut and 40 deg at the screw. It used to be impossible
-/// to enter these angles.
+/// In the case of Xu and Tang, the contact angle is 50 deg at the nut and 40 deg at the screw. The
+/// program used to have no inputs for these angles.
 #[test]
 fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let angles =
@@ -526,8 +529,8 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         Settings { control: Some(bsm_dyn::Control::Nut), ..Model::RacewayControl.into() };
     let report =
         bsm_case::slip(&given, &nut_control, &solved(&given, &nut_control)).expect("a motion");
-    // The expected values come from the formulas in `xu2015.rs` of `bsm-validate`, printed with
-    // four digits.
+    // The expected values were calculated with the formulas in `xu2015.rs` of `bsm-validate` and
+    // printed with four digits.
     for (name, expected) in [
         ("nut_orbit_slip_printed_m_s", 3.3210),
         ("screw_orbit_slip_printed_m_s", 3.9744),
@@ -538,12 +541,12 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     }
     assert!(report.number(output!(nut_friction_power_W)).is_none());
     assert!(
-        report.texts("lacks").iter().any(|lack| lack.contains("in balance")),
+        report.texts("lacks").iter().any(|lack| lack.contains("in equilibrium")),
         "{:?}",
         report.texts("lacks")
     );
-    // The program rejects a model that calculates the angles, jamming, and one angle without the
-    // other.
+    // Given angles are rejected for a model that calculates the angles and for the jamming
+    // analysis. One angle without the other is also rejected.
     let traction = Model::Traction.into();
     let refused = bsm_case::slip(&given, &traction, &solved(&given, &traction));
     assert!(matches!(refused, Err(CaseError::OutOfRange { model: Some(_), .. })), "{refused:?}");
@@ -555,8 +558,8 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     assert_eq!(auto.expect("complete").solution.model, Model::RacewayControl);
 }
 
-/// Eqs 12 and 14 of Dong et al.: the friction moments of both contacts about the tangent add up to
-/// the gyroscopic moment. These moments used to be missing from the outputs.
+/// According to Eqs 12 and 14 of Dong et al., the friction moments of both contacts about the
+/// tangent add up to the gyroscopic moment. The outputs used to lack these moments.
 #[test]
 fn tangential_friction_moments_balance_the_gyroscopic_moment() {
     let report = slip(&case(DONG, &[("screw_speed_rpm", 5000.0)]), Model::Traction);
@@ -568,10 +571,11 @@ fn tangential_friction_moments_balance_the_gyroscopic_moment() {
     assert!((nut + screw - gyroscopic).abs() < 1e-6, "{nut} {screw} {gyroscopic}");
 }
 
-/// Three criteria used to decide on the same screw. One criterion considered friction across the
-/// groove alone, at the angle already changed by friction, and ignored the lead angle.
+/// The program used to contain three different self-locking criteria. One of them considered only
+/// friction across the groove, used a contact angle that friction had already changed, and ignored
+/// the lead angle.
 #[test]
-fn self_locking_has_one_criterion() {
+fn jamming_report_uses_the_closed_form_self_locking_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
     for model in [Model::RacewayControl, Model::Traction] {
         let report = jam(&case(DONG, &steep), model);
@@ -589,10 +593,10 @@ fn self_locking_has_one_criterion() {
     }
 }
 
-/// Outputs of a solution that are also numbers of an analysis.
+/// Outputs of a solved motion that are also outputs of an analysis.
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
-/// Numbers of a nut or its balls that are also on the sheet of its axis or in the warm state.
+/// Outputs of a nut or its balls that are also outputs of the axis sheet or the warm state.
 const OF_A_NUT: [&str; 22] = [
     "limit_load_N",
     "nut_heat_W",
@@ -618,10 +622,11 @@ const OF_A_NUT: [&str; 22] = [
     "warm_preload_N",
 ];
 
-/// A column has one meaning: no other analysis and no input has the same name. Numbers that an
-/// analysis shares with a solution, or an axis with its nut, have the same value, unit and label.
+/// Column names are unambiguous: no other analysis and no input has the same name. If an analysis
+/// shares an output with a solution, or an axis with its nut, both have the same value, unit and
+/// label.
 #[test]
-fn a_column_has_one_meaning() {
+fn column_names_are_unambiguous() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
     let count = names.len();
     names.sort_unstable();
@@ -636,7 +641,8 @@ fn a_column_has_one_meaning() {
     assert_eq!(twice, shared);
     let inputs: Vec<_> =
         INPUTS.iter().map(|input| input.name).filter(|name| names.contains(name)).collect();
-    // These numbers are inputs that follow from other inputs if they are not given.
+    // These outputs have the names of inputs. They contain values that are calculated if the inputs
+    // are not given.
     let same = [
         "pressure_viscosity_1_GPa",
         "lubricant_temperature_C",
@@ -667,15 +673,15 @@ fn a_column_has_one_meaning() {
     let report = slip(&case, Model::Traction);
     for name in SHARED {
         let (there, here) = (record.number(named(name)).expect("an output"), number(&report, name));
-        // The tolerance allows for rounding of spins of 100 rad/s that are differences of rates of
-        // 3000 rad/s.
+        // The tolerance allows for rounding errors: spins of 100 rad/s are differences of angular
+        // velocities of 3000 rad/s.
         assert!((there - here).abs() <= 1e-10 * there.abs(), "{name}: {there} {here}");
     }
 }
 
-/// Every quantity has a name with its unit, a label, and a unique position.
+/// Every quantity of an analysis has a title, a label, and one column for each member of its scope.
 #[test]
-fn quantities_are_complete() {
+fn quantities_have_labels_and_one_column_per_scope_member() {
     for kind in AnalysisKind::ALL {
         for (place, quantity) in kind.quantities().iter().enumerate() {
             let members = match quantity.scope {

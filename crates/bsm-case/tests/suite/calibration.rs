@@ -1,4 +1,4 @@
-//! Fits of inputs to measured points: standard deviations and detection of systematic residuals.
+//! Tests of fits to measured points: standard deviations, and detection of systematic residuals.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ const TRUTH: [(&str, f64); 2] = [("friction_coefficient", 0.06), ("contact_angle
 /// Number of data sets of each kind.
 const SETS: usize = 400;
 
-/// The 97.5 % quantile of Student's t distribution with 10 degrees of freedom, for 12 points minus
+/// 97.5 % quantile of Student's t distribution with 10 degrees of freedom, which is 12 points minus
 /// two inputs.
 const T_10: f64 = 2.228;
 
@@ -26,7 +26,7 @@ fn settings() -> Settings {
     Settings::from(Model::RacewayControl)
 }
 
-/// Returns the loads of 12 points \[N\] and the torque of each point without noise \[N·m\].
+/// Returns the loads \[N\] and the noise-free torques \[N·m\] of 12 points.
 fn exact_points() -> Vec<(f64, f64)> {
     let mut case = Case::from_json(DRY).expect("an example");
     let mut work = ModelWorkspace::default();
@@ -47,7 +47,7 @@ fn fitted_input(text: &str) -> FittedInput {
     FittedInput::parse(text).expect("an input")
 }
 
-/// Fits the inputs to points of load, torque and, optionally, the error of the torque.
+/// Fits the inputs to points that consist of load, torque and, optionally, the error of the torque.
 fn fit_to_points(
     points: &[(f64, f64, Option<f64>)],
     errors: Option<MeasurementError>,
@@ -66,8 +66,9 @@ fn fit_to_points(
     (fit, report)
 }
 
-/// Returns two fractions of the data sets. In the first fraction, the true value of an input is
-/// outside its 95 % interval. In the second fraction, the residuals are called systematic.
+/// Fits random data sets and returns two kinds of fractions: for each input, the fraction of data
+/// sets for which the true value is outside its 95 % interval, and the fraction of data sets whose
+/// residuals are reported as systematic.
 fn miss_and_alarm_fractions(
     noise: impl Fn(f64) -> f64,
     errors: Option<MeasurementError>,
@@ -79,7 +80,7 @@ fn miss_and_alarm_fractions(
     for _ in 0..SETS {
         let mut point = |&(load, torque): &(f64, f64)| {
             let error = noise(torque);
-            // The fit does not know the common factor of all errors.
+            // The factor of 7 shows that the fit does not depend on the common scale of the errors.
             (load, torque + error * normal(&mut random), with_column.then_some(7.0 * error))
         };
         let points: Vec<_> = exact.iter().map(&mut point).collect();
@@ -93,12 +94,12 @@ fn miss_and_alarm_fractions(
     (beyond, alarms)
 }
 
-/// Tolerance of a fraction of 5 % of [`SETS`] random data sets: four standard deviations. The
-/// standard deviation is sqrt(0.05 · 0.95/400) = 1.1 %.
+/// Tolerance for a fraction of 5 % of [`SETS`] random data sets. It is four times the standard
+/// deviation of this fraction, which is sqrt(0.05 · 0.95/400) = 1.1 %.
 const SCATTER: f64 = 0.044;
 
 /// Returns true if both fractions differ from 5 % by less than [`SCATTER`].
-fn are_five_percent(beyond: [f64; 2]) -> bool {
+fn are_miss_fractions_five_percent(beyond: [f64; 2]) -> bool {
     beyond.iter().all(|share| (share - 0.05).abs() < SCATTER)
 }
 
@@ -106,29 +107,30 @@ fn are_five_percent(beyond: [f64; 2]) -> bool {
 fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
     let (beyond, alarms) =
         miss_and_alarm_fractions(|_| 1e-3, Some(MeasurementError::Absolute), false);
-    assert!(are_five_percent(beyond), "{beyond:?}");
+    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
     // The fraction is at most the significance level of 5 %, because the number of sign runs is
-    // discrete and residuals of a fit change sign more often than independent random numbers.
+    // discrete, and because the residuals of a fit change sign more often than independent random
+    // numbers.
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
 #[test]
 fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
     let (beyond, alarms) = miss_and_alarm_fractions(|torque| 2e-4 * torque, None, false);
-    assert!(are_five_percent(beyond), "{beyond:?}");
+    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// The errors meet neither assumption about the weights. The column states the errors up to a
-/// common factor.
+/// The errors are neither constant nor proportional to the torque. The error column states them up
+/// to a common factor.
 #[test]
 fn error_column_gives_correct_standard_deviations() {
     let (beyond, alarms) = miss_and_alarm_fractions(|torque| 1e-5 * torque.powi(2), None, true);
-    assert!(are_five_percent(beyond), "{beyond:?}");
+    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// A seal torque that the fit does not know makes the residuals depend on the load.
+/// A seal torque that the fitted model does not contain makes the residuals depend on the load.
 #[test]
 fn warns_about_residuals_that_depend_on_an_input() {
     let exact = exact_points();
@@ -147,7 +149,7 @@ fn warns_about_residuals_that_depend_on_an_input() {
 }
 
 #[test]
-fn errors_of_measured_values_are_checked() {
+fn invalid_measurement_errors_are_rejected() {
     let why = |errors: Option<MeasurementError>, table: &str| {
         let case = Case::from_json(DRY).expect("an example");
         let inputs = [fitted_input("friction_coefficient")];
@@ -167,9 +169,9 @@ fn errors_of_measured_values_are_checked() {
     assert!(MeasurementError::named("equal").is_err());
 }
 
-/// The name of the column of errors determines its unit.
+/// The unit of the errors is taken from the name of the error column.
 #[test]
-fn errors_may_have_another_unit() {
+fn error_column_may_have_another_unit() {
     let case = Case::from_json(DRY).expect("an example");
     let fit = |table: &str| {
         let inputs = [fitted_input("friction_coefficient")];
@@ -185,6 +187,6 @@ fn errors_may_have_another_unit() {
         fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Nm_error\n{meters}\n")),
         fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Ncm_error\n{centimeters}\n")),
     ];
-    // The tolerance allows for rounding of the unit factor.
+    // The tolerance allows for the rounding error of the unit conversion.
     assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
 }

@@ -1,5 +1,4 @@
-//! Properties that ratings of a nut must have in general. Published values are checked by
-//! `bsm validate`.
+//! Tests of general properties of nut ratings. Published values are checked by `bsm validate`.
 
 use bsm_case::{Case, CaseError, NutProblem, Settings, output, ratings};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -21,14 +20,14 @@ fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
     move |name| answer.number(named(name)).unwrap_or(f64::NAN)
 }
 
-/// More turns carry more load: C_a grows as i^0.86, and C_0a and stiffness grow as i (at the same
-/// load per turn).
+/// More turns carry more load: at the same load per turn, C_a is proportional to i^0.86, and C_0a
+/// and the stiffness are proportional to i.
 #[test]
 fn ratings_grow_with_the_number_of_turns() {
     let one = numbers(&nut(&[("loaded_turns", 1.0), ("axial_load_N", 1000.0)]));
     let four = numbers(&nut(&[("loaded_turns", 4.0), ("axial_load_N", 4000.0)]));
     let ratio = |name: &str| four(name) / one(name);
-    // Powers and products of exact factors differ by rounding only.
+    // Powers and products of exact factors differ only by rounding errors.
     assert!((ratio("dynamic_load_rating_N") - 4.0_f64.powf(0.86)).abs() < 1e-12);
     assert!((ratio("static_load_rating_N") - 4.0).abs() < 1e-12);
     assert!((ratio("contact_displacement_um") - 1.0).abs() < 1e-12);
@@ -37,7 +36,7 @@ fn ratings_grow_with_the_number_of_turns() {
 
 /// Stiffness is the derivative of load with respect to displacement.
 #[test]
-fn stiffness_is_the_slope_of_load_over_displacement() {
+fn stiffness_is_the_derivative_of_load_with_respect_to_displacement() {
     let displacement = |load| numbers(&nut(&[("axial_load_N", load)]))("contact_displacement_um");
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
@@ -45,13 +44,13 @@ fn stiffness_is_the_slope_of_load_over_displacement() {
     let stiffness = numbers("tangent_contact_stiffness_N_um");
     let secant = load / numbers("contact_displacement_um");
     assert!((secant / numbers("secant_contact_stiffness_N_um") - 1.0).abs() < 1e-12);
-    // The error of the difference quotient is (step/load)², and its rounding error is 1e-16 times
-    // 2e4.
+    // The relative truncation error of the finite difference is (step/load)², and its rounding
+    // error is 1e-16 times 2e4.
     assert!((slope / stiffness - 1.0).abs() < 1e-8, "{slope} {stiffness}");
 }
 
-/// Under a small load the contact angles do not change, so the elastic model gives the displacement
-/// of the ratings.
+/// A small load does not change the contact angles, so the elastic model gives the same
+/// displacement as the rating formulas.
 #[test]
 fn displacement_at_small_load_matches_the_elastic_model() {
     let load = 10.0;
@@ -65,13 +64,13 @@ fn displacement_at_small_load_matches_the_elastic_model() {
     let solution = case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
     let model = 1e6 * solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
     let ours = numbers(&case)("contact_displacement_um");
-    // The angles change by the ratio of the approach to the distance between the arc centers, here
-    // 1e-4.
+    // The contact angles change by the ratio of the contact deformation to the distance between the
+    // arc centers, here 1e-4.
     assert!((model / ours - 1.0).abs() < 3e-4, "{model} {ours}");
 }
 
-/// The displacement is axial. Along the binormal it would be smaller by the cosine of the lead
-/// angle, which is 0.3 and 4.4 % at these leads.
+/// The displacement is measured along the axis. Along the binormal, it would be smaller by the
+/// cosine of the lead angle, which is 0.3 % and 4.4 % at these leads.
 #[test]
 fn solve_and_nut_give_the_same_axial_displacement() {
     let settings: Settings = Model::RacewayControl.into();
@@ -87,7 +86,8 @@ fn solve_and_nut_give_the_same_axial_displacement() {
             solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a state");
         let of_nut = nut.number(output!(nut_displacement_um)).expect("a displacement");
-        // The tolerance is ten times the ratio of centrifugal force to load at 1 rpm, 1e-9.
+        // The tolerance is ten times the ratio of centrifugal force to load at 1 rpm, which is
+        // 1e-9.
         assert!((1e6 * of_solve / of_nut - 1.0).abs() < 1e-8, "{lead}: {of_solve} {of_nut}");
     }
 }
@@ -108,10 +108,10 @@ fn nuts_that_cannot_be_rated_are_reported() {
     assert!(heavy.warnings[0].contains("exceeds the dynamic load rating"), "{heavy:?}");
 }
 
-/// Ratings did not mention that heat changes the preload, or that the axial load excludes the
-/// weight.
+/// The ratings used to contain no note that temperature rises change the preload, or that the axial
+/// load excludes the weight.
 #[test]
-fn inputs_that_ratings_ignore_are_noted() {
+fn ratings_warn_about_inputs_that_they_ignore() {
     let told =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     let (warm, heavy) =
@@ -123,10 +123,11 @@ fn inputs_that_ratings_ignore_are_noted() {
     assert!(moved.contains(heavy) && !moved.contains(warm), "{moved}");
 }
 
-/// An audit found that the displacement with a preload was 13.71 um for every load. The expected
-/// values are calculated by hand from eq. 7 and eq. 9 of Sobolewski (2002), to the given digits.
+/// An audit found that the displacement of a preloaded pair was 13.71 um for every load. The
+/// expected values were calculated by hand from eq. 7 and eq. 9 of Sobolewski (2002), to the given
+/// number of digits.
 #[test]
-fn the_displacement_of_a_pair_depends_on_the_load() {
+fn displacement_of_a_preloaded_pair_depends_on_the_load() {
     let pair = numbers(&nut(&[("preload_N", 15_500.0), ("axial_load_N", 30_000.0)]));
     assert!((pair("preload_displacement_um") - 13.692).abs() < 5e-4);
     assert!((pair("contact_displacement_um") - 8.8332).abs() < 5e-5);
@@ -137,10 +138,11 @@ fn the_displacement_of_a_pair_depends_on_the_load() {
     assert!(alone("contact_displacement_um").is_nan());
 }
 
-/// An audit found no warnings about a preload of 0.39 of the rating (eq. 6), a load of five times
-/// the preload (eq. 8), nine turns, a large ball, or lands that do not hold the balls.
+/// An audit found that the following gave no warnings: a preload of 0.39 of the rating (eq. 6), a
+/// load of five times the preload (eq. 8), nine turns, a large ball, and lands that do not retain
+/// the balls.
 #[test]
-fn violated_recommendations_of_the_paper_are_reported() {
+fn violated_recommendations_of_sobolewski_are_reported() {
     let warnings =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
@@ -168,16 +170,17 @@ fn violated_recommendations_of_the_paper_are_reported() {
     }
 }
 
-/// The contact angle may be given by the grooves instead of by its value. The program rejects both
-/// in one file, a distance without a valid contact angle, a play that the arcs do not allow, and a
-/// screw wider than the nut bore.
+/// The distance between the groove bottoms can be given instead of the contact angle. The program
+/// rejects both in one case, a distance for which no contact angle exists, a play that the arcs do
+/// not permit, and a screw that is wider than the nut bore.
 #[test]
-fn the_thread_can_be_given() {
+fn groove_bottom_distance_can_replace_the_contact_angle() {
     let mut case = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
     case.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
     let angle = ratings(&case).expect("complete").number(output!(contact_angle_deg));
-    // cos 60 deg is half of the distance between the arc centers.
+    // The contact angle of 60 deg follows from the distance between the arc centers: cos 60 deg =
+    // 1/2.
     assert!((angle.expect("a row") - 60.0).abs() < 1e-9, "{angle:?}");
     let thread = numbers(&case);
     let bottoms = 0.5 * (thread("nut_core_diameter_mm") - thread("screw_core_diameter_mm"));

@@ -19,14 +19,15 @@ fn case(json: &str) -> Case {
     Case::from_json(json.as_bytes()).expect("valid case")
 }
 
-/// Returns the error of a case that parsing or the check rejects.
+/// Returns the error message of a case that is rejected by the parser or by the check.
 fn error_text(json: &str) -> String {
     let result = Case::from_json(json.as_bytes())
         .and_then(|case| case.problem(&Settings::default()).map(|_| ()));
     result.expect_err(json).to_string()
 }
 
-/// The program used to suggest `seal_torque_Nm`, which sounds alike.
+/// The name of an output is recognized as such. The program used to suggest `seal_torque_Nm`, which
+/// is spelled similarly but has another meaning.
 #[test]
 fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
@@ -37,7 +38,7 @@ fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
     assert!(!text.contains("did you mean"), "{text}");
 }
 
-/// The program used to suggest P0, the finest grade, for P2.
+/// For the unknown grade P2, the program used to suggest only P0, the finest grade.
 #[test]
 fn grades_on_both_sides_of_an_unknown_grade_are_suggested() {
     for (grade, suggestion) in [
@@ -68,14 +69,15 @@ fn units_round_trip_through_si() {
     let record = Record::new(Problem::Rigid(rigid).solve(&mut ModelWorkspace::default()));
     let number = |name: OutputName| record.number(name).expect("a number");
     assert_relative_eq!(number(output!(nut_contact_angle_deg)), 45.0, max_relative = 1e-15);
-    // ψ_B = atan(tan 10° / cos 45°) = 14.00°, up to the effect of inertia.
+    // ψ_B = atan(tan 10° / cos 45°) = 14.00°, apart from the effect of inertia.
     assert_relative_eq!(number(output!(screw_slip_angle_deg)), 14.0, epsilon = 0.02);
-    // P = 0.4345 × 2000 rpm is a value of the reference table.
+    // The reference table contains P = 0.4345 × 2000 rpm.
     let rpm = number(output!(ball_precession_rad_s)) * 30.0 / std::f64::consts::PI;
     assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
 }
 
-/// Each model is chosen as soon as its inputs are given, and names its missing inputs.
+/// `auto` chooses each model as soon as its inputs are given, and each model names its missing
+/// inputs.
 #[test]
 fn auto_chooses_the_most_complete_model() {
     let mut given = Case::default();
@@ -98,7 +100,7 @@ fn auto_chooses_the_most_complete_model() {
     let rigid = Model::Rigid;
     let [closed, quasi, gross_skid] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
-    // With both conformities the error of each model has a bound, so `auto` is kept.
+    // If both conformities are given, the error of each model is bounded, so `auto` is kept.
     let auto = Some(ModelChoice::Auto);
     assert_eq!(
         chosen,
@@ -148,9 +150,9 @@ fn lead_and_lead_angle_are_equivalent() {
     );
 }
 
-/// Every error names the key, the value and the valid range.
+/// Every error message states the key, the value and the permitted range.
 #[test]
-fn errors_say_what_to_do() {
+fn errors_state_key_value_and_permitted_range() {
     for (json, parts) in [
         ("", &["is empty", "JSON object"][..]),
         (" \n", &["is empty"]),
@@ -212,9 +214,10 @@ fn errors_say_what_to_do() {
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
-/// A review found that inputs outside the range of a model were rejected only after the work.
+/// A review found that inputs outside the range of a model were only rejected after the
+/// calculation.
 #[test]
-fn values_outside_the_range_of_a_model_are_rejected_first() {
+fn values_outside_the_model_range_are_rejected_before_solving() {
     let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0"]).expect("known name");
     let rigid = lin.problem(&Model::Rigid.into()).expect_err("no friction").to_string();
@@ -227,9 +230,10 @@ fn values_outside_the_range_of_a_model_are_rejected_first() {
     assert!(dual.contains("no dual drive"), "{dual}");
 }
 
-/// `auto` solves with a model whose error bound is below the tolerance, and states the reason.
+/// `auto` solves the case with a model whose error bound is below the tolerance, and states the
+/// reason.
 #[test]
-fn auto_states_model_bound_and_reason() {
+fn auto_states_error_bound_and_reason_of_its_choice() {
     let mut lin = case(LIN);
     for setting in ["nut_conformity=0.53", "screw_conformity=0.53"] {
         lin.apply(&[setting]).expect("known name");
@@ -243,7 +247,8 @@ fn auto_states_model_bound_and_reason() {
         let bound = record.number(output!(efficiency_error_bound)).expect("a bound");
         assert!(bound <= tolerance, "{bound} {tolerance}");
         let why = record.choice().expect("a reason");
-        // An audit found numbers with five digits next to a bound that did not apply to them.
+        // An audit found that some numbers were printed with five digits next to an error bound
+        // that did not apply to them.
         let json = record.to_json();
         let marked = json["without_error_bound"].as_array().map_or(0, |names| {
             assert!(names.iter().any(|name| name == "axial_displacement_um"));
@@ -264,7 +269,7 @@ fn auto_states_model_bound_and_reason() {
     }
 }
 
-/// A review found that a byte order mark was reported as a syntax error.
+/// A byte order mark used to be reported as a syntax error.
 #[test]
 fn a_byte_order_mark_is_skipped() {
     let mut bytes = b"\xef\xbb\xbf".to_vec();
@@ -273,12 +278,12 @@ fn a_byte_order_mark_is_skipped() {
 }
 
 #[test]
-fn settings_complete_and_correct_a_case() {
+fn settings_add_and_replace_inputs_of_a_case() {
     let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0.1"]).expect("known name");
     lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
     assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
-    // A given lead replaces the lead angle of the file.
+    // A new lead replaces the lead angle in the file.
     lin.apply(&["lead_mm=20"]).expect("known name");
     assert_eq!((lin.lead_mm, lin.lead_angle_deg), (Some(20.0), None));
     assert!(lin.check().is_ok());
@@ -291,13 +296,13 @@ fn settings_complete_and_correct_a_case() {
         let error = lin.apply(&[setting]).expect_err(setting).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // The rules reject NaN.
+    // The rule for an input rejects NaN.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
 }
 
 #[test]
-fn numbers_of_a_row_override_a_case_as_another_case_does() {
+fn numbers_and_settings_override_a_case_in_the_same_way() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),
@@ -318,7 +323,7 @@ fn numbers_of_a_row_override_a_case_as_another_case_does() {
 }
 
 #[test]
-fn grids_are_full_products_with_exact_ends() {
+fn grids_are_cartesian_products_with_exact_range_ends() {
     let grid = Grid::new(vec![
         Axis::parse("lead_angle_deg=1:2:3").expect("range"),
         Axis::parse("friction_coefficient=0.1,0.3").expect("list"),
@@ -330,8 +335,8 @@ fn grids_are_full_products_with_exact_ends() {
         [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
     assert_eq!(points, expected);
     assert_eq!(grid.case(&case(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
-    // Filling many points at once, across or within periods of the fast axis, gives the same values
-    // as single points.
+    // Filling a range of points at once, within a period of the fast axis or across periods, gives
+    // the same values as individual points.
     for (first, end) in (0..=6).flat_map(|first| (first..=6).map(move |end| (first, end))) {
         for axis in 0..2 {
             let mut column = vec![f64::NAN];
@@ -340,14 +345,15 @@ fn grids_are_full_products_with_exact_ends() {
             assert_eq!(column[1..], one_by_one, "axis {axis}, points {first} to {end}");
         }
     }
-    // 0.1 is not the sum of its binary fractions, but the end of the range is exact.
+    // The end of the range is exactly 0.1, although adding rounded steps would not give this
+    // number.
     let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
     assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
-    // The ratios are equal, and the ends are exact.
+    // Successive values have equal ratios, and the ends are exact.
     let log = Axis::parse("axial_load_N=1:1000:4:log").expect("range");
     let values: Vec<_> = (0..4).map(|i| log.value(i)).collect();
     assert_eq!([values[0], values[3]].map(f64::to_bits), [1.0_f64, 1000.0].map(f64::to_bits));
-    // The tolerance allows for rounding of logarithms.
+    // The tolerance allows for rounding errors of the logarithms.
     assert!((values[1] / 10.0 - 1.0).abs() < 1e-14 && (values[2] / 100.0 - 1.0).abs() < 1e-14);
     assert_eq!(Axis::parse(&log.to_string()).expect("its own form"), log);
 
@@ -365,11 +371,12 @@ fn grids_are_full_products_with_exact_ends() {
         let error = Axis::parse(text).expect_err(text).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // A review found that the second of two forms of the lead silently replaced the first.
+    // If both forms of the lead were given, the second one used to replace the first without a
+    // message.
     let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
     let error = Grid::new(leads.to_vec()).expect_err("two forms").to_string();
     assert_eq!(error, "give one of lead_angle_deg and lead_mm; both are given");
-    // A review found that a nut drive with a varied nut speed counted as standing still.
+    // A drive with a varied nut speed used to be rejected because the base case is at standstill.
     let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
     assert!(base.check().is_err() && nut.check(&base).is_ok());
@@ -383,10 +390,11 @@ fn grids_are_full_products_with_exact_ends() {
     assert!(error.starts_with("the grid has more than"), "{error}");
 }
 
-/// Every quantity with several forms may be given in one form only, under any name, in a case, by
-/// settings and in a grid. Lead and lead angle may both be given if they agree.
+/// A quantity with several forms may only be given in one form, under any of its names, in a case,
+/// by settings or in a grid. Lead and lead angle are an exception: both may be given if they are
+/// consistent.
 #[test]
-fn two_forms_of_a_quantity_are_rejected_with_both_names() {
+fn error_about_two_forms_of_a_quantity_states_both_names() {
     for (forms, names) in [
         (["screw_speed_rpm=1500", "feed_m_min=20"], "screw_speed_rpm and feed_m_min"),
         (["speed_1_min=1500", "feed_mm_s=20"], "screw_speed_rpm and feed_m_min"),
@@ -403,8 +411,8 @@ fn two_forms_of_a_quantity_are_rejected_with_both_names() {
     ] {
         let names: Vec<_> = names.split(" and ").map(|name| format!("`{name}`")).collect();
         let expected = format!("{} are the same input; give one of them", names.join(" and "));
-        // Two units of one input give the same input twice. Two inputs of one quantity are two
-        // forms.
+        // The same input in two units is reported as given twice. Different inputs for the same
+        // quantity are reported as two forms.
         let expected = if names.iter().any(|name| name.contains("load_kN")) {
             expected
         } else {
@@ -419,7 +427,7 @@ fn two_forms_of_a_quantity_are_rejected_with_both_names() {
         assert_eq!(read.expect_err("two forms").to_string(), expected);
         let varied = Grid::parse(&forms).expect_err("two forms").to_string();
         assert!(varied == expected || varied.contains("`axial_load_N` is given twice"), "{varied}");
-        // A later setting replaces the other form.
+        // A later setting replaces the other forms of its quantity.
         let mut case = Case::default();
         case.apply(&forms[..1]).and_then(|()| case.apply(&forms[1..])).expect("a setting");
         case.check().expect("one of them");
@@ -428,7 +436,7 @@ fn two_forms_of_a_quantity_are_rejected_with_both_names() {
     assert_eq!(error, "`lead_mm` is given twice; give it once");
 }
 
-/// Schemas contain every input with its rule, and every key of a result.
+/// The schemas contain every input with its rule, and every key of a result.
 #[test]
 fn schemas_contain_all_inputs_and_outputs() {
     let input = input_schema();
@@ -463,7 +471,7 @@ fn schemas_contain_all_inputs_and_outputs() {
     }
 }
 
-/// A failed point has a message and no numbers.
+/// A point that cannot be solved has a message and no numbers.
 #[test]
 fn a_failed_point_states_the_reason() {
     let mut lin = case(LIN);
@@ -489,9 +497,10 @@ fn warns_about_overlapping_turns() {
     assert!(lin.warnings()[0].contains("neighboring turns"), "{:?}", lin.warnings());
 }
 
-/// An ellipse of 0.81 ball radii at 61 deg extends to 115 deg.
+/// The ellipse has a semi-axis of 0.81 ball radii. At a contact angle of 61 deg, it extends to 115
+/// deg.
 #[test]
-fn warns_about_an_ellipse_wider_than_its_flank() {
+fn warns_about_a_contact_ellipse_wider_than_its_flank() {
     let warnings = |load: &str| {
         let mut drive = case(include_str!("../../../../examples/feed_drive.json"));
         drive.apply(&[load]).expect("known name");
@@ -504,15 +513,15 @@ fn warns_about_an_ellipse_wider_than_its_flank() {
 }
 
 proptest! {
-    /// The parser does not panic for any bytes.
+    /// The parser does not panic on arbitrary bytes.
     #[test]
-    fn any_bytes_are_a_case_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+    fn parser_survives_arbitrary_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         let _ = Case::from_json(&bytes);
     }
 
-    /// The parser never panics on JSON with known and unknown keys.
+    /// The parser does not panic on JSON with known or unknown keys.
     #[test]
-    fn any_object_is_a_case_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
+    fn parser_survives_arbitrary_keys(key in "[a-z_]{0,30}", value in any::<f64>()) {
         let json = serde_json::json!({ key: value });
         if let Ok(case) = Case::from_json(json.to_string().as_bytes()) {
             let _ = case.problem(&Settings::default());
@@ -521,10 +530,10 @@ proptest! {
     }
 }
 
-/// The table used to show the ellipses of nut and screw under each other's headings. Each column
-/// must show its own contact.
+/// Each column shows the values of its own contact. The table used to show the ellipses of nut and
+/// screw under each other's headings.
 #[test]
-fn numbers_of_contacts_are_under_their_headings() {
+fn contact_columns_show_values_of_their_own_contact() {
     let json = include_bytes!("../../../../examples/feed_drive_oil.json");
     let case = Case::from_json(json).expect("an example");
     let problem = case.problem(&Settings::default()).expect("complete");

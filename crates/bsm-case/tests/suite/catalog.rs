@@ -1,11 +1,11 @@
-//! Tests of the catalog and of the life of a nut.
+//! Tests of the catalog of nuts and of the life of a nut.
 
 use bsm_case::{Case, Catalog, Condition, ListColumn, candidate_case, ratings};
 use bsm_design::Candidate;
 
 use crate::named;
 
-/// Small lists. Other lists keep their standard values.
+/// Short lists of sizes. The other lists keep their standard values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
@@ -19,8 +19,8 @@ fn all(catalog: &Catalog) -> Vec<Candidate> {
     catalog.map(&catalog.indices(), |_, nut| Some(*nut))
 }
 
-/// The catalog contains the published rows with their numbers (to the newton, millimeter and per
-/// cent, like `bsm validate`). More than 50 000 standard nuts are within the limits.
+/// The catalog contains the published rows with the printed numbers, to the newton, millimeter and
+/// percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
 #[test]
 fn the_catalog_contains_the_published_nuts() {
     let all = all(&Catalog::from_json(SMALL).expect("lists"));
@@ -42,10 +42,10 @@ fn the_catalog_contains_the_published_nuts() {
     assert!(Catalog::standard().expect("compiled in").indices().len() > 50_000);
 }
 
-/// The standard lists used to cover only 8 to 100 mm. ISO 3408-2 covers 6 to 200 mm, and every
-/// diameter has nuts.
+/// ISO 3408-2 covers diameters from 6 to 200 mm, and the catalog contains nuts for every diameter.
+/// The standard lists used to cover only 8 to 100 mm.
 #[test]
-fn every_diameter_of_the_standard_has_nuts() {
+fn catalog_contains_nuts_for_every_standard_diameter() {
     const ISO_3408_2: [f64; 16] = [
         6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0,
         200.0,
@@ -59,10 +59,10 @@ fn every_diameter_of_the_standard_has_nuts() {
     }
 }
 
-/// An audit found that the lists of the paper contained only six of its thirteen printed rows. Each
-/// row occurs once, with its calculated diameter.
+/// The catalog contains each printed row exactly once, with its calculated diameter. An audit found
+/// that the lists of the paper gave only six of its thirteen printed rows.
 #[test]
-fn every_printed_row_is_in_the_lists_of_the_paper() {
+fn lists_of_the_paper_give_every_printed_row() {
     let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
     let all = all(&Catalog::from_json(lists).expect("lists"));
     let table = include_str!("../../../../validation/published/ratings/sobolewski.csv");
@@ -87,11 +87,11 @@ fn every_printed_row_is_in_the_lists_of_the_paper() {
     assert_eq!(rows, 13);
 }
 
-/// An audit found that in 17 255 of 88 515 nuts the nut bore was outside the balls, and that in 40
-/// 705 nuts the balls touched the lands at 45 deg. No nut may have these faults, and each nut must
-/// hold its balls under its preload.
+/// The lands of each nut must retain its balls under the preload. An audit found that the nut bore
+/// was outside the balls in 17 255 of 88 515 nuts, and that the balls touched the lands at 45 deg
+/// in 40 705 nuts.
 #[test]
-fn the_lands_of_every_nut_hold_its_balls() {
+fn lands_of_every_catalog_nut_retain_its_balls() {
     let catalog = Catalog::standard().expect("compiled in");
     let places = catalog.indices();
     assert!(places.len() > 50_000);
@@ -104,8 +104,8 @@ fn the_lands_of_every_nut_hold_its_balls() {
     assert!(bad.is_empty(), "{bad:?}");
 }
 
-/// The gap between balls and the play of the thread are lists with one number. A smaller gap
-/// requires larger pitch circles, and a play moves the arc centers together.
+/// The gap between balls and the axial play are lists with a single number. A smaller gap requires
+/// larger pitch circles, and a play moves the arc centers closer together.
 #[test]
 fn ball_gap_and_axial_play_can_be_set() {
     let with = |key: &str, value: f64| {
@@ -118,20 +118,20 @@ fn ball_gap_and_axial_play_can_be_set() {
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
-    // The row with a pitch circle of 101.66 mm holds 31.99999 balls, which count as 32 without a
-    // gap.
+    // The row with a pitch circle of 101.66 mm has room for 31.99999 balls, which count as 32 balls
+    // without a gap.
     let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
     assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);
     let offset = |nuts: &[Candidate]| nuts[0].thread.nut.offset;
-    // Each of the four arcs of equal grooves takes a quarter of the play.
+    // With equal grooves, each of the four arcs contributes a quarter of the play.
     assert!((offset(&usual) - offset(&loose) - 5e-6).abs() < 1e-12);
     assert!(Catalog::from_json(b"{\"largest_ball_gap_over_ball\": 1}").is_err());
 }
 
-/// No nut of the Pareto front beats another nut of the front.
+/// No nut of the Pareto front dominates another nut of the front.
 #[test]
-fn the_pareto_front_is_smaller_and_contains_the_best_nuts() {
+fn pareto_front_is_smaller_and_contains_the_best_nuts() {
     let catalog = Catalog::from_json(SMALL).expect("lists");
     let all = all(&catalog);
     let front = catalog.map(&catalog.pareto(&catalog.indices()), |_, nut| Some(*nut));
@@ -140,7 +140,7 @@ fn the_pareto_front_is_smaller_and_contains_the_best_nuts() {
 }
 
 #[test]
-fn lists_are_checked() {
+fn invalid_lists_are_rejected() {
     for (json, words) in [
         ("{\"led_mm\": [5]}", "did you mean `lead_mm`?"),
         ("{\"lead_mm\": 5}", "lead_mm"),
@@ -169,20 +169,20 @@ fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
     move |name| report.number(named(name)).unwrap_or(f64::NAN)
 }
 
-/// The life is (C_a / F)^3 million revolutions, at the speed of the case.
+/// The life is (C_a / F)^3 million revolutions at the speed of the case.
 #[test]
-fn the_life_refers_to_the_operating_point() {
+fn rating_life_refers_to_the_operating_point() {
     let mut nut =
         Case::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(9e3), Some(-750.0));
     let one = numbers(&nut);
     let hours = (one("dynamic_load_rating_N") / 9e3).powi(3) * 1e6 / (60.0 * 750.0);
-    // The tolerance allows for rounding of a few operations.
+    // The tolerance allows for the rounding errors of a few operations.
     assert!((one("rating_life_h") / hours - 1.0).abs() < 1e-12, "{}", one("rating_life_h"));
 }
 
-/// Without load a preload alone reduces the life. Above 2.83 times the preload, the life of a pair
-/// equals the life of a single nut.
+/// A preload reduces the life even without a load. If the load exceeds 2.83 times the preload, the
+/// life of a pair equals the life of a single nut.
 #[test]
 fn preload_reduces_the_life() {
     let mut nut =
@@ -196,12 +196,12 @@ fn preload_reduces_the_life() {
     assert!((numbers(&nut)("rating_life_h") / single - 1.0).abs() < 1e-12);
 }
 
-/// Balls of 0.8 mm on a screw of 40 mm used to be standard sizes, while the most common sizes of
-/// all manufacturers were missing, because their ball diameter exceeds half of the lead.
+/// The standard sizes used to contain balls of 0.8 mm for a screw of 40 mm. The most common sizes
+/// of all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
-fn catalogs_have_the_proportions_and_common_sizes_of_manufacturers() {
+fn catalogs_contain_common_sizes_with_usual_proportions() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
-    // There are 208 rows of THK and HIWIN, each with one or more numbers of turns.
+    // The table has 208 rows from THK and HIWIN, and each row has at least one number of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);
     for catalog in [manufacturers, Catalog::standard().expect("compiled in")] {
         let all = all(&catalog);
@@ -220,11 +220,11 @@ fn catalogs_have_the_proportions_and_common_sizes_of_manufacturers() {
     }
 }
 
-/// THK's 50 x 50 mm screw with 7.2 turns used to have a nut of 510 mm, because all turns were
-/// assumed on one thread. The nut has four circuits of 1.8 turns, one circuit on each of four
-/// thread starts. The lead has room for the four circuits, and the case of the nut states them.
+/// The nut of THK's 50 x 50 mm screw with 7.2 turns has four circuits of 1.8 turns, one on each of
+/// four thread starts. The lead has room for all four circuits, and the case of the nut contains
+/// them. The nut used to be 510 mm long, because all turns were assumed to be on one thread.
 #[test]
-fn circuits_of_a_large_lead_have_a_thread_each() {
+fn large_lead_nut_has_one_circuit_per_thread_start() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
     let is_large = |nut: &Candidate| {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
@@ -237,7 +237,8 @@ fn circuits_of_a_large_lead_have_a_thread_each() {
     assert!(all.iter().all(|nut| nut.nut.turns * nut.nut.pitch() < nut.body.length));
     let case = candidate_case(nut, None);
     let of = |name: &str| case[name].as_f64().expect("a number");
-    // The values have the digits of the catalog. The conversion from meters adds no rounding error.
+    // The values match the catalog digit for digit, because the conversion from meters adds no
+    // rounding error.
     let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
     assert_eq!(given, ["4", "4", "7.938"]);
 }

@@ -1,4 +1,4 @@
-//! Cases with one line of a catalog: their grooves are estimated from the load ratings.
+//! Tests of cases with catalog data only, whose grooves are estimated from the load ratings.
 
 use std::fs;
 use std::path::Path;
@@ -13,11 +13,11 @@ use bsm_dyn::ModelWorkspace;
 
 use crate::named;
 
-/// SFU1605-4 of TBI at a tenth of its dynamic load rating.
+/// Screw SFU1605-4 of TBI, loaded with a tenth of its dynamic load rating.
 const SFU1605: &str = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13533,
     "rated_static_load_N": 29930, "axial_load_N": 1353.3, "screw_speed_rpm": 500, "friction_coefficient": 0.08}"#;
 
-/// R40-20K4-FSC of HIWIN at a tenth of its dynamic load rating.
+/// Screw R40-20K4-FSC of HIWIN, loaded with a tenth of its dynamic load rating.
 const R40: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300,
     "rated_static_load_N": 144400, "axial_load_N": 5130, "screw_speed_rpm": 500, "friction_coefficient": 0.08}"#;
 
@@ -27,7 +27,7 @@ fn case(text: &str, settings: &[&str]) -> Case {
     case
 }
 
-/// Returns the motion of one ball, with the intervals over all possible grooves.
+/// Returns the answer for the motion of one ball, with intervals over all possible grooves.
 fn motion(case: &Case) -> Answer {
     let case = case.with_groove().expect("a groove");
     let settings = Settings::default();
@@ -42,10 +42,10 @@ fn groove_error(case: &Case) -> String {
     case.with_groove().expect_err("no groove").to_string()
 }
 
-/// A case with a complete groove is returned unchanged, so it has the same results as without the
-/// estimate. Diameter and ratings in addition to the groove have no effect.
+/// A case with a complete groove is returned unchanged, so the estimate does not affect its
+/// results. If diameter and ratings are also given, they have no effect.
 #[test]
-fn complete_grooves_are_used_as_given() {
+fn complete_grooves_are_not_changed_by_the_estimate() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     let mut complete = 0;
     for entry in fs::read_dir(folder).expect("examples") {
@@ -61,21 +61,21 @@ fn complete_grooves_are_used_as_given() {
         let stated = ["nominal_diameter_mm=40", "lead_mm=20", "rated_dynamic_load_N=51300"];
         let mut rated = given.clone();
         rated.apply(&stated).expect("inputs");
-        // An incomplete groove may contradict these ratings.
+        // If the groove is incomplete, it may contradict these ratings.
         let Ok(found) = rated.with_groove() else { continue };
         if !found.has_estimated_groove() {
             complete += 1;
             assert_eq!(found, rated, "{}", path.display());
         }
     }
-    // Feed drives, jamming, and all nuts have complete grooves.
+    // The examples of feed drives, jamming and nuts all have complete grooves.
     assert!(complete >= 10, "{complete}");
 }
 
-/// The best groove of SFU1605-4 agrees with an independent implementation. If a case is written and
-/// read again, its groove is estimated again.
+/// The best groove for SFU1605-4 agrees with an independent implementation. If the case is written
+/// to a file and read again, its groove is estimated again.
 #[test]
-fn catalog_line_is_completed_from_its_ratings() {
+fn groove_is_estimated_from_catalog_ratings() {
     let line = case(SFU1605, &[]);
     let found = line.with_groove().expect("a groove");
     assert_eq!(found.ball_diameter_mm, Some(3.175));
@@ -93,10 +93,10 @@ fn catalog_line_is_completed_from_its_ratings() {
     assert_eq!(again.with_groove().expect("a groove"), found);
 }
 
-/// A rating for 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) times the rating for a
-/// million revolutions (BB8).
+/// The rating for a travel of 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) times the
+/// rating for one million revolutions (BB8).
 #[test]
-fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
+fn travel_rating_and_equivalent_revolution_rating_give_the_same_groove() {
     let in_revolutions = case(R40, &[]).with_groove().expect("a groove");
     let stated = 51_300.0 / 5.0_f64.cbrt();
     let settings = [&format!("rated_dynamic_load_N={stated}"), "rating_basis=100 km"];
@@ -108,7 +108,7 @@ fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
         (case.ball_diameter_mm, life, rating.expect("a rating"))
     });
     assert_eq!(one.0, other.0);
-    // The tolerance allows for rounding of a cubic root.
+    // The tolerance allows for the rounding error of a cube root.
     assert_relative_eq!(one.1, other.1, max_relative = 1e-12);
     assert_relative_eq!(one.2, other.2, max_relative = 1e-12);
 }
@@ -120,16 +120,16 @@ fn given_input_replaces_its_estimate() {
     let found = found.with_groove().expect("a groove");
     assert_eq!((found.ball_diameter_mm, found.nut_conformity), (Some(3.0), Some(0.515)));
     assert!(!found.estimates("ball_diameter_mm") && found.estimates("screw_conformity"));
-    // There are 64 balls of 3.175 mm. The number of smaller balls is larger, because N D_w² is
-    // constant.
+    // The estimate for balls of 3.175 mm contains 64 balls. With smaller balls, the number is
+    // larger, because N D_w² is constant.
     let balls = found.loaded_balls_per_turn.expect("balls") * found.loaded_turns.expect("turns");
     assert!((balls - 64.0 * (3.175_f64 / 3.0).powi(2)).abs() < 2.0, "{balls}");
 }
 
-/// The intervals agree to 1 % with the intervals of an independent implementation for the same 128
-/// grooves (`validation/published/groove/public.json`).
+/// The intervals agree within 1 % with the intervals of an independent implementation for the same
+/// 128 grooves (`validation/published/groove/public.json`).
 #[test]
-fn intervals_match_independent_bands() {
+fn intervals_match_independent_implementation() {
     // F h/(2 pi) is the torque without friction.
     let ideal = [1353.3 * 0.005, 5130.0 * 0.02].map(|work| work / std::f64::consts::TAU);
     for (text, ideal, [low, high], [least, most]) in [
@@ -140,17 +140,18 @@ fn intervals_match_independent_bands() {
         let torque = answer.band("ball_torque_Nm").expect("an interval");
         assert_relative_eq!(torque.low - ideal, low, max_relative = 0.01);
         assert_relative_eq!(torque.high - ideal, high, max_relative = 0.01);
-        // An error of 1 % of the loss is 0.03 % of the efficiency.
+        // An error of 1 % of the loss corresponds to 0.03 % of the efficiency.
         let efficiency = answer.band("efficiency").expect("an interval");
         assert_relative_eq!(efficiency.low, least, max_relative = 3e-4);
         assert_relative_eq!(efficiency.high, most, max_relative = 3e-4);
     }
 }
 
-/// A given input is used exactly and narrows the intervals. The median ratios of the specification
-/// are 1.41 for a catalog line, and 1.03 if ball, conformity and contact angle are given.
+/// A given input is not estimated, so it narrows the intervals. According to the specification, the
+/// median ratio of interval ends is 1.41 with catalog data only, and 1.03 if ball, conformity and
+/// contact angle are given.
 #[test]
-fn known_items_narrow_the_interval() {
+fn given_inputs_narrow_the_interval() {
     let width = |settings: &[&str]| {
         let answer = motion(&case(R40, settings));
         let ideal = 5130.0 * 0.02 / std::f64::consts::TAU;
@@ -163,9 +164,9 @@ fn known_items_narrow_the_interval() {
     assert!(widths[0] > widths[1] && widths[1] > widths[2] && widths[2] < 1.1, "{widths:?}");
 }
 
-/// R50-5T6-FSI of HIWIN is printed with 10 117 N instead of 101 170 N.
+/// The catalog prints a rating of 10 117 N for R50-5T6-FSI of HIWIN, instead of 101 170 N.
 #[test]
-fn unreachable_ratings_are_refused_with_the_nearest_groove() {
+fn error_about_unreachable_ratings_states_the_nearest_groove() {
     let misprint = r#"{"nominal_diameter_mm": 50, "lead_mm": 5, "rated_dynamic_load_N": 24900, "rated_static_load_N": 10117}"#;
     let why = groove_error(&case(misprint, &[]));
     for part in [
@@ -190,7 +191,7 @@ fn unreachable_ratings_are_refused_with_the_nearest_groove() {
     assert!(matches!(wrong, CaseError::OutOfRange { .. }), "{wrong}");
 }
 
-/// The life of an axis needs no groove.
+/// The life of an axis can be calculated without a groove.
 #[test]
 fn axis_life_is_calculated_even_if_no_groove_matches_the_ratings() {
     let line = case(R40, &["rated_static_load_N=1444000", "stroke_mm=500"]);
@@ -207,8 +208,9 @@ fn axis_life_is_calculated_even_if_no_groove_matches_the_ratings() {
     assert!(report.answer.section("groove_estimate").is_none());
 }
 
-/// Life, static safety and the limits of the screw follow from the catalog and have no interval.
-/// Torque, heat, temperature and stiffness have an interval.
+/// Life, static safety and the limits of the screw follow from the catalog data and have no
+/// intervals. Torque, heat, temperature and stiffness depend on the estimated groove and have
+/// intervals.
 #[test]
 fn axis_of_a_catalog_line_has_intervals() {
     let of = |settings: &[&str]| {
@@ -237,7 +239,7 @@ fn axis_of_a_catalog_line_has_intervals() {
     for name in dependent {
         let (value, band) = (report.number(named(name)), report.answer.band(name));
         let band = band.unwrap_or_else(|| panic!("no interval of {name}"));
-        // The best groove is near the middle of the possible grooves.
+        // The result for the best groove lies within the interval over the possible grooves.
         let value = value.unwrap_or_else(|| panic!("no {name}"));
         assert!(band.low < value && value < band.high, "{name}: {value} {band:?}");
     }
@@ -254,11 +256,11 @@ fn axis_of_a_catalog_line_has_intervals() {
     }
 }
 
-/// If friction is not given, the torque follows from the catalog efficiency, 0.9, and its interval
-/// follows from efficiencies of 0.85 to 0.95. The 5 and 95 % quantiles of these efficiencies are
-/// 0.855 and 0.945, to within one of 32 draws.
+/// If friction is not given, the torque is calculated from the catalog efficiency of 0.9. Its
+/// interval is calculated from efficiencies of 0.85 to 0.95. The 5 % and 95 % quantiles of these
+/// efficiencies are 0.855 and 0.945, to within one of the 32 draws.
 #[test]
-fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
+fn torque_without_friction_input_has_catalog_efficiency_interval() {
     let mut line = case(R40, &["stroke_mm=500"]);
     line.friction_coefficient = None;
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
@@ -269,7 +271,7 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
         max_relative = 1e-12
     );
     let band = report.answer.band("screw_torque_Nm").expect("an interval");
-    // A draw is a thirty-second of the range.
+    // The tolerance is the distance between two draws, 1/32 of the range.
     assert!((ideal / band.high - 0.855).abs() < 0.1 / 32.0, "{band:?}");
     assert!((ideal / band.low - 0.945).abs() < 0.1 / 32.0, "{band:?}");
     line.apply(&["catalog_efficiency=0.9", "catalog_back_efficiency=0.8"]).expect("inputs");
@@ -277,7 +279,7 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     assert_eq!(report.answer.band("screw_torque_Nm"), None);
 }
 
-/// The numbers of a warm state have intervals over the warm states of the possible grooves.
+/// The results of a warm state have intervals over the warm states for all possible grooves.
 #[test]
 fn warm_state_of_a_catalog_line_has_intervals() {
     let line = case(R40, &["stroke_mm=800", "warm_state=true"]);
@@ -305,10 +307,10 @@ fn warm_state_of_a_catalog_line_has_intervals() {
     assert_eq!(answer.band("nut_temperature_C"), report.answer.band("nut_temperature_C"));
 }
 
-/// A warm state of a catalog line that does not exist is reported like the warm state of a given groove. The
-/// message used to ask for the inputs of the groove.
+/// If the warm state of an axis with catalog data does not exist, the reason is reported as for a
+/// given groove. The message used to ask for the inputs of the groove.
 #[test]
-fn missing_warm_state_of_a_catalog_line_is_reported() {
+fn nonexistent_warm_state_of_a_catalog_line_is_reported() {
     let hot = case(R40, &["stroke_mm=800", "warm_state=true", "screw_speed_rpm=300000"]);
     let why = AxisReport::of(&hot, &Settings::default()).expect_err("too hot").to_string();
     assert!(why.contains("a temperature exceeds 180 C"), "{why}");
@@ -317,11 +319,10 @@ fn missing_warm_state_of_a_catalog_line_is_reported() {
     assert!(why.contains("the nearest groove has"), "{why}");
 }
 
-/// The printed ratings are used with every groove, so ratings and lives equal the values of the
-/// catalog.
-/// The stiffness depends on the groove.
+/// Since printed ratings are used with every possible groove, ratings and lives equal the catalog
+/// values. The stiffness depends on the groove.
 #[test]
-fn life_follows_from_printed_ratings_with_every_groove() {
+fn life_does_not_depend_on_the_estimated_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");
     let answer = over_grooves(&line, FEW_DRAWS, ratings).expect("ratings");
     assert_relative_eq!(
@@ -350,19 +351,19 @@ fn life_follows_from_printed_ratings_with_every_groove() {
         max_relative = 1e-9
     );
     let ratio = answer.number(output!(life_ratio)).expect("a ratio");
-    // With equal loads, the life from the loads of all balls is a few percent longer than the life
-    // by ISO.
+    // With equal ball loads, the life calculated from the loads of all balls is a few percent
+    // longer than the life according to ISO 3408-5.
     assert!((1.0..1.15).contains(&ratio), "{ratio}");
     assert!(
         answer.band("nut_stiffness_N_um").is_some() && answer.band("max_pressure_MPa").is_some()
     );
 }
 
-/// The groove of each row of a table is estimated separately. If no groove has the ratings of a
-/// row, or if the groove has other ratings, the row remains in the table and a message states both
-/// sets of numbers.
+/// The groove of each table row is estimated separately. If no groove has the ratings of a row, or
+/// if the given groove has other ratings, the row is kept, and a message states both sets of
+/// numbers.
 #[test]
-fn table_rows_are_estimated_and_contradictions_are_named() {
+fn table_rows_get_estimated_grooves_and_contradictions_are_reported() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
 line,40,20,,,,51300,144400
 misprint,50,5,,,,24900,10117
@@ -384,8 +385,8 @@ given,15,10,3.175,3,12.32,9600,19300";
         of("misprint")
     );
     assert!(of("other").contains("96000 N, but the rating of the groove is"), "{}", of("other"));
-    // For the axis of a requirement, the contradictory row fails, and the rules apply to the other
-    // rows.
+    // In the axis of a requirement, the contradictory row fails. The other rows are checked against
+    // the rules.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
     let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
@@ -396,9 +397,9 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert!(stiffness.value("axis_stiffness_N_um").is_some());
 }
 
-/// In the axis of a requirement, heat, torque and stiffness of a nut have intervals; life and
-/// safety follow from the ratings. The columns of a table contain the ends of the intervals after
-/// the numbers.
+/// In the axis of a requirement, heat, torque and stiffness of a nut have intervals. Life and
+/// safety follow from the ratings and have none. In the table, the columns of interval ends follow
+/// the column of the number.
 #[test]
 fn list_columns_of_an_estimated_nut_have_intervals() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
@@ -439,9 +440,9 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
 }
 
-/// Each model has its own intervals. The times of a solve have no interval.
+/// Each model has its own intervals. The solve time has no interval.
 #[test]
-fn models_side_by_side_have_intervals() {
+fn model_comparison_has_intervals() {
     let line = case(R40, &[]).with_groove().expect("a groove");
     let answer = comparison(&line).expect("models").to_json();
     let models = answer["models"].as_array().expect("models");
@@ -454,8 +455,8 @@ fn models_side_by_side_have_intervals() {
     assert!(intervals[row]["time_us"].is_null(), "{intervals}");
 }
 
-/// Each quantile of a nut with random balls has an interval over the possible grooves, in the
-/// layout of the quantiles.
+/// Each quantile over nuts with random balls has an interval over the possible grooves. The
+/// intervals have the same layout as the quantiles.
 #[test]
 fn quantiles_of_random_nuts_have_intervals() {
     let line = case(R40, &["ball_deviation_sd_um=1"]).with_groove().expect("a groove");
@@ -472,7 +473,7 @@ fn quantiles_of_random_nuts_have_intervals() {
     assert!(low < median && median < high, "{low} {median} {high}");
 }
 
-/// The friction coefficient that gives a mean heat has an interval.
+/// The friction coefficient that was fitted to a mean heat has an interval.
 #[test]
 fn fitted_input_of_an_axis_has_an_interval() {
     let line = case(R40, &["stroke_mm=500"]).with_groove().expect("a groove");
@@ -487,10 +488,10 @@ fn fitted_input_of_an_axis_has_an_interval() {
     assert!(message.contains("over the possible grooves"), "{message}");
 }
 
-/// A case with a complete groove has exactly the numbers that it had before grooves were estimated.
-/// `complete_groove.json` contains numbers of the last program without estimates.
+/// The results for a case with a complete groove are the same as before the program could estimate
+/// grooves. `complete_groove.json` contains results of the last program version without estimates.
 #[test]
-fn complete_groove_has_the_numbers_of_the_program_without_estimates() {
+fn results_for_a_complete_groove_match_the_stored_results() {
     const FROZEN: &str = include_str!("complete_groove.json");
     let frozen: serde_json::Value = serde_json::from_str(FROZEN).expect("JSON");
     let given = Case::from_json(frozen["case"].to_string().as_bytes()).expect("a case");
@@ -512,7 +513,8 @@ fn complete_groove_has_the_numbers_of_the_program_without_estimates() {
         for (name, value) in frozen[part].as_object().expect("numbers") {
             let (value, ours) = (value.as_f64().expect("a number"), ours[name].as_f64());
             let ours = ours.unwrap_or_else(|| panic!("{part}: no {name}"));
-            // Another mathematical library may differ in the last digits, which iterations amplify.
+            // Other math libraries may differ in the last digits, and iterations amplify these
+            // differences.
             assert_relative_eq!(ours, value, max_relative = 1e-9, epsilon = 1e-12);
             compared += 1;
         }

@@ -36,10 +36,10 @@ fn says(settings: &[&str], words: &str) {
     assert!(error.contains(words), "{error}");
 }
 
-/// The case of a design meets the requirement according to both the models and the ratings of its
-/// nut.
+/// The case of the selected screw meets the requirement according to both the model and the ratings
+/// of its nut.
 #[test]
-fn the_case_of_a_design_meets_the_requirement() {
+fn case_of_the_selected_screw_meets_the_requirement() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!(report.found, "{:?}", report.reasons);
     assert!(report.rows.iter().all(|row| row.passes));
@@ -51,8 +51,8 @@ fn the_case_of_a_design_meets_the_requirement() {
     let step = |name: &str| report.rows.iter().find(|r| r.name == name).and_then(|r| r.value);
     let same = |a: Option<f64>, b: Option<f64>| {
         let (a, b) = (a.expect("a number"), b.expect("a number"));
-        // The conformity is rounded to 5e-7. Its excess of 0.02 over 1/2 enters the life with the
-        // third power.
+        // The conformity is rounded to 5e-7. The life depends on the third power of the difference
+        // between conformity and 1/2, which is 0.02.
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));
@@ -65,7 +65,7 @@ fn the_case_of_a_design_meets_the_requirement() {
 
 /// In a linear-to-rotary motion, the load turns the screw backward.
 #[test]
-fn back_driving_has_a_negative_speed() {
+fn linear_to_rotary_motion_has_a_negative_speed() {
     let requirement =
         requirement(&["motion=linear-to-rotary", "model=closed-form", "allow_warnings=true"])
             .expect("a requirement");
@@ -74,7 +74,7 @@ fn back_driving_has_a_negative_speed() {
 }
 
 #[test]
-fn requirements_are_checked() {
+fn invalid_requirements_are_rejected() {
     says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
     says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
@@ -91,10 +91,10 @@ fn requirements_are_checked() {
     assert!(error.contains("(or feed_m_min) is required"), "{error}");
 }
 
-/// With a minimal requirement, the result is the lightest screw, with a note on the assumed
-/// friction.
+/// If only load, motion and stroke are required, the result is the lightest screw, with a note on
+/// the assumed friction.
 #[test]
-fn a_requirement_of_load_motion_and_stroke_suffices() {
+fn load_motion_and_stroke_suffice_as_requirement() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
     let standard = Catalog::standard().expect("compiled in");
     let report = |settings: &[&str]| {
@@ -108,9 +108,10 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
     assert_eq!(same.notes, Vec::<String>::new());
 }
 
-/// A case that every command rejects is not a result. A lubricant replaces a friction coefficient.
+/// A screw whose case every command would reject is not reported as found. A lubricant replaces the
+/// friction coefficient of the requirement.
 #[test]
-fn a_rejected_case_is_not_a_result() {
+fn screw_with_a_rejected_case_is_not_reported_as_found() {
     let report = DesignReport::of(&requirement(&["pretension_K=3"]).expect("a requirement"));
     let why = report.reasons.join("; ");
     assert!(!report.found && why.contains("needs support fixed-fixed"), "{why}");
@@ -119,16 +120,19 @@ fn a_rejected_case_is_not_a_result() {
     assert!(report.found && report.case.friction_coefficient.is_none(), "{:?}", report.reasons);
 }
 
-/// An absurd load is a valid input, but no screw carries it.
+/// An extremely large load is a valid input, but no screw can carry it.
 #[test]
-fn absurd_loads_are_infeasible() {
+fn extreme_load_is_reported_as_infeasible() {
     let report = DesignReport::of(&requirement(&["axial_load_N=1e30"]).expect("a number"));
     assert!(!report.found);
     assert!(
-        report.reasons.iter().any(|r| r.contains("largest pressure at the nut, equal sharing")),
+        report
+            .reasons
+            .iter()
+            .any(|r| r.contains("largest pressure at the nut, with equal load sharing")),
         "{report:?}"
     );
-    assert!(report.reasons.iter().any(|r| r.contains("life of the cycle")), "{report:?}");
+    assert!(report.reasons.iter().any(|r| r.contains("life under the cycle")), "{report:?}");
 }
 
 /// Lead and lead angle together determine the pitch circle diameter.
@@ -139,7 +143,7 @@ fn lead_and_lead_angle_determine_the_pitch_circle() {
     );
     let case = report.case;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
-    // The diameter is rounded to a micrometer.
+    // The diameter is rounded to one micrometer.
     assert!((case.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
 }
 
@@ -147,10 +151,10 @@ fn feed_drive() -> Case {
     Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("an example")
 }
 
-/// A fit to the output of a model recovers the friction coefficient, and the response of the fit
-/// equals the response of the model.
+/// A fit to the calculated output of a model recovers the friction coefficient, and the reported
+/// response agrees with the finite difference of the model.
 #[test]
-fn a_fit_recovers_the_friction_coefficient() {
+fn fit_recovers_the_friction_coefficient() {
     let mut case = feed_drive();
     case.friction_coefficient = Some(0.0713);
     for model in [Model::ClosedForm, Model::RacewayControl, Model::Traction] {
@@ -166,20 +170,20 @@ fn a_fit_recovers_the_friction_coefficient() {
         let report = fit.run(&case, &settings).expect("complete");
         assert_eq!(report.found.len(), 1, "{}", fit.answer(&case, &report).to_json()["message"]);
         let found = &report.found[0];
-        // Brent's method stops at 1e-10 of the range of 0.5.
+        // Brent's method stops at 1e-10 of the search range, whose width is 0.5.
         assert!((found.value - 0.0713).abs() < 1e-8, "{}", found.value);
         let mut more = case.clone();
         more.friction_coefficient = Some(0.0713 * 1.001);
         let response = 1e-3 / (at(&more) / torque - 1.0);
-        // The reference is a one-sided difference with a step of 1e-3.
+        // The reference is a one-sided finite difference with a relative step of 1e-3.
         assert!((found.response / response - 1.0).abs() < 5e-3, "{} {response}", found.response);
     }
 }
 
-/// Each reverse question about an axis finds all values of the input. These values agree with
+/// A fit to an output of the axis sheet finds all values of the input. The values agree with
 /// independent results to 1e-6.
 #[test]
-fn reverse_questions_about_an_axis_find_all_values_of_the_input() {
+fn fit_to_an_axis_output_finds_all_values_of_the_input() {
     let lift = json!([{ "distance_mm": 100, "time_s": 0.438, "profile": "triangular" }]);
     for (case, input, measured, expected) in [
         (
@@ -232,10 +236,10 @@ fn reverse_questions_about_an_axis_find_all_values_of_the_input() {
     }
 }
 
-/// At the limit of a rule, the result of the rule on the sheet changes, and the ranges that satisfy
-/// the rule lie on one side of the limit.
+/// A fit to the limit of a rule finds the range of the input in which the rule is met, and the
+/// limit of this range.
 #[test]
-fn the_limit_of_a_rule_divides_the_range() {
+fn fit_finds_the_input_range_that_meets_a_rule() {
     let case = json!({ "lead_mm": 4, "shaft_diameter_mm": 9.5, "support": "fixed-supported", "feed_m_min": 3.6 });
     let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
     let input = FittedInput::parse("unsupported_length_mm=50:20000").expect("an input");
@@ -250,9 +254,10 @@ fn the_limit_of_a_rule_divides_the_range() {
     assert!(why.contains("did you mean `critical speed`?"), "{why}");
 }
 
-/// Any input can be fitted. An unreachable value is rejected with the reachable range.
+/// Any input can be fitted. If the measured value is unreachable, the message states the reachable
+/// range.
 #[test]
-fn a_fit_states_the_reachable_range() {
+fn error_of_a_fit_states_the_reachable_range() {
     let case = feed_drive();
     let settings = Settings::from(Model::RacewayControl);
     let fit = Fit::parse(&case, "axial_load_N", "nut_max_pressure_MPa=1500").expect("names");
@@ -260,8 +265,8 @@ fn a_fit_states_the_reachable_range() {
     assert_eq!(found.len(), 1);
     let record = found[0].record.as_ref().expect("a ball in motion");
     let pressure = record.number(output!(nut_max_pressure_MPa)).expect("converged");
-    // The slope of pressure with respect to load is small: 1e-10 of the range changes the pressure
-    // by far less than 1e-6.
+    // The pressure depends only weakly on the load. A change of the load by 1e-10 of the search
+    // range changes the pressure by far less than 1e-6.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
     let fit = Fit::parse(&case, "friction_coefficient", "screw_torque_Nm=1").expect("names");
     let report = fit.run(&case, &settings).expect("complete");
@@ -282,8 +287,8 @@ fn a_fit_states_the_reachable_range() {
     assert!(error.expect_err("negative friction").to_string().contains("-1 to 1 is not"));
 }
 
-/// The conformity of Sobolewski's tables is outside the range of Lin's step 6, which a requirement
-/// may widen.
+/// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
+/// widen this range.
 #[test]
 fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
@@ -294,7 +299,7 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     let wide =
         DesignReport::of(&requirement(&[tables[0], tables[1], wider]).expect("a requirement"));
     assert!(wide.found, "{:?}", wide.reasons);
-    // The hand calculation is 0.5 / 0.53.
+    // The expected value from a hand calculation is 0.5 / 0.53.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
     says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
     says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
@@ -304,48 +309,50 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
 }
 
-/// Lin's step 1 required a lead. Without a lead, the program chooses a standard lead, and the screw
-/// is as light as if this lead were given. The lead of the example gives a heavier screw.
+/// Lin's step 1 requires a lead. If no lead is given, the program chooses a standard lead, and the
+/// selected screw has the same mass as if this lead were given. Screws with other leads are at most
+/// 1 % lighter.
 #[test]
-fn a_missing_lead_is_chosen_from_the_standard() {
+fn missing_lead_is_chosen_from_standard_leads() {
     let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
     assert!(free.found, "{:?}", free.reasons);
     let lead = value(&free, "lead_mm");
     let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
     let given =
         DesignReport::of(&requirement(&[&format!("lead_mm={lead}")]).expect("a requirement"));
-    // Both searches are the same.
+    // Both searches consider the same sizes.
     assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
     for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
         let other = DesignReport::of(&requirement(&[other]).expect("a requirement"));
-        // With an integer number of balls, another lead may be slightly better than with a
-        // fractional number.
+        // The number of balls is an integer, so the screw with another lead can be slightly
+        // lighter.
         assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
     }
 }
 
-/// Lin's rule for linear to rotary motion is the largest contact angle, with the lead angle of Eq
-/// 18.
+/// For linear to rotary motion, Lin's rule chooses the largest contact angle and the lead angle
+/// from Eq 18.
 #[test]
-fn a_screw_driven_by_its_load_has_the_lead_of_eq_18() {
+fn screw_driven_by_its_load_has_the_lead_angle_of_eq_18() {
     let motion = "motion=linear-to-rotary";
     let back =
         without_lead(&[motion, "objective=efficiency", "model=closed-form", "required_life_h=100"]);
     let report = DesignReport::of(&back.expect("a requirement"));
     assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
-    // The hand calculation is cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg.
+    // The expected value from a hand calculation is cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at
+    // f = 0.05 and 75 deg.
     let y = 0.5 * (1.0 - 0.05 / 1.0025_f64.sqrt());
     let lead = (y.sqrt() / 75.0_f64.to_radians().sin()).acos().to_degrees();
-    // The case is rounded to microdegrees, which also affects the lead angle.
+    // The angles in the case are rounded to microdegrees, which also affects the lead angle.
     assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
     assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
     let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
     assert!(error.to_string().contains("no lead angle has its best efficiency"), "{error}");
 }
 
-/// A load of 8 kN at 250 mm/s needs 2 kW at the nut.
+/// A load of 8 kN at 250 mm/s requires 2 kW at the nut.
 #[test]
-fn the_motor_limits_the_power() {
+fn design_meets_the_limit_of_input_power() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!((value(&report, "screw_output_power_W") - 2000.0).abs() < 1e-6);
     let input = value(&report, "screw_input_power_W");
@@ -362,8 +369,9 @@ fn the_motor_limits_the_power() {
     );
 }
 
-/// Returns requirements of machine builders: a light lift with a long stroke, a feed axis with a
-/// cycle, a hot axis, and short strokes, horizontal and vertical, with and without preload.
+/// Returns typical requirements of machine builders: a light lift with a long stroke, a feed axis
+/// with a cycle, a hot axis, and axes with short strokes, horizontal and vertical, with and without
+/// preload.
 fn requirements_of_machine_builders() -> Vec<String> {
     let lift = r#""moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]"#;
     let feed = r#""moved_mass_kg":450,"guide_friction":0.01,"stroke_mm":800,"support":"fixed-supported","required_life_h":20000,"cycle":[{"share":0.3,"force_N":4000,"feed_m_min":10},{"share":0.5,"force_N":0,"feed_m_min":30},{"share":0.2,"force_N":0,"feed_m_min":30}]"#;
@@ -379,7 +387,7 @@ fn requirements_of_machine_builders() -> Vec<String> {
     all
 }
 
-/// Every warning of `axis` is either a limit of the selection or is printed with the selected
+/// Each warning of `axis` either corresponds to a selection limit or is printed with the selected
 /// screw.
 #[test]
 fn select_prints_every_warning_of_axis() {
@@ -387,7 +395,8 @@ fn select_prints_every_warning_of_axis() {
     let mut found = 0;
     for json in requirements_of_machine_builders() {
         let has_no_more = !json.contains("objective") && !json.contains("rolled");
-        // There are many standard sizes, so only one requirement of each kind is tested with them.
+        // The standard lists contain many sizes, so only one requirement of each kind is tested
+        // with them.
         for catalog in [&own, &standard].into_iter().take(if has_no_more { 2 } else { 1 }) {
             let lists = catalog.lists.clone();
             let requirement =
@@ -409,12 +418,12 @@ fn select_prints_every_warning_of_axis() {
             }
         }
     }
-    // Most requirements must have a screw, because a test without any screw would prove nothing.
+    // Without this check, the test would pass even if no requirement had a screw.
     assert!(found >= 10, "{found}");
 }
 
-/// An audit found that the lightest screw for 1100 mm was 8 x 12 mm, which manufacturers list only
-/// up to 250 mm.
+/// An audit found that the lightest screw for a length of 1100 mm was an 8 x 12 mm screw, which
+/// manufacturers only list up to 250 mm.
 #[test]
 fn no_screw_longer_than_the_listed_lengths_is_selected() {
     let catalog = Catalog::manufacturers().expect("compiled in");

@@ -1,4 +1,4 @@
-//! Motor, brake and preload of an axis on its sheet.
+//! Tests of motor, brake and preload on the axis sheet.
 
 use bsm_case::{
     AxisReport, Case, Catalog, DesignReport, NutProblem, RequirementFile, Settings, output,
@@ -11,10 +11,11 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
     found.unwrap_or_else(|| panic!("no {title}"))
 }
 
-/// The reference is THK, A-722 to A-746. The horizontal axis has 80 kg, 1 m/s in 0.15 s, guide
-/// friction 0.003 and resistance 15 N (printed 550, 17, -516, -550, -17, 516 N). The vertical axis
-/// has 50 kg, 0.3 m/s in 0.2 s and 20 N (printed 585, 510, 435, 395, 470, 545 N). The results have
-/// five digits. A load given for half of a phase at the mean speed has the sign of the motion.
+/// The loads match the example of THK, A-722 to A-746. The horizontal axis moves 80 kg, accelerates
+/// to 1 m/s in 0.15 s, and has a guide friction coefficient of 0.003 and a resistance of 15 N
+/// (printed 550, 17, -516, -550, -17, 516 N). The vertical axis moves 50 kg, accelerates to 0.3 m/s
+/// in 0.2 s, and has a resistance of 20 N (printed 585, 510, 435, 395, 470, 545 N). The expected
+/// values have five digits.
 #[test]
 fn loads_of_two_transfer_axes_match_thk() {
     let cycle = |feed: f64, acceleration: f64| {
@@ -46,9 +47,9 @@ fn loads_of_two_transfer_axes_match_thk() {
     }
 }
 
-/// Limits of the motor become rules with remedies. Without limits of the motor there is no rule.
+/// Motor limits are checked by rules with remedies. Without motor limits, these rules are omitted.
 #[test]
-fn motor_limits_become_rules() {
+fn motor_limits_are_checked_by_rules() {
     let titles = |more: &[&str]| -> Vec<_> {
         let report = axis(more);
         report.answer.rules.iter().map(|rule| (rule.title, rule.passes())).collect()
@@ -63,36 +64,36 @@ fn motor_limits_become_rules() {
         "motor_rated_power_W=9000",
         "largest_inertia_ratio=1",
     ]);
-    // The feed rate is 30 m/min with a lead of 20 mm.
+    // The feed rate is 30 m/min at a lead of 20 mm.
     near(number(&report, "motor_speed_rpm"), 1500.0, 1e-9, "speed");
     let speed = rule(&report, "motor speed");
     assert!(speed.remedy.as_ref().is_some_and(|help| help.contains("lead_mm 30.0")), "{speed:?}");
     assert!(!rule(&report, "rated torque of the motor").passes());
     assert!(rule(&report, "power of the motor").passes());
     assert!(!rule(&report, "inertia ratio").passes());
-    // The shortest ramp takes v/a = 0.25 s. The shortest time at peak torque is J (2 pi 25
-    // rad/s)/(T_peak - T_load).
+    // The shortest ramp in the cycle takes v/a = 0.25 s. The shortest possible ramp at peak torque
+    // takes J (2 pi 25 rad/s)/(T_peak - T_load).
     near(number(&report, "shortest_ramp_s"), 0.25, 1e-12, "ramp");
     let inertia = number(&report, "inertia_at_motor_kg_m2") + 0.01;
     let steady = report.phases[1].number(output!(motor_torque_Nm)).expect("a torque");
     let least = inertia * 50.0 * std::f64::consts::PI / (12.0 - steady);
     near(number(&report, "least_acceleration_time_s"), least, 1e-12, "time");
-    // HIWIN requires 1.5 times the acceleration time at the rated torque. A rated torque of 1 N m
-    // is not sufficient to accelerate at all.
+    // HIWIN requires 1.5 times the acceleration time at the rated torque. With a rated torque of 1
+    // N m, the axis cannot accelerate at all.
     assert_eq!(report.number(output!(least_rated_acceleration_time_s)), None);
     let rated = axis(&[cycle, "motor_rated_torque_Nm=12"]);
     near(number(&rated, "least_rated_acceleration_time_s"), 1.5 * least, 1e-12, "rated time");
-    // With a gear the motor turns faster, and the losses of the gear increase the torque.
+    // With a gear, the motor turns faster, and the gear losses increase the motor torque.
     let (plain, geared) = (axis(&[]), axis(&["gear_ratio=2", "gear_efficiency=0.8"]));
     near(number(&geared, "motor_speed_rpm"), 3000.0, 1e-9, "gear");
     let half = number(&plain, "peak_motor_torque_Nm") / 2.0 / 0.8;
     near(number(&geared, "peak_motor_torque_Nm"), half, 1e-9, "gear");
 }
 
-/// For a vertical axis of 250 kg, the brake is checked without friction, and the stopping distance
-/// and the speed of a fall are stated.
+/// For a vertical axis with 250 kg, the brake torque is checked without friction. The sheet also
+/// states the stopping distance and the speed after a fall.
 #[test]
-fn brake_torque_becomes_a_rule() {
+fn brake_torque_is_checked_by_a_rule() {
     let with = |more: &[&str]| {
         let upright = ["inclination_deg=90", "moved_mass_kg=250", "guide_friction=0"];
         axis(&[&upright, more].concat())
@@ -111,14 +112,15 @@ fn brake_torque_becomes_a_rule() {
     let weak = with(&["brake_torque_Nm=7"]);
     assert!(!rule(&weak, "brake").passes() && weak.number(output!(stopping_distance_mm)).is_none());
     assert!(weak.answer.notes.iter().any(|note| note.contains("brake is too weak")));
-    // A horizontal axis does not fall.
+    // The load on a horizontal axis cannot fall.
     assert!(axis(&["brake_torque_Nm=1"]).answer.rules.iter().all(|rule| rule.title != "brake"));
 }
 
-/// The preload is given by its class or by the load: 10 049 N require 3552.9 N, which is 3600 N in
-/// catalog steps. It is used on the sheet, for all balls and in a selection.
+/// The preload can be given by its class or follow from the load: 10 049 N require 3552.9 N, which
+/// is rounded up to 3600 N in catalog steps. The preload is used on the axis sheet, in the nut with
+/// all its balls, and in a selection.
 #[test]
-fn a_preload_can_be_given_by_class_or_by_load() {
+fn preload_can_be_given_by_class_or_derived_from_the_load() {
     let case = |more: &[&str]| {
         let mut case = Case::from_json(AXIS).expect("an example");
         case.preload_N = None;
@@ -129,8 +131,8 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     for words in [r#"preload_N="auto""#, "preload_class=auto"] {
         let report = sheet(&[words]).expect("an axis");
         near(number(&report, "cold_preload_N"), 3600.0, 1e-12, words);
-        // With the smallest preload, the remaining preload of all balls is within a few percent of
-        // the limit.
+        // With the smallest sufficient preload, the remaining preload calculated with all balls is
+        // within a few percent of its limit.
         assert!(rule(&report, "remaining preload").margin().expect("a limit") > 0.95);
     }
     let medium = case(&["preload_class=P3"]);
@@ -140,7 +142,8 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     let nut = NutProblem::of(&medium, &Settings::default()).expect("a nut").solve();
     let nut = nut.expect("a solution");
     near(nut.number(output!(cold_preload_N)).expect("a preload"), 0.05 * rating, 1e-12, "nut");
-    // Nuts preloaded by offset or oversize balls may have half the preload of a double nut.
+    // A nut that is preloaded by an offset or by oversize balls may have half the preload of a
+    // double nut.
     assert!(rule(&report, "preload").passes());
     let limit = rule(&report, "preload").limit.expect("a limit");
     near(limit, 0.1 * rating, 1e-12, "double nut");
@@ -161,14 +164,14 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     }
     let one_ball = medium.problem(&Settings::default()).expect_err("of one ball").to_string();
     assert!(one_ball.contains("`axis`"), "{one_ball}");
-    // The preload is chosen for each candidate and written to the case as a force.
+    // The preload is calculated for each candidate and written to the case as a force.
     let catalog = Catalog::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 5000, "feed_m_min": 15, "stroke_mm": 500, "required_life_h": 10000, "preload_N": "auto",
         "friction_coefficient": 0.05, "motor_max_speed_rpm": 1000}"#;
     let requirement = RequirementFile::from_json(json, &[], catalog.lists.clone()).expect("keys");
     let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
-    // The preload of 5000/2.828 = 1767.8 N is rounded up to a catalog step.
+    // The preload of 5000/2.828 = 1767.8 N is rounded up to the next catalog step.
     assert_eq!(report.case.preload_N, Some(1800.0));
     let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());

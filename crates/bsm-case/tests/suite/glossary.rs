@@ -1,4 +1,4 @@
-//! Checks that labels use the terms and symbols of `docs/glossary.md`.
+//! Tests that the labels use the terms and symbols of `docs/glossary.md`.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use bsm_case::{AnalysisKind, INPUTS, Output, Quantity};
 
 const GLOSSARY: &str = include_str!("../../../../docs/glossary.md");
 
-/// Returns the names in a cell in lower case, without text in brackets.
+/// Returns the names in a table cell in lower case, without text in brackets.
 fn names_in_cell(cell: &str) -> Vec<String> {
     let outside: String = cell
         .split('(')
@@ -21,8 +21,8 @@ fn names_in_cell(cell: &str) -> Vec<String> {
     names.filter(|name| !name.is_empty() && !name.contains('$')).collect()
 }
 
-/// Returns the rows of tables that have a symbol column. Each row contains the terms, the symbol
-/// with its unit, and the other names.
+/// Returns the rows of the tables that have a symbol column. Each row consists of the terms, the
+/// symbol with its unit, and the names that should not be used.
 fn rows_with_symbol() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
     let cells = |line: &'static str| {
         let cells: Vec<_> = line.strip_prefix("| ")?.split('|').map(str::trim).collect();
@@ -32,8 +32,8 @@ fn rows_with_symbol() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
     GLOSSARY.lines().filter_map(cells).collect()
 }
 
-/// Replaces a phrase by a space, also in its plural with `s`. Returns `None` if the phrase does not
-/// occur as separate words.
+/// Replaces a phrase and its plural with `s` by a space. Returns `None` if the text does not
+/// contain the phrase as separate words.
 fn with_phrase_removed(text: &str, phrase: &str) -> Option<String> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(phrase).find_map(|(at, _)| {
@@ -48,12 +48,13 @@ fn quantities() -> impl Iterator<Item = &'static Quantity> {
     INPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::quantities))
 }
 
-/// A label uses the term of the glossary, not one of its other names: stiffness, not rigidity.
+/// Labels use the preferred terms of the glossary instead of their synonyms, for example
+/// "stiffness" instead of "rigidity".
 #[test]
 fn labels_use_the_terms_of_the_glossary() {
     let rows = rows_with_symbol();
     let mut terms: Vec<_> = rows.iter().flat_map(|row| &row.0).collect();
-    // The rigidity of a catalog is the number printed in the catalog.
+    // The catalog rigidity is an exception, because it is the number printed in catalogs.
     let printed = "rigidity of the nut as stated by the manufacturer".to_owned();
     terms.push(&printed);
     terms.sort_by_key(|term| std::cmp::Reverse(term.len()));
@@ -77,7 +78,7 @@ fn labels_use_the_terms_of_the_glossary() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// A label that is a term of the glossary has the symbol of this term.
+/// If a label is a term of the glossary, it has the symbol of this term.
 #[test]
 fn labels_have_the_symbols_of_the_glossary() {
     let plain = |symbol: &str| {

@@ -1,5 +1,6 @@
-//! Solves points that were difficult for model `traction`, stored as cases in `validation/hard`.
-//! The description of each case states the difficulty. `bsm solve` opens these cases, too.
+//! Tests of points that were difficult for model `traction`. The points are stored as cases in
+//! `validation/hard`, and the description of each case states the difficulty. The cases can also be
+//! opened with `bsm solve`.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
@@ -8,8 +9,8 @@ use std::path::Path;
 use bsm_case::Case;
 use bsm_dyn::{Evidence, Model, ModelWorkspace, Reason, Solution, Status};
 
-/// Solves the cases of a folder and returns their names and solutions.
-fn answers(folder: &str) -> Vec<(String, Solution)> {
+/// Solves all cases in a folder and returns their names and solutions.
+fn solve_cases_in(folder: &str) -> Vec<(String, Solution)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard").join(folder);
     let mut work = ModelWorkspace::default();
     let answer = |entry: Result<fs::DirEntry, _>| {
@@ -20,22 +21,24 @@ fn answers(folder: &str) -> Vec<(String, Solution)> {
     fs::read_dir(folder).expect("cases").map(answer).collect()
 }
 
-/// Campaigns with extreme inputs found points without a result, points with a power balance
-/// dominated by rounding, and points without a solution between speeds that were solved.
+/// These points were found in runs with extreme inputs. They had no result, had a power balance
+/// that rounding errors dominated, or had no solution although points at lower and higher speeds
+/// were solved.
 #[test]
 fn hard_points_are_solved() {
-    let answers = answers("solved");
+    let answers = solve_cases_in("solved");
     assert_eq!(answers.len(), 14);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::Converged, "{name}: {:?}", solution.reason());
     }
 }
 
-/// The solution of this point was found by many random starts. The branch of states that begins at
-/// small inertia ends before this point, and other branches are not searched.
+/// A search from many random starting points found the solution of this point. The solver does not
+/// find it: the branch of states that begins at small inertia ends before this point, and other
+/// branches are not searched.
 #[test]
-fn solutions_off_the_branch_are_denied_with_the_evidence_of_a_trace() {
-    let answers = answers("off_branch");
+fn point_off_the_traced_branch_reports_traced_evidence() {
+    let answers = solve_cases_in("off_branch");
     assert_eq!(answers.len(), 1);
     for (name, solution) in answers {
         let evidence = solution.evidence();
@@ -43,11 +46,11 @@ fn solutions_off_the_branch_are_denied_with_the_evidence_of_a_trace() {
     }
 }
 
-/// The balls of these points are pressed out of their groove, or friction moves them off their
+/// At these points, the balls are pressed out of their groove, or friction moves them off their
 /// flank.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
-    let answers = answers("no_solution");
+    let answers = solve_cases_in("no_solution");
     assert_eq!(answers.len(), 3);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::NoSolution, "{name}: {solution:?}");

@@ -1,4 +1,5 @@
-//! Friction from the lubricant: comparison with an independent solution, and checks of the inputs.
+//! Tests of friction from the lubricant: comparison with an independent solution, and checks of the
+//! inputs.
 
 use approx::assert_relative_eq;
 use bsm_case::{
@@ -27,8 +28,8 @@ fn solved(case: &Case, model: Model) -> Record {
     record
 }
 
-/// The 11 cases agree with an independent solution within the tolerances of that solution. The
-/// torque of the solution includes the seals, so one case is compared with the complete screw.
+/// The 11 cases agree with an independent solution within its tolerances. The reference torque
+/// includes the seals, so one case is compared with the torque of the complete screw.
 #[test]
 fn lubricated_friction_matches_an_independent_solution() {
     let cases: Value = serde_json::from_str(CASES).expect("JSON");
@@ -54,15 +55,15 @@ fn lubricated_friction_matches_an_independent_solution() {
             _ => record.number(named(name)),
         };
         for (name, value) in reference["expect"].as_object().expect("numbers") {
-            // This number follows from the efficiency.
+            // This output is calculated from the efficiency.
             if seal > 0.0 && name == "catalog_friction_coefficient" {
                 continue;
             }
             let (value, ours) = (value.as_f64().expect("a number"), number(name));
             let ours = ours.unwrap_or_else(|| panic!("{name} of {}", reference["id"]));
             let tolerance = if name.contains("spin") { 1e-3 } else { told };
-            // A ball does not spin at the raceway that controls it, except for rounding of its
-            // surface speeds.
+            // A ball does not spin at the raceway that controls it, apart from rounding errors of
+            // its surface speeds.
             let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
             if (ours - value).abs() > tolerance * value.abs() + rounding {
                 far.push(format!(
@@ -77,9 +78,9 @@ fn lubricated_friction_matches_an_independent_solution() {
     assert!(far.is_empty() && numbers > 300, "{numbers} {far:#?}");
 }
 
-/// Friction may be given only once, and only to models that support the input.
+/// Friction may only be given once, and only for models that use the given input.
 #[test]
-fn friction_is_given_only_once() {
+fn friction_given_twice_is_rejected() {
     let told = |case: &Case, settings: &Settings| match case.problem(settings) {
         Err(error) => error.to_string(),
         Ok(_) => String::new(),
@@ -125,10 +126,10 @@ fn auto_chooses_traction_for_a_lubricated_ball() {
     assert!(film(&thin) < film(&oiled_case(&[])));
 }
 
-/// Derivatives match differences of solves, at a given temperature and at a temperature that
+/// Derivatives match finite differences, both at a given temperature and at a temperature that
 /// depends on the losses.
 #[test]
-fn sensitivities_match_differences() {
+fn lubricated_sensitivities_match_finite_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
     let cases = [(Model::Traction, oiled_case(&[])), (Model::RacewayControl, oiled_case(&heat))];
     for (model, case) in cases {
@@ -149,14 +150,15 @@ fn sensitivities_match_differences() {
             let step = 1e-3;
             let slope = (torque(1.0 + step) - torque(1.0 - step)) / (2.0 * step * row.value);
             let ours = row.screw_torque.expect("a torque");
-            // The truncation error of the difference is proportional to the square of the step.
+            // The truncation error of the finite difference is proportional to the square of the
+            // step.
             assert!((ours - slope).abs() <= 1e-4 * slope.abs() + 1e-9, "{name}: {ours} {slope}");
         }
     }
 }
 
-/// A nut with rough surfaces and without rolling losses has the friction of one constant
-/// coefficient. If the oil carries load, each ball has its own film.
+/// With rough surfaces and without rolling losses, the friction of a nut equals the friction with a
+/// constant coefficient. If the oil carries a part of the load, each ball has its own film.
 #[test]
 fn each_ball_of_a_nut_has_its_own_film() {
     const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
@@ -170,7 +172,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let nut = |settings: &[&str]| {
         let mut case = Case::from_json(NUT).expect("an example");
         case.friction_coefficient = None;
-        // If an input is set several times, the last value counts.
+        // If an input is set several times, the last value is used.
         for setting in settings {
             case.apply(&[setting]).expect("an input");
         }
@@ -184,12 +186,12 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let rough =
         ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
     let rough = report(&[&OIL[..], &rough].concat());
-    // Raceway control integrates a constant coefficient with an error of 1e-4 of the friction of
-    // each contact.
+    // Model `raceway-control` integrates a constant coefficient with an error of 1e-4 of the
+    // friction at each contact.
     assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
     let oiled = report(&OIL);
     assert!(torque(&oiled) < torque(&dry));
-    // Seals are a separate part of the torque in the axis.
+    // The axis adds the seal torque separately.
     let sealed = report(&[&OIL[..], &["seal_torque_Nm=5"]].concat());
     assert_eq!(torque(&sealed).to_bits(), torque(&oiled).to_bits());
 
@@ -203,10 +205,11 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }
 
-/// A lubricant needs only viscosity and temperature; the default roughness is that of ground
-/// grooves. Inputs of the lubricant replace the friction coefficient of a case, and vice versa.
+/// Viscosity and temperature are sufficient to define a lubricant; the default roughness is the
+/// roughness of ground grooves. Lubricant inputs replace the friction coefficient of a case, and
+/// vice versa.
 #[test]
-fn a_lubricant_needs_only_viscosity_and_temperature() {
+fn lubricant_is_defined_by_viscosity_and_temperature() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
     let dry = Case::from_json(drive).expect("an example");
     let with = |case: &Case, settings: &[&str]| {
@@ -227,9 +230,9 @@ fn a_lubricant_needs_only_viscosity_and_temperature() {
     assert!(both.problem(&Model::Traction.into()).is_err());
 }
 
-/// A fit to calculated points in other units recovers the inputs with zero residuals.
+/// A fit to calculated points in other units recovers the inputs, and the residuals are zero.
 #[test]
-fn a_fit_recovers_lubricant_inputs_from_a_table() {
+fn fit_recovers_lubricant_inputs_from_a_table() {
     let base = oiled_case(&[]);
     let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
     let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
@@ -258,16 +261,16 @@ fn a_fit_recovers_lubricant_inputs_from_a_table() {
     .expect("a table");
     let report = fit.run(&base, &settings).expect("complete").expect("a fit");
     let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
-    // The search stops at 1e-9 of the ranges. Derivatives by differences have an error of 1e-6 of a
-    // step.
+    // The search stops at 1e-9 of the search ranges. The finite-difference derivatives have an
+    // error of 1e-6 of a step.
     assert_relative_eq!(boundary.1, 0.1, max_relative = 1e-6);
     assert_relative_eq!(rolling.1, 0.7, max_relative = 1e-6);
     assert!(report.scatter < 1e-6 && report.found.condition < 100.0, "{report:?}");
 }
 
-/// An error in a table names the location.
+/// The message about an error in a table states where the error is.
 #[test]
-fn tables_of_measurements_are_checked() {
+fn errors_in_measurement_tables_state_the_location() {
     let why = |inputs: &[&str], table: &str| {
         let inputs: Result<Vec<_>, _> =
             inputs.iter().map(|input| FittedInput::parse(input)).collect();
@@ -296,8 +299,8 @@ fn tables_of_measurements_are_checked() {
     assert!(why(&["rolling_factor=1"], "screw_torque_Nm\n1\n").contains("low:high"));
 }
 
-/// For cold, thick oil between lightly loaded balls, the formula for elastic contacts
-/// underestimates the film several times. There used to be no warning.
+/// With cold, thick oil and lightly loaded balls, the film is several times thicker than the
+/// formula for elastic contacts predicts. The program used to give no warning.
 #[test]
 fn warns_about_a_film_between_rigid_contacts() {
     let warned = |settings: &[&str]| {

@@ -1,5 +1,5 @@
-//! The machine around the screw, compared with an independent calculation: length of nut and
-//! thread, driven nuts, two fixed bearings and temperatures.
+//! Tests of the machine around the screw, compared with an independent calculation: lengths of nut
+//! and thread, driven nuts, two fixed bearings, and temperatures.
 
 use approx::assert_relative_eq;
 use bsm_case::{AxisReport, Case, CaseError, RequirementFile, Settings, output};
@@ -9,7 +9,8 @@ use crate::named;
 
 const CASES: &str = include_str!("machine.json");
 
-/// Returns catalog inputs that the reference cases omit and that do not affect their numbers.
+/// Returns catalog inputs that are missing in the reference cases and do not affect the compared
+/// numbers.
 fn neutral_catalog_inputs() -> Value {
     json!({
         "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,
@@ -31,7 +32,7 @@ fn with_inputs(base: &Value, more: &Value) -> Map<String, Value> {
     all
 }
 
-/// Returns a case from inputs, with each dwell converted to a phase without feed.
+/// Creates a case from inputs. Each dwell is converted to a phase without feed.
 fn case_of(inputs: &Map<String, Value>) -> Case {
     let mut inputs = inputs.clone();
     if let Some(cycle) = inputs.get_mut("cycle") {
@@ -56,8 +57,8 @@ fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(named(name)).or(screw).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Compares all expected numbers with the relative tolerance of the reference. Zeros are missing or
-/// below 1e-9.
+/// Compares all expected numbers within the relative tolerance of the reference. If the expected
+/// number is zero, the output must be missing or below 1e-9.
 fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
@@ -76,21 +77,21 @@ fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
     }
 }
 
-/// The lengths of nut set and thread determine the critical speed, for single nuts, for pairs and
-/// for a nut with lead offset.
+/// The lengths of nut set and thread determine the critical speed. This is tested for single nuts,
+/// for pairs and for a nut with lead offset.
 #[test]
 fn nut_set_and_overrun_determine_thread_and_critical_speed() {
     for reference in reference_cases("nut_length") {
         let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
-        // The screw is cold, because hindered growth would reduce the critical speed.
+        // The screw is kept cold, because hindered growth would reduce the critical speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
         compare(&report, &reference, &[]);
     }
 }
 
-/// A pair is ordered as two nuts with a thread for both nuts. The longer thread makes the screw
-/// heavier.
+/// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
+/// thread makes the screw heavier.
 #[test]
 fn order_names_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
@@ -106,9 +107,9 @@ fn order_names_both_nuts_and_the_thread() {
     pair.remove("unsupported_length_mm");
     let masses =
         [&single, &pair].map(|case| number(&sheet(case).expect("a sheet"), "screw_mass_kg"));
-    // The threads are 800 and 890 mm long.
+    // The threads of the single nut and of the pair are 800 mm and 890 mm long.
     assert_relative_eq!(masses[1] / masses[0], 890.0 / 800.0, max_relative = 1e-12);
-    // The thread does not fit between closer bearings, unless its overrun is shorter.
+    // If the bearings are closer together, the thread only fits with a shorter overrun.
     pair.insert("unsupported_length_mm".into(), json!(880));
     let why = sheet(&pair).expect_err("too long").to_string();
     assert!(why.contains("890") && why.contains("overrun_mm"), "{why}");
@@ -116,9 +117,9 @@ fn order_names_both_nuts_and_the_thread() {
     sheet(&pair).expect("it fits");
 }
 
-/// The example has two nuts of 6 turns.
+/// The example axis has two nuts with 6 turns each.
 #[test]
-fn double_nut_of_a_known_groove_has_both_lengths() {
+fn length_of_a_double_nut_includes_both_nuts() {
     let example = include_str!("../../../../examples/axis.json");
     let case = Case::from_json(example.as_bytes()).expect("an example");
     let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
@@ -128,8 +129,8 @@ fn double_nut_of_a_known_groove_has_both_lengths() {
     assert!(report.order.to_string().contains("2 nuts x "), "{}", report.order);
 }
 
-/// For a driven nut, the screw at rest neither whirls nor has inertia, and the nut has its own
-/// inertia.
+/// If the nut is driven, the screw is at rest, so it has no critical speed and no inertia. The nut
+/// has its own inertia.
 #[test]
 fn driven_nut_replaces_the_inertia_of_its_screw() {
     for reference in reference_cases("nut_driven") {
@@ -144,7 +145,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         assert_eq!(rules.count(), 0);
         let estimated = report.answer.notes.iter().any(|note| note.contains("nut_inertia_kg_m2"));
         assert_eq!(estimated, !inputs.contains_key("nut_inertia_kg_m2"));
-        // The speed of the nut gives the same results.
+        // Giving the nut speed leads to the same results.
         let speed = number(&report, "largest_speed_rpm");
         inputs.remove("driven_part");
         inputs.remove("feed_m_min");
@@ -161,14 +162,14 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
     }
 }
 
-/// Between 0.8 and 1.25 of the critical speed, a driven nut can excite its screw.
+/// A driven nut can excite its screw between 0.8 and 1.25 times the critical speed.
 #[test]
 fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     let reference = &reference_cases("nut_driven")[0];
     let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
     inputs.insert("driven_part".into(), json!("nut"));
     let mut warns = |ratio: f64| {
-        // The critical speed is 262.088 rpm at a lead of 40 mm.
+        // At a lead of 40 mm, the critical speed is 262.088 rpm.
         inputs.insert("feed_m_min".into(), json!(0.04 * 262.088_183_285_415 * ratio));
         let report = sheet(&inputs).expect("a sheet");
         report.answer.warnings.iter().any(|warning| warning.contains("damper"))
@@ -178,8 +179,8 @@ fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     }
 }
 
-/// Temperatures, growth, bearing loads, critical speed and buckling follow from the thermal network
-/// without feedback.
+/// Temperatures, growth, bearing loads, critical speed and buckling are calculated with the thermal
+/// network without feedback.
 #[test]
 fn thermal_network_gives_temperatures_and_bearing_loads() {
     for reference in reference_cases("thermal") {
@@ -191,10 +192,10 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
     }
 }
 
-/// Without a limit of the bearings, compression by hindered growth gives a warning with its remedy.
-/// With a limit, the compression gives a rule.
+/// Without a load limit of the bearings, compression due to hindered growth causes a warning with a
+/// remedy. With a load limit, a rule checks the compression.
 #[test]
-fn hindered_growth_gives_a_rule_or_a_warning() {
+fn hindered_growth_causes_a_warning_or_is_checked_by_a_rule() {
     let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let report = sheet(&inputs).expect("a sheet");
@@ -210,8 +211,8 @@ fn hindered_growth_gives_a_rule_or_a_warning() {
     let judged = sheet(&inputs).expect("a sheet");
     let rule = judged.answer.rules.iter().find(|rule| rule.title == "support bearings");
     assert!(!rule.expect("a limit").passes() && !warned(&judged));
-    // With the pretension of the remedy there is no compression. The bearings carry the pretension
-    // when cold.
+    // The pretension from the remedy prevents the compression. The cold bearings must carry this
+    // pretension.
     inputs.insert("pretension_K".into(), json!(16.3));
     let tight = sheet(&inputs).expect("a sheet");
     assert!(number(&tight, "screw_tension_N") > 0.0);
@@ -221,7 +222,7 @@ fn hindered_growth_gives_a_rule_or_a_warning() {
     );
 }
 
-/// Two fixed bearings of 750 N/um act in parallel on a nut in the middle.
+/// Two fixed bearings of 750 N/um act in parallel if the nut is in the middle.
 #[test]
 fn two_fixed_bearings_share_the_load_of_the_nut() {
     let inputs = json!({
@@ -233,8 +234,8 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
     inputs.insert("support_bearing_stiffness_N_um".into(), json!(750));
     let two = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
     assert_relative_eq!(two - rigid, 1.0 / 1500.0, max_relative = 1e-9);
-    // The stiffnesses of screw (530.724), nut (600) and bearings (750 N/um) come from the
-    // reference.
+    // The stiffnesses of screw (530.724 N/um), nut (600 N/um) and bearings (750 N/um) are taken
+    // from the reference.
     assert_relative_eq!(two, 1.0 / 237.104_465_953_820_78, max_relative = 1e-6);
     inputs.insert("support".into(), json!("fixed-supported"));
     let one = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
@@ -243,9 +244,9 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
     assert_relative_eq!(one - rigid, 1.0 / 750.0, max_relative = 1e-9);
 }
 
-/// The reference values belong to two axes, whose nuts have 600 and 700 N/um.
+/// The reference values were calculated for two axes with nut stiffnesses of 600 and 700 N/um.
 #[test]
-fn natural_frequencies_have_independent_values() {
+fn natural_frequencies_match_independent_values() {
     for (more, expected) in [
         (
             json!({
@@ -277,16 +278,16 @@ fn natural_frequencies_have_independent_values() {
             "lost_motion_um",
         ];
         for (name, expected) in names.into_iter().zip(expected) {
-            // The tolerance corresponds to the printed digits.
+            // The tolerance corresponds to the number of printed digits.
             assert_relative_eq!(number(&sheet, name), expected, max_relative = 2e-7);
         }
     }
 }
 
-/// Standstill counts in film conductance and heat. With a dwell, still air cools the screw during
-/// the dwell, and the temperature rise decreases with the heat.
+/// Film conductance and heat are averaged over the time including standstill. During a dwell, still
+/// air cools the screw, and the temperature rise decreases with the mean heat.
 #[test]
-fn standstill_counts_in_the_film_conductance() {
+fn film_conductance_is_averaged_over_standstill() {
     let cases = reference_cases("thermal");
     let of = |place: usize| {
         sheet(cases[place].get("inputs").and_then(Value::as_object).expect("inputs"))
@@ -294,16 +295,16 @@ fn standstill_counts_in_the_film_conductance() {
     let [full, part] = [0, 1].map(|place| of(place).expect("a sheet"));
     let ratio = |name: &str| number(&part, name) / number(&full, name);
     assert_relative_eq!(ratio("mean_heat_W"), 0.6, max_relative = 1e-12);
-    // (I9) applies at standstill, for 0.4 of the time.
+    // Equation (I9) gives the film conductance at standstill, which lasts for 0.4 of the time.
     let film = 0.6 * number(&full, "screw_film_W_m2K") + 0.4 * 5.234_725_013_676_082;
     assert_relative_eq!(number(&part, "screw_film_W_m2K"), film, max_relative = 1e-6);
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));
 }
 
-/// Seals and bearings without a given torque are named next to the heat. The upper end of the
-/// temperature rise uses their usual torques.
+/// If the torques of seals and bearings are not given, they are named next to the heat. The upper
+/// end of the temperature rise includes their usual torques.
 #[test]
-fn missing_heat_sources_are_named() {
+fn sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let note = |report: &AxisReport| report.answer.lacks("mean_heat_W");
@@ -320,7 +321,7 @@ fn missing_heat_sources_are_named() {
     assert!(words.contains(both), "{words}");
     let notes = bearings.answer.notes.join("\n");
     assert!(notes.contains("the upper end includes"), "{notes}");
-    // The usual torques of a 40 mm screw are 0.2 and 0.3 N m.
+    // For a 40 mm screw, the usual torques are 0.2 and 0.3 N m.
     inputs.insert("seal_torque_Nm".into(), json!(0.2));
     inputs.insert("support_bearing_torque_Nm".into(), json!(0.3));
     let usual = sheet(&inputs).expect("a sheet");
@@ -328,22 +329,23 @@ fn missing_heat_sources_are_named() {
     assert!(high > number(&usual, "steady_temperature_rise_K"), "{high}");
 }
 
-/// A screw at rest has a smaller film conductance to the air than a turning screw: about 5 instead
-/// of 21 W/(m2 K).
+/// The film conductance from a screw at rest to the air is smaller than from a turning screw: about
+/// 5 instead of 21 W/(m2 K).
 #[test]
-fn screw_at_rest_has_the_film_conductance_of_still_air() {
+fn film_conductance_of_a_screw_at_rest_is_for_still_air() {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let still = all["films_of_a_40_mm_screw_W_m2K"]["0"].as_f64().expect("a film");
     assert!((5.0..5.5).contains(&still));
     let reference = reference_cases("thermal").into_iter().next_back().expect("a driven nut");
     let report = sheet(reference["inputs"].as_object().expect("inputs")).expect("a sheet");
-    // The expected value is for a diameter of 41.75 mm. The film conductance of still air does not
-    // depend on the diameter.
+    // The expected value was calculated for a diameter of 41.75 mm. The film conductance in still
+    // air does not depend on the diameter.
     assert_relative_eq!(number(&report, "screw_film_W_m2K"), still, max_relative = 1e-12);
 }
 
-/// The static safety factor of a pair includes its preload, even if only ratings are given. The
-/// hand calculation is 100 kN over (D14), 4270 and 3791 N.
+/// The static safety factor of a nut pair includes its preload, even if only ratings are given. The
+/// hand calculation divides the rating of 100 kN by the load of the more heavily loaded nut (D14),
+/// 4270 N or 3791 N.
 #[test]
 fn static_safety_of_a_pair_includes_its_preload() {
     for (preload, load, expected) in [(4000.0, 500.0, 23.4), (2000.0, 3000.0, 26.4)] {
@@ -358,9 +360,9 @@ fn static_safety_of_a_pair_includes_its_preload() {
     }
 }
 
-/// With a thermal expansion too small for feedback, and dry friction, the sheets without and with a
-/// warm state have the same temperatures. The tolerance covers the interpolation of the friction in
-/// the warm state, 1e-9, and the residual heat, 1e-10.
+/// If the thermal expansion is too small to have an effect and friction is dry, the sheets with and
+/// without a warm state have the same temperatures. The tolerance allows for the interpolation of
+/// the friction in the warm state, 1e-9, and the residual of the heat balance, 1e-10.
 #[test]
 fn sheet_and_warm_state_use_the_same_thermal_network() {
     let mut case =
@@ -394,10 +396,10 @@ fn sheet_and_warm_state_use_the_same_thermal_network() {
     }
 }
 
-/// `select` uses the same functions for pairs, threads and driven nuts, so the axis sheet of its
-/// choice has the same numbers.
+/// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
+/// sheet of the selected screw contains the same numbers.
 #[test]
-fn select_uses_the_lengths_and_the_driven_part_of_axis() {
+fn select_and_axis_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
         "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;

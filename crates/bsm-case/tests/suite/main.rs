@@ -23,7 +23,7 @@ mod warm;
 
 use bsm_case::OutputName;
 
-/// Returns an output by its name.
+/// Returns the output with the given name.
 fn named(name: &str) -> OutputName {
     OutputName::named(name).unwrap_or_else(|| panic!("no output is named {name}"))
 }

@@ -1,12 +1,12 @@
-//! Motion and loads of an axis: moves, ramps, dwells, load at rest, brake and stop.
+//! Tests of motion and loads of an axis: moves, ramps, dwells, load at rest, brake and stop.
 
 use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings, output};
 use serde_json::{Map, Value, json};
 
 use crate::named;
 
-/// Adds a catalog screw without inertia to inputs without a screw. None of the compared numbers
-/// depends on it.
+/// Adds a catalog screw without inertia to inputs that contain no screw. None of the compared
+/// numbers depends on the screw.
 fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
     let screw = [
@@ -44,8 +44,8 @@ fn near(report: &AxisReport, name: &str, expected: f64) {
     assert!((value - expected).abs() <= 1e-6 * scale, "{name}: {value}, expected {expected}");
 }
 
-/// Returns a horizontal axis with a lead of 10 mm and a cycle, with 100 kg on guides with a
-/// friction of 20 N.
+/// Returns a horizontal axis with a lead of 10 mm, a mass of 100 kg and a guide friction of 20 N,
+/// to which the given inputs are added.
 fn axis(more: &Value) -> Value {
     let mut all = json!({ "lead_mm": 10, "moved_mass_kg": 100, "guide_force_N": 20 });
     for (key, value) in more.as_object().expect("inputs") {
@@ -54,9 +54,9 @@ fn axis(more: &Value) -> Value {
     all
 }
 
-/// The cases were calculated independently of the program. All numbers agree to 1e-6.
+/// The expected values were calculated independently of the program. All numbers agree to 1e-6.
 #[test]
-fn motion_rest_stop_motor_and_life_have_independent_values() {
+fn motion_stop_motor_and_life_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
     assert_eq!(cases.len(), 23);
     for case in &cases {
@@ -70,17 +70,18 @@ fn motion_rest_stop_motor_and_life_have_independent_values() {
             }
             let expected = expected.as_f64().expect("a number");
             let value = report.number(named(name)).unwrap_or_else(|| panic!("{what} is missing"));
-            // Zeros are within 1e-9 of their scale, which is at most 1 m.
+            // If the expected value is zero, the error must be below 1e-9 in the unit of the
+            // output.
             let error = (value - expected).abs();
             assert!(error <= 1e-6 * expected.abs() + 1e-9, "{what}: {value}, expected {expected}");
         }
     }
 }
 
-/// All forms of a required life are equivalent. Each form states the life that an axis reaches in
-/// the unit of this form.
+/// All forms of a required life are equivalent: a required life slightly below the calculated life
+/// passes, and a required life slightly above it fails, in every unit.
 #[test]
-fn each_form_of_the_required_life_refers_to_the_same_life() {
+fn all_forms_of_the_required_life_are_equivalent() {
     let cycle = json!([
         { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 500 },
         { "distance_mm": -300, "time_s": 1.5, "acceleration_m_s2": 1.0 },
@@ -98,7 +99,7 @@ fn each_form_of_the_required_life_refers_to_the_same_life() {
         .map(|unit| (unit, free.number(named(&format!("cycle_life_{unit}"))).expect(unit)))
         .into();
     for (unit, life) in reached {
-        // A life just below the reached life passes, and a life just above the reached life fails.
+        // The rule passes just below the calculated life and fails just above it.
         for (factor, passes) in [(0.999, true), (1.001, false)] {
             let report = of(json!({ format!("required_life_{unit}"): factor * life }));
             let rules = &report.answer.rules;
@@ -107,14 +108,14 @@ fn each_form_of_the_required_life_refers_to_the_same_life() {
             let needed = report.number(output!(required_dynamic_load_N)).expect("a rating");
             let rating = report.number(output!(modified_dynamic_rating_N)).expect("a rating");
             let ratio = (needed / rating).powi(3) / factor;
-            // The tolerance allows for rounding of a cube.
+            // The tolerance allows for the rounding error of a cube.
             assert!((ratio - 1.0).abs() < 1e-12, "{unit}: {ratio}");
         }
     }
 }
 
 #[test]
-fn a_required_life_that_cannot_be_checked_is_rejected_with_a_reason() {
+fn error_states_why_a_required_life_cannot_be_checked() {
     let refused = |more: Value, part: &str| {
         let why = report(&axis(&more)).expect_err(part).to_string();
         assert!(why.contains(part), "{why}");
@@ -129,7 +130,7 @@ fn a_required_life_that_cannot_be_checked_is_rejected_with_a_reason() {
 }
 
 #[test]
-fn a_motor_curve_replaces_single_torques_and_ends_at_its_last_row() {
+fn motor_curve_replaces_motor_torques_and_limits_the_speed() {
     let row = |speed: f64, torque: f64| json!({ "speed_rpm": speed, "peak_torque_Nm": 2.0 * torque, "continuous_torque_Nm": torque });
     let curve = json!([row(0.0, 2.0), row(3000.0, 1.0)]);
     let refused = |more: Value, part: &str| {
@@ -149,17 +150,17 @@ fn a_motor_curve_replaces_single_torques_and_ends_at_its_last_row() {
         "in the order of increasing speed_rpm",
     );
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
-    // Hand calculation: half way between the rows.
+    // Hand calculation: the mean speed is halfway between two rows.
     near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
     let ratio = report.number(output!(peak_motor_torque_Nm)).expect("a torque") / 3.0;
     near(&report, "peak_torque_utilization", ratio);
     assert!(report.answer.rules.iter().any(|rule| rule.name == "rms_torque_utilization"));
 }
 
-/// A phase with an acceleration is a ramp. Its feed rate is the end speed if the axis accelerates,
-/// and the start speed otherwise. Expected values are calculated by hand.
+/// A phase with an acceleration is converted to a ramp. Its feed rate is the end speed if the axis
+/// accelerates, and the start speed otherwise. The expected values were calculated by hand.
 #[test]
-fn phase_with_acceleration_is_a_ramp() {
+fn phase_with_acceleration_is_converted_to_a_ramp() {
     let report = solved(&axis(&json!({ "cycle": [
         { "time_s": 0.5, "feed_m_min": 30, "acceleration_m_s2": 1.0 },
         { "time_s": 0.5, "feed_m_min": 30, "acceleration_m_s2": -1.0 },
@@ -181,9 +182,10 @@ fn phase_with_acceleration_is_a_ramp() {
     assert!(report.answer.warnings.iter().all(|w| !w.contains("cycle")));
 }
 
-/// A cycle given as moves, and as ramps with their end speeds, has the same numbers.
+/// A cycle that is given as moves gives the same results as the same cycle given as ramps with
+/// their end speeds.
 #[test]
-fn moves_phases_and_ramps_agree() {
+fn equivalent_moves_and_ramps_give_equal_results() {
     let moves = json!([
         { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 50 },
         { "dwell_s": 0.5 },
@@ -219,7 +221,7 @@ fn moves_phases_and_ramps_agree() {
 }
 
 #[test]
-fn wrong_entries_of_a_cycle_are_rejected_with_a_reason() {
+fn error_states_what_is_wrong_with_a_cycle_entry() {
     let refused = |more: Value, part: &str| {
         let why = report(&axis(&more)).expect_err("refused").to_string();
         assert!(why.contains(part), "{why}: no {part}");
@@ -264,10 +266,10 @@ fn wrong_entries_of_a_cycle_are_rejected_with_a_reason() {
     );
 }
 
-/// Shares with a sum below 1 leave time at standstill, a sum of 100 means percent, and other sums
-/// above 1 are rejected. Values per cycle need durations.
+/// If the shares add up to less than 1, the axis is at standstill for the rest of the time. A sum
+/// of 100 means percentages, and other sums above 1 are rejected. Results per cycle need durations.
 #[test]
-fn shares_below_one_leave_standstill() {
+fn time_not_covered_by_shares_is_standstill() {
     let of = |shares: [f64; 2]| {
         let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
         report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))
@@ -288,8 +290,8 @@ fn shares_below_one_leave_standstill() {
     assert!(of([1e308, 1e308]).is_err());
 }
 
-/// `cycles_per_hour` fills the rest of the hour with standstill. Here the axis moves for 1 s in 10
-/// s.
+/// `cycles_per_hour` fills the time between cycles with standstill. Here the axis moves for 1 s out
+/// of 10 s.
 #[test]
 fn standstill_fills_the_time_between_cycles() {
     let cycle = json!([{ "time_s": 0.5, "feed_m_min": 6 }, { "time_s": 0.5, "feed_m_min": -6 }]);
@@ -305,8 +307,8 @@ fn standstill_fills_the_time_between_cycles() {
     );
 }
 
-/// Two phases of 1e308 s used to have a time share of 0 and no life. Two phases of 1e300 s used to
-/// have a life of 0 h.
+/// Two phases of 1e308 s used to give time shares of 0 and no life, and two phases of 1e300 s used
+/// to give a life of 0 h.
 #[test]
 fn sums_of_a_cycle_do_not_overflow() {
     let of = |time: f64| {
@@ -323,7 +325,7 @@ fn sums_of_a_cycle_do_not_overflow() {
 }
 
 #[test]
-fn warns_about_cycles_that_do_not_return_or_that_jump() {
+fn warns_about_cycles_that_do_not_return_or_have_speed_jumps() {
     let report = solved(&axis(&json!({ "cycle": [
         { "time_s": 1, "feed_m_min": 6 }, { "time_s": 0.8, "feed_m_min": -6 },
     ] })));
@@ -337,7 +339,8 @@ fn warns_about_cycles_that_do_not_return_or_that_jump() {
     near(&report, "speed_jumps_count", 2.0);
 }
 
-/// The process force may be zero, missing or negative. Only an axis without any load is rejected.
+/// The process force may be zero, missing or negative. Only an axis on which no load acts at all is
+/// rejected.
 #[test]
 fn process_force_may_be_absent_zero_or_negative() {
     let mass =
@@ -348,7 +351,7 @@ fn process_force_may_be_absent_zero_or_negative() {
         let mut case = mass.clone();
         case["axial_load_N"] = json!(force);
         near(&solved(&case), "largest_load_N", load);
-        // An axial load alone does not act at rest.
+        // An axial load that is given without a cycle does not act at rest.
         near(&solved(&case), "rest_load_N", weight);
     }
     let nothing = json!({ "lead_mm": 10, "axial_load_N": 0, "feed_m_min": 6 });
@@ -356,8 +359,8 @@ fn process_force_may_be_absent_zero_or_negative() {
     assert!(why.contains("no load acts on the screw"), "{why}");
 }
 
-/// The program used to state that guide friction back-drives a horizontal axis of 100 kg, and that
-/// inertia back-drives an accelerated axis.
+/// The program used to report that guide friction back-drives a horizontal axis with 100 kg, and
+/// that inertia back-drives an accelerated axis.
 #[test]
 fn friction_and_inertia_do_not_back_drive_the_screw() {
     let report = solved(&json!({
@@ -368,7 +371,8 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     let note = "No force acts at rest, so the axis needs no holding torque and no brake.";
     assert!(report.answer.notes.iter().any(|own| own == note), "{:?}", report.answer.notes);
     assert!(report.answer.notes.iter().all(|own| !own.contains("back-driv")));
-    // Seven zeros say no more than this note, so they are only in the JSON.
+    // If no force acts at rest, the screen shows this note instead of seven zeros, which are only
+    // in the JSON.
     near(&report, "holding_torque_Nm", 0.0);
     near(&report, "required_brake_torque_Nm", 0.0);
     assert_eq!(report.answer.to_json()["back_driving"], "none");
@@ -386,9 +390,10 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     assert_eq!(shown.filter(|name| at_rest(name)).count(), 6);
 }
 
-/// A vertical axis of 10 kg with a drag of 0.15 N m used to have an efficiency of -1.12.
+/// For a vertical axis with 10 kg and a drag torque of 0.15 N m, the program used to report an
+/// efficiency of -1.12.
 #[test]
-fn efficiency_is_null_where_the_drag_exceeds_the_load() {
+fn efficiency_is_null_if_the_drag_exceeds_the_load_torque() {
     let report = solved(&json!({
         "lead_mm": 5, "moved_mass_kg": 10, "inclination_deg": 90, "seal_torque_Nm": 0.15,
         "feed_m_min": -6,
@@ -397,8 +402,8 @@ fn efficiency_is_null_where_the_drag_exceeds_the_load() {
     assert!(report.number(output!(screw_torque_Nm)).expect("a torque") < 0.0);
 }
 
-/// `brake_at_rest` relieves the motor at standstill. The hand calculation is for a vertical axis of
-/// 250 kg with a lead of 10 mm, at rest for half of the time.
+/// `brake_at_rest` relieves the motor at standstill. The expected values were calculated by hand
+/// for a vertical axis with 250 kg and a lead of 10 mm that is at rest for half of the time.
 #[test]
 fn brake_at_rest_relieves_the_motor() {
     let of = |brake: bool| {

@@ -1,4 +1,4 @@
-//! Screws for which only the ratings are known, and accuracy grades.
+//! Tests of screws for which only the ratings are known, and of accuracy grades.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use bsm_dyn::ModelWorkspace;
 
 use crate::named;
 
-/// Four catalog numbers, and the motion of the axis.
+/// Four catalog numbers of a screw, and the motion of its axis.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "estimate_groove": false,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
@@ -29,12 +29,13 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// An audit found that "40 x 20, 52 kN, 88 kN" could not be entered. The sheet contains every
-/// number that does not need the groove, and lists the omitted numbers once.
+/// An audit found that the catalog data "40 x 20, 52 kN, 88 kN" could not be entered. The axis
+/// sheet must contain every number that can be calculated without the groove, and list the omitted
+/// numbers once.
 #[test]
-fn four_catalog_numbers_suffice() {
+fn four_catalog_numbers_suffice_for_an_axis_sheet() {
     let report = sheet(FOUR, &[]).expect("a sheet");
-    // The life is (C_a/F)³ million revolutions, up to rounding.
+    // The life is (C_a/F)³ million revolutions, apart from rounding errors.
     let life = (52.0_f64 / 5.0).powi(3) * 1e6;
     assert_relative_eq!(number(&report, "cycle_life_revolutions"), life, max_relative = 1e-12);
     assert_relative_eq!(number(&report, "static_safety_factor"), 17.6, max_relative = 1e-12);
@@ -47,7 +48,7 @@ fn four_catalog_numbers_suffice() {
     ] {
         number(&report, name);
     }
-    // The torque is F h/0.9, without preload and seals.
+    // The torque is F h/0.9, with h = lead / (2 pi), without preload and seals.
     let torque = 5000.0 * 0.02 / TAU / 0.9;
     assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
     assert_eq!(report.phases[0].contacts, "by catalog efficiency");
@@ -56,7 +57,7 @@ fn four_catalog_numbers_suffice() {
     }
     let left_out = report.answer.notes.iter().filter(|note| note.contains("omitted")).count();
     assert_eq!(left_out, 1, "{:?}", report.answer.notes);
-    // THK and HIWIN list core diameters of 40 x 20 screws.
+    // The core diameters of 40 x 20 screws are taken from the lists of THK and HIWIN.
     for estimated in
         ["shaft_diameter_mm", "pitch_circle_diameter_mm", "screw_mass_kg_m", "nut_length_mm"]
     {
@@ -67,14 +68,16 @@ fn four_catalog_numbers_suffice() {
         );
     }
     assert!(has_note(&report, "smallest core in manufacturers' lists"));
-    // For an unlisted size the core diameter follows from a rule: 0.84 of 41 mm.
+    // For a size that is not listed, the core diameter is estimated by a rule as 0.84 of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
-    // When the load drives, the efficiency is 0.8. Given efficiencies take precedence.
+    // If the load drives the screw, the default efficiency is 0.8. Given efficiencies take
+    // precedence.
     let back = sheet(FOUR, &["feed_m_min=-10", "catalog_back_efficiency=0.7"]).expect("a sheet");
     let torque = 0.7 * 5000.0 * 0.02 / TAU;
     assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
-    // A catalog stiffness is only used with its reference load: 0.8 K (F/0.3 C_a)^(1/3).
+    // A catalog stiffness K is only used if its reference load is given. The stiffness is then 0.8
+    // K (F/0.3 C_a)^(1/3).
     let stiff =
         sheet(FOUR, &["rated_rigidity_N_um=600", "rated_rigidity_at=0.3 Ca"]).expect("a sheet");
     let expected = 480.0 * (5000.0_f64 / 15_600.0).cbrt();
@@ -84,9 +87,9 @@ fn four_catalog_numbers_suffice() {
     assert!(why.contains("rated_rigidity_at"), "{why}");
 }
 
-/// Results that need the groove explain this in words.
+/// If a result needs the groove, the sheet explains why it is omitted.
 #[test]
-fn results_that_need_the_groove_explain_why() {
+fn sheet_explains_why_results_are_omitted_without_groove() {
     let case = Case::from_json(FOUR.as_bytes()).expect("a case");
     let settings = Settings::default();
     let refused = [
@@ -103,7 +106,8 @@ fn results_that_need_the_groove_explain_why() {
     assert!(other.contains("nominal_diameter_mm"), "{other}");
 }
 
-/// Compares numbers of a sheet with printed numbers, within half a unit of the last digit.
+/// Compares numbers on a sheet with printed numbers, with a tolerance of half a unit of the last
+/// printed digit.
 fn assert_printed_values(report: &AxisReport, values: &[(&str, &str)]) {
     for (name, text) in values {
         assert_printed_value(number(report, name), text, name);
@@ -116,15 +120,15 @@ fn assert_printed_value(ours: f64, text: &str, name: &str) {
     let decimals = digits.split_once('.').map_or("", |(_, decimals)| decimals);
     let decimals = i32::try_from(decimals.len()).expect("few");
     let half = 0.5 * 10_f64.powi(power.parse::<i32>().expect("a power") - decimals);
-    // A millionth of this tolerance allows for rounding.
+    // The tolerance is increased by one millionth to allow for rounding errors.
     assert!((ours - value).abs() <= half * (1.0 + 1e-6), "{name}: {ours}, printed {text}");
 }
 
-/// The feed axis of a machining center is example E of the specification, calculated independently
-/// with the catalog efficiency. The numbers are preload, torques, heat, and the remaining part of a
-/// pretension of 3 K.
+/// The feed axis of a machining center is example E of the specification. Its values were
+/// calculated independently with the catalog efficiency: preload, torques, heat, and the remaining
+/// part of a pretension of 3 K.
 #[test]
-fn a_machining_center_with_catalog_data_matches_the_reference() {
+fn machining_center_with_catalog_data_matches_the_reference() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
     assert_printed_values(&report, &[("cold_preload_N", "2500"), ("preload_torque_percent", "30")]);
     for (name, expected) in [
@@ -139,10 +143,10 @@ fn a_machining_center_with_catalog_data_matches_the_reference() {
             );
         }
     }
-    // When warm, the bearings compress the screw. The pretension is 6605.3 N for 3 K, at a
-    // temperature rise of 13.979 K of the thermal network, calculated independently.
+    // When warm, the screw is compressed between its bearings. The pretension is 6605.3 N for 3 K.
+    // The temperature rise of 13.979 K from the thermal network was calculated independently.
     let pressed = 6605.3 / 3.0 * 13.979_30 - 6605.3;
-    // Each number has five digits.
+    // Each of these numbers has five digits.
     let safety = 265_885.0 / (7000.0 + pressed);
     assert_relative_eq!(number(&report, "buckling_safety"), safety, max_relative = 3e-5);
     let slack = report.answer.rules.iter().find(|rule| rule.title == "pretension left");
@@ -159,18 +163,18 @@ fn a_machining_center_with_catalog_data_matches_the_reference() {
 /// The vertical axis with a rolled screw is example F of the specification. `bsm validate` checks
 /// its numbers.
 #[test]
-fn a_vertical_axis_with_catalog_data_matches_the_reference() {
+fn vertical_axis_with_catalog_data_matches_the_reference() {
     let report = sheet(UPRIGHT, &[]).expect("a sheet");
     assert!(report.answer.notes.iter().any(|note| note.contains("a brake is needed")));
 }
 
-/// Screw of example F.
+/// Screw of example F in the specification.
 const UPRIGHT: &str =
     include_str!("../../../../validation/published/manufacturers/upright_axis.json");
 
-/// The torque verifies the preload of a THK BNFN4010-5, THK A-689 (example C), with grade C3, 3000
-/// N and a thread of 1300 mm. THK prints 0.865 N m, 30 %, 0.606 to 1.125 N m, calculated from
-/// rounded numbers.
+/// The torque that verifies the preload matches THK BNFN4010-5, THK A-689 (example C), for grade
+/// C3, a preload of 3000 N and a thread of 1300 mm. THK prints 0.865 N m, 30 %, and 0.606 to 1.125
+/// N m, calculated with rounded numbers.
 #[test]
 fn the_preload_torque_matches_thk() {
     let report =
@@ -189,14 +193,14 @@ fn the_preload_torque_matches_thk() {
     );
 }
 
-/// THK BNFN4010-5 as a screw for which only the ratings are known.
+/// Screw THK BNFN4010-5, described only by its ratings.
 const FEED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_center.json");
 
-/// If the groove is given in addition, it must match the rated nut. A ratio of 1.7 gives a warning,
-/// and a ratio of 2.1 is rejected unless it is confirmed.
+/// If the groove is given in addition to the ratings, it must match the rated nut. A ratio of 1.7
+/// between the ratings causes a warning. A ratio of 2.1 is rejected unless the user confirms it.
 #[test]
-fn ratings_and_groove_are_compared() {
+fn contradiction_between_ratings_and_groove_is_reported() {
     let groove = include_str!("../../../../examples/axis.json");
     let own = sheet(groove, &["preload_N=1"]).expect("a sheet");
     let of_nut = bsm_case::ratings(&Case::from_json(groove.as_bytes()).expect("an example"));
@@ -209,15 +213,16 @@ fn ratings_and_groove_are_compared() {
         |report: &AxisReport| report.answer.warnings.iter().any(|w| w.contains("rated nut"));
     assert!(!warned(&own) && !warned(&stated(1.2, &[]).expect("usual")));
     let other = stated(1.7, &[]).expect("a sheet");
-    assert!(other.answer.warnings.iter().any(|w| w.contains("(1.70 times)")));
+    assert!(other.answer.warnings.iter().any(|w| w.contains("(1.70 times the given value)")));
     let why = stated(2.1, &[]).expect_err("another nut").to_string();
     assert!(why.contains("keep_ratings"), "{why}");
     assert!(warned(&stated(2.1, &["keep_ratings=true"]).expect("as meant")));
 }
 
-/// A row of a manufacturer's table that contains only ratings is checked with the same axis sheet.
+/// A row of a manufacturer's table that contains only ratings is checked with the same axis sheet
+/// as other rows.
 #[test]
-fn a_manufacturers_table_may_have_ratings_alone() {
+fn manufacturer_table_may_contain_only_ratings() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
@@ -227,7 +232,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let requirement =
         RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
-    // A load of 5 kN at 500 rpm gives at least 37 497 h.
+    // A load of 5 kN at 500 rpm gives a life of at least 37 497 h.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
     let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
@@ -235,8 +240,8 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
         assert_eq!(rows[0].value(name), small.number(named(name)), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
-    // Screw and nut together determine the lightest row. Screw and nut weigh about 10 and 30 kg in
-    // one row, and 17 and 2 kg in the other row.
+    // The rows are sorted by the mass of screw and nut together. The screw and nut masses are about
+    // 10 and 30 kg in one row, and 17 and 2 kg in the other row.
     let mut heavy = nuts;
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);
@@ -245,10 +250,11 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
 }
 
-/// A grade limits the travel error: for C3 over 1 m it is 21 + 15/2 um, which exceeds 25 um. The
-/// sheet names a sufficient grade. If the standard has no value, the rule is violated.
+/// The travel error is limited by the accuracy grade. For C3 over 1 m, it is 21 + 15/2 um, which
+/// exceeds the required 25 um. The sheet suggests a sufficient grade. If the standard contains no
+/// value, the rule is violated.
 #[test]
-fn the_travel_error_is_checked_by_a_rule() {
+fn travel_error_is_checked_by_a_rule() {
     let of = |settings: &[&str]| sheet(FEED_AXIS, settings).expect("a sheet");
     let rule = |report: &AxisReport| {
         let found = report.answer.rules.iter().find(|rule| rule.title == "travel error").cloned();
@@ -281,8 +287,8 @@ fn the_travel_error_is_checked_by_a_rule() {
 const OILED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_center_oil.json");
 
-/// Lubricant and contamination modify the life. A required life must be below the smaller of the
-/// basic and the modified life.
+/// Lubricant and contamination modify the life. The smaller of the basic life and the modified life
+/// must exceed the required life.
 #[test]
 fn a_life_is_modified_by_load_factors_and_lubricant() {
     let of = |settings: &[&str]| sheet(OILED_AXIS, settings).expect("a sheet");
@@ -292,7 +298,7 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     for (ours, expected) in ratios.zip(["0.232075", "0.577615", "2.27061", "2.27061"]) {
         assert_printed_value(ours, expected, "viscosity ratio");
     }
-    // The number is also available as a column, and a contamination class determines the
+    // The modified life is also available as a column. A contamination class can replace the
     // contamination factor.
     let mut case = Case::from_json(OILED_AXIS.as_bytes()).expect("a case");
     case.apply(&["contamination=typical"]).expect("a class");
@@ -315,8 +321,9 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     };
     assert_eq!(passes("required_life_h=20000"), [("life", true), ("modified life", true)]);
     assert_eq!(passes("required_life_h=30000"), [("life", true), ("modified life", false)]);
-    // Contamination or lubricant alone does not change the life, and a note says so. Without a
-    // modification factor for thin oil, the rule about the required life is violated.
+    // If only contamination or only the lubricant is given, the life is not modified, and a note
+    // says so. If the oil is too thin for a modification factor, the rule for the required life is
+    // violated.
     assert!(has_note(&of(&[]), "contamination is not given"));
     let dry = sheet(FEED_AXIS, &["contamination=high"]).expect("a sheet");
     assert!(
@@ -340,9 +347,9 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     assert!(both.to_string().contains("contamination_factor"), "{both}");
 }
 
-/// If groove and roughness are known, the viscosity ratio is the smallest film thickness ratio of
-/// nut and screw to the power of 1.3. The film thickness follows from the formulas of Hamrock and
-/// Dowson with the numbers of one ball.
+/// If groove and roughness are known, the viscosity ratio is the film thickness ratio at nut or
+/// screw, whichever is smaller, to the power of 1.3. The expected film thickness is calculated with
+/// the formulas of Hamrock and Dowson and the values of one ball.
 #[test]
 fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let text = include_str!("../../../../validation/published/nut/feed_axis.json");
@@ -383,13 +390,13 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let ratio =
         |report: &AxisReport| report.phases[0].number(output!(viscosity_ratio)).expect("oil");
-    // The radius along the helix is larger by sin²α, about 1 %, and enters with a power of at most
-    // 0.02.
+    // The radius along the helix is larger by sin²α, about 1 %, and the film thickness depends on
+    // it with an exponent of at most 0.02.
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
-    // On request, the viscosity ratio follows from the viscosity alone: ν/ν₁ of the theory (Z38),
-    // for ISO VG 68 at 40 degrees.
+    // On request, the viscosity ratio is calculated from the viscosity alone: ν/ν₁ of the theory
+    // (Z38), for ISO VG 68 at 40 degrees.
     case.apply(&["kappa_by=viscosity"]).expect("a word");
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let rpm = report.phases[0].number(output!(screw_speed_rpm)).expect("a speed").abs();
@@ -398,11 +405,12 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
-/// Hand calculation: manufacturers' ratings include the accuracy grade. A calculated rating of
-/// grade 10 has a factor of 0.7, which gives 0.343 of the life. 50 HRC gives (50/60)² and (50/60)³.
-/// Catalogs advise load factors of 1 to 1.2 at 10 m/min.
+/// The expected values were calculated by hand. Manufacturers' ratings include the accuracy grade.
+/// A calculated rating for grade 10 has a factor of 0.7, which reduces the life to 0.343 of its
+/// value. A hardness of 50 HRC gives factors of (50/60)² and (50/60)³. Catalogs advise load factors
+/// of 1 to 1.2 at 10 m/min.
 #[test]
-fn ratings_and_loads_have_factors() {
+fn rating_and_load_factors_match_hand_calculation() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
     let plain = of(&[]);
     let rated = of(&["accuracy_grade=T10"]);
@@ -418,7 +426,8 @@ fn ratings_and_loads_have_factors() {
     let both =
         sheet(FOUR, &["hardness_HRC=50", "hardness_HV10=500"]).expect_err("both").to_string();
     assert!(both.contains("hardness_HV10"), "{both}");
-    // The life is (52/5)³ million revolutions at 500 rpm, and it is shorter by a factor of 1.2³.
+    // The life is (52/5)³ million revolutions at 500 rpm. With a load factor of 1.2, it is divided
+    // by 1.2³.
     let lacks = plain.answer.lacks("cycle_life_h").unwrap_or_default();
     assert!(
         lacks.contains("advise 1 to 1.2 at this speed, with lives of 37495 to 21699 h"),
@@ -439,8 +448,9 @@ fn ratings_and_loads_have_factors() {
     assert_relative_eq!(ratio, 0.7, max_relative = 1e-12);
 }
 
-/// The reference is THK, A-722 to A-735. With loads in both directions, each flank has 4.0868e9
-/// revolutions, and both flanks together have 2.1901e9 revolutions. One flank has 170 285 h.
+/// The life matches the example of THK, A-722 to A-735. With loads in both directions, each flank
+/// has a life of 4.0868e9 revolutions, and both flanks together have 2.1901e9 revolutions. One
+/// flank reaches 170 285 h.
 #[test]
 fn the_life_of_a_transfer_axis_matches_thk() {
     let ramp = |force: f64, feed: f64, acceleration: f64| {
@@ -482,10 +492,10 @@ fn the_life_of_a_transfer_axis_matches_thk() {
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
 
-/// A constant process force equal to the weight affects a horizontal axis as the weight affects a
-/// vertical one.
+/// A constant process force on a horizontal axis has the same effect as an equal weight on a
+/// vertical axis.
 #[test]
-fn a_constant_process_force_acts_like_a_weight() {
+fn constant_process_force_acts_like_a_weight() {
     let sheet = |more: &[&str]| sheet(UPRIGHT, more).expect("a sheet");
     let upright = sheet(&[]);
     // The force is 250 kg times 9.80665 m/s2.
@@ -498,7 +508,7 @@ fn a_constant_process_force_acts_like_a_weight() {
         "back_driving_torque_high_Nm",
     ] {
         let [a, b] = [&upright, &level].map(|sheet| sheet.number(named(name)).expect(name));
-        // The values differ by rounding only.
+        // The values differ only by rounding errors.
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }
 }

@@ -1,5 +1,5 @@
-//! Derivatives with respect to the inputs, compared with differences of full solves and with exact
-//! identities.
+//! Tests of derivatives with respect to the inputs, compared with finite differences of complete
+//! solves and with exact identities.
 
 use approx::assert_relative_eq;
 use bsm_case::{Case, ModelChoice, Sensitivities, Sensitivity, Settings};
@@ -10,7 +10,7 @@ use bsm_dyn::{
 };
 use proptest::prelude::*;
 
-/// Returns the answer and its rows, or `None` if there is no solution.
+/// Returns efficiency and torque with their derivatives, or `None` if there is no solution.
 fn derived(case: &Case, settings: &Settings) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
     let inputs = Sensitivities::of(case, settings).expect("complete case");
     inputs.solve(&mut ModelWorkspace::default()).ok()
@@ -23,8 +23,7 @@ fn solved(case: &Case, settings: &Settings) -> Option<Transmission> {
     Some(solution.solved()?.transmission)
 }
 
-/// Returns random cases with speed, load and driving side. All other inputs are far from their
-/// limits.
+/// Generates random cases with speed, load and driving side. All inputs are far from their limits.
 fn cases() -> impl Strategy<Value = Case> {
     (
         (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
@@ -64,7 +63,8 @@ fn cases() -> impl Strategy<Value = Case> {
         })
 }
 
-/// Excludes drives in which both parts turn, which model `quasi-static` does not cover.
+/// Removes the nut speed if the screw turns, because model `quasi-static` does not cover drives in
+/// which both parts turn.
 fn single_drive(mut case: Case) -> Case {
     if case.screw_speed_rpm != Some(0.0) {
         case.nut_speed_rpm = None;
@@ -73,20 +73,21 @@ fn single_drive(mut case: Case) -> Case {
     case
 }
 
-/// Compares each derivative with differences of full solves with a step of `h` of the input.
-/// Richardson extrapolation leaves an error of fourth order. Returns the largest error relative to
-/// the change caused by a relative change of 1 of the input.
+/// Compares each derivative with finite differences of complete solves with a relative step of `h`.
+/// After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
+/// error, relative to the change that a relative change of 1 in the input would cause.
 fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
     let (answer, rows) = derived(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
-        // Model `quasi-static` only uses which part turns, so there is no speed to differentiate.
+        // Model `quasi-static` only uses which part turns, so it has no derivatives with respect to
+        // speeds.
         if settings.model == Model::QuasiStatic.into() && row.input.unit == "rpm" {
             assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
             continue;
         }
         let speed = [case.screw_speed_rpm, case.nut_speed_rpm].into_iter().flatten();
-        // Both speeds are scaled by the relative speed.
+        // Changes of either speed are scaled by the relative speed.
         let unit = if row.input.unit == "rpm" {
             speed.reduce(|screw, nut| screw - nut).expect("a speed").abs()
         } else {
@@ -132,8 +133,8 @@ fn dimension(key: &str) -> [f64; 3] {
     }
 }
 
-/// Returns the largest violation of Euler's identity over masses, lengths and times, for efficiency
-/// and torque.
+/// Returns the largest violation of Euler's identity for scaling of masses, lengths and times, for
+/// efficiency and torque.
 fn worst_identity((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64; 2] {
     let torque = answer.screw_torque.expect("a torque");
     let exponents = [1.0, 2.0, -2.0];
@@ -147,25 +148,28 @@ fn worst_identity((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64
     })
 }
 
-/// Returns true if Euler's identity holds up to the rounding of sums and of the Jacobian. In
-/// raceway control, the torque uses another quadrature rule than its derivatives, with a difference
-/// of 1e-5 of the efficiency, which may be as small as one fiftieth.
+/// Returns true if Euler's identity holds apart from rounding errors of the sums and of the
+/// Jacobian. In raceway control, the torque is calculated with another quadrature rule than its
+/// derivatives, which causes a difference of 1e-5 of the efficiency. The efficiency can be as small
+/// as one fiftieth.
 fn is_homogeneous(model: ModelChoice, [efficiency, torque]: [f64; 2]) -> bool {
     let of_torque = if model == Model::RacewayControl.into() { 5e-4 } else { 1e-11 };
     efficiency <= 1e-11 && torque <= of_torque
 }
 
-/// Largest error of a difference relative to the change caused by a relative change of 1 of the
-/// input. With steps of 1e-4, residuals of 1e-13 lead to 1e-9 times the amplification by the
-/// equations. The error of fourth order that Richardson extrapolation leaves is smaller.
+/// Largest error of a finite difference, relative to the change that a relative change of 1 in the
+/// input would cause. With steps of 1e-4, residuals of 1e-13 cause errors of 1e-9, which the
+/// equations amplify. The fourth-order error after Richardson extrapolation is smaller.
 const DIFFERENCE: f64 = 1e-7;
 
-/// If friction is integrated, the number of nodes depends on the point. From one point to a
-/// neighbor, and between two solves of the same point, the integrals jump by their error: 1e-8 of
-/// the loss, or 3e-6 if the ellipses are as long as the ball. Model `traction` fixes its nodes in
-/// the last steps. Raceway control needs larger steps, for which the error of fourth order is 1e-5.
+/// If friction is integrated numerically, the number of nodes depends on the point. Between
+/// neighboring points, and between two solves of the same point, the integrals jump by their error.
+/// This error is 1e-8 of the loss, or 3e-6 if the ellipses are as long as the ball. Model
+/// `traction` keeps its nodes fixed in the last iterations. Raceway control needs larger steps, for
+/// which the fourth-order error is 1e-5.
 ///
-/// Returns the relative jump of the answer, the step of the differences, and their tolerance.
+/// Returns the relative jump of the results, the step of the finite differences, and the tolerance
+/// of the finite differences.
 fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => (3e-6, 1e-3, 5e-4),
@@ -180,8 +184,8 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
     };
-    // The values calculated together with the derivatives equal the values of the solve up to
-    // rounding.
+    // The results calculated together with the derivatives equal the results of a plain solve,
+    // apart from rounding errors.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
     let (rounding, step, apart) = tolerances(settings.model);
@@ -190,13 +194,13 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
     let violation = worst_identity(&found);
     prop_assert!(is_homogeneous(settings.model, violation), "{violation:?}");
-    // A neighbor without a solution, or on another branch, is not compared.
+    // A neighboring point without a solution or on another branch is not compared.
     let difference = worst_difference(case, settings, step);
     prop_assert!(difference.is_none_or(|d| d <= apart), "{difference:?}");
     Ok(())
 }
 
-/// Returns the same point with speeds that are a thousand to a million times lower.
+/// Returns the same point with its speeds divided by a factor of a thousand to a million.
 fn slowed_down(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
@@ -205,7 +209,7 @@ fn slowed_down(mut case: Case, log_factor: f64) -> Case {
     case
 }
 
-/// Returns Lin's screw at a speed, with conformities.
+/// Returns Lin's screw with conformities, at the given speed.
 fn lin(rpm: f64) -> Case {
     Case {
         ball_diameter_mm: Some(8.74),
@@ -227,10 +231,11 @@ fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
 }
 
-/// The derivatives of a ball with a third contact at the nut or at the screw are exact, including
-/// the derivatives with respect to the play and the friction coefficient at the far flank.
+/// The derivatives for a ball with a third contact at the nut or at the screw match finite
+/// differences, including the derivatives with respect to the play and to the friction coefficient
+/// at the far flank.
 #[test]
-fn a_ball_with_a_third_contact_has_exact_derivatives() {
+fn third_contact_derivatives_match_differences() {
     for rpm in [300.0, -300.0] {
         let case = Case {
             axial_load_N: Some(450.0),
@@ -253,8 +258,8 @@ fn a_ball_with_a_third_contact_has_exact_derivatives() {
     }
 }
 
-/// The closed-form derivative is calculated by hand in both directions: dη/df = −D / [cos²α sinβ (D
-/// + f sinβ)²] and −sinβ / [cos²α D (sinβ + f D)²].
+/// The expected closed-form derivatives were calculated by hand for both directions: dη/df = −D /
+/// [cos²α sinβ (D + f sinβ)²] and −sinβ / [cos²α D (sinβ + f D)²].
 #[test]
 fn closed_form_friction_derivative_matches_the_formula() {
     let (a, b, f) = (10.0_f64.to_radians(), 45.0_f64.to_radians(), 0.075);
@@ -268,26 +273,26 @@ fn closed_form_friction_derivative_matches_the_formula() {
     assert_relative_eq!(driven, expected, max_relative = 1e-13);
 }
 
-/// The inertia of slow balls has an effect proportional to the square of the speed. This must also
-/// hold below 15 rpm in model `rigid` and 47 rpm in `elastic`, where the answer is extrapolated
-/// from faster balls.
+/// The effect of the inertia of slow balls is proportional to the square of the speed. This must
+/// also be true below 15 rpm in model `rigid` and below 47 rpm in model `elastic`, where the result
+/// is extrapolated from faster balls.
 #[test]
-fn density_acts_with_the_square_of_the_speed() {
+fn density_effect_is_proportional_to_speed_squared() {
     for model in [Model::Rigid, Model::Elastic] {
         let at = |rpm| row(&lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2);
         let faster = at(100.0);
         for rpm in [4.0, 10.0, 40.0] {
-            // The product of derivative and density is 1e-11 at 4 rpm, with the rounding error of
-            // η.
+            // At 4 rpm, the derivative multiplied by the density is 1e-11, so rounding errors of η
+            // are significant.
             assert_relative_eq!(at(rpm), faster, max_relative = 1e-2);
         }
     }
 }
 
-/// Inputs that the model does not use have no row. Inputs that are zero have no relative
+/// Inputs that the model does not use have no row. Inputs whose value is zero have no relative
 /// sensitivity.
 #[test]
-fn rows_are_the_inputs_that_the_model_reads() {
+fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
     let names = |model: Model| {
         let rows = derived(&lin(2000.0), &model.into()).expect("solved").1;
         let mut names: Vec<_> = rows.iter().map(|row| row.input.name).collect();
@@ -305,9 +310,9 @@ fn rows_are_the_inputs_that_the_model_reads() {
     assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
 }
 
-/// Without load the closed form has no torque, and without a solution there are no derivatives.
+/// Without a load, the closed form has no torque. Without a solution, there are no derivatives.
 #[test]
-fn missing_results_have_no_derivatives() {
+fn results_that_do_not_exist_have_no_derivatives() {
     let case = Case { axial_load_N: None, ..lin(2000.0) };
     let friction = row(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
@@ -344,15 +349,15 @@ proptest! {
         check(&case, &Model::Traction.into())?;
     }
 
-    /// The controlling raceway is given, because at a tie of (W7) differences would use both
-    /// raceways.
+    /// The controlling raceway is given. Otherwise, near a tie of (W7), the points of a finite
+    /// difference could be controlled by different raceways.
     #[test]
     fn raceway_control_derivatives_match_differences(case in cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
         check(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
-    /// The balls are so slow that the answer is extrapolated from faster balls.
+    /// The balls are so slow that the result is extrapolated from faster balls.
     #[test]
     fn derivatives_of_slow_balls_match_differences(case in cases(), log_factor in 3.0..6.0_f64) {
         let case = slowed_down(case, log_factor);
@@ -361,9 +366,10 @@ proptest! {
         }
     }
 
-    /// `auto` has the derivatives of the model that it chose, with the same settings.
+    /// The derivatives with `auto` equal the derivatives with the model that it chose, with the
+    /// same settings.
     #[test]
-    fn auto_has_the_derivatives_of_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
+    fn auto_derivatives_match_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
         let found = derived(&case, &auto).expect("auto has an answer");
@@ -377,7 +383,7 @@ proptest! {
             // Inputs that the chosen model does not use have no row.
             let same = own.1.iter().find(|own| own.input.name == row.input.name);
             let expected = same.map_or(0.0, |own| own.efficiency);
-            // Both solves find the same root from different starting points.
+            // The two solves find the same root from different starting points.
             let error = (row.efficiency - expected) * row.value.abs().max(1.0);
             prop_assert!(error.abs() <= 1e-8, "{row:?} {expected}");
         }
@@ -385,8 +391,8 @@ proptest! {
     }
 }
 
-/// The values of raceway control use a coarser quadrature rule than their derivatives. Theory 12
-/// states the resulting deviations in percent.
+/// Model `raceway-control` calculates its values with a coarser quadrature rule than its
+/// derivatives. Theory 12 states the resulting deviations in percent.
 #[test]
 fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");
@@ -417,7 +423,7 @@ fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
         let difference =
             (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
         let deviation = 100.0 * (difference / row.efficiency - 1.0);
-        // The table has one decimal place.
+        // The table in the theory has one decimal place.
         assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
     }
 }

@@ -1,12 +1,12 @@
-//! The screw as a shaft on the axis sheet: pretension, buckling, hollow screws, short strokes and
-//! speed number.
+//! Tests of the screw as a shaft on the axis sheet: pretension, buckling, hollow screws, short
+//! strokes and speed number.
 
 use bsm_case::{AxisReport, Case, output};
 
 use crate::size::{axis, near, number};
 
-/// Screw of a machining center, calculated independently: THK BNFN4010-5 between two fixed
-/// bearings.
+/// Screw of a machining center, THK BNFN4010-5 between two fixed bearings, for which the expected
+/// values were calculated independently.
 const CENTER: [&str; 8] = [
     "pitch_circle_diameter_mm=41.75",
     "lead_mm=10",
@@ -18,7 +18,8 @@ const CENTER: [&str; 8] = [
     "stroke_mm=1000",
 ];
 
-/// Stiffness of bearings whose compliance changes no result to ten digits.
+/// Stiffness of nearly rigid bearings, whose compliance does not change the first ten digits of any
+/// result.
 const RIGID: &str = "support_bearing_stiffness_N_um=1e12";
 
 fn center(more: &[&str]) -> AxisReport {
@@ -34,9 +35,9 @@ fn says(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// Expected values have five digits. Bearings of 750 N/um deform.
+/// The expected values have five digits. Bearings with a stiffness of 750 N/um deform noticeably.
 #[test]
-fn pretension_determines_its_force_and_is_checked_by_a_rule() {
+fn pretension_force_is_calculated_and_checked_by_a_rule() {
     let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),
@@ -47,7 +48,7 @@ fn pretension_determines_its_force_and_is_checked_by_a_rule() {
         ("stretch_um", 50.025),
         ("travel_compensation_um", -34.5),
         ("screw_tension_N", 6605.3 / 3.0),
-        // The hand calculation is 4476.7 √(1 + 6605.3/265885).
+        // The expected value from a hand calculation is 4476.7 √(1 + 6605.3/265885).
         ("stretched_critical_speed_rpm", 4531.96),
     ] {
         near(number(&report, name), value, 2e-5, name);
@@ -56,8 +57,8 @@ fn pretension_determines_its_force_and_is_checked_by_a_rule() {
     let soft = center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
     near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
     near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
-    // At 8 K above the bed the screw has lost its tension, and the compression adds to the buckling
-    // load.
+    // At 8 K above the bed, the screw has lost its tension, and its compression reduces the
+    // buckling safety.
     let warm = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
     let slack = rule(&warm, "pretension left");
@@ -66,7 +67,7 @@ fn pretension_determines_its_force_and_is_checked_by_a_rule() {
     let pressed = number(&warm, "largest_load_N") + 11_008.8;
     let safety = number(&warm, "buckling_load_N") / pressed;
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
-    // The pretension given as a force has the same effect.
+    // Giving the pretension as a force has the same effect.
     let by_force = center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
     near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
     let bearings = center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
@@ -87,14 +88,14 @@ fn pretension_determines_its_force_and_is_checked_by_a_rule() {
     }
 }
 
-/// The reference is THK, A-726. The section between bearing and nut is fixed at both ends and
-/// carries 1.96 times the load of a section with one end that tilts. A screw that tilts at both
-/// ends is checked with both ends tilting.
+/// The expected values are from THK, A-726. The section between bearing and nut is clamped at both
+/// ends and can carry 1.96 times the load of a section with one end that can tilt. If the screw can
+/// tilt at both bearings, both ends of the section are assumed to tilt.
 #[test]
 fn buckling_is_checked_between_bearing_and_nut() {
     let load = |more: &[&str]| number(&axis(more), "buckling_load_N");
     let tilting = load(&["buckling_support=fixed-supported"]);
-    // The ratio is 4 divided by the first root of tan x = x.
+    // The ratio is 4 divided by 2.0457, which follows from the first root of tan x = x.
     near(load(&[]) / tilting, 4.0 / 2.045_748_515_938_296, 1e-12, "fixed-fixed");
     near(
         load(&["support=supported-supported"]) / tilting,
@@ -117,10 +118,10 @@ fn buckling_is_checked_between_bearing_and_nut() {
     assert!(!source(&["buckling_support=fixed-fixed"]).contains("(default)"));
 }
 
-/// A bore of half the core diameter reduces section, inertia and mass by the values of the removed
-/// rod.
+/// A bore of half the core diameter reduces cross section, inertia and mass by the values of the
+/// removed rod.
 #[test]
-fn a_bore_reduces_area_inertia_and_mass() {
+fn screw_bore_reduces_area_inertia_and_mass() {
     let (solid, hollow) = (axis(&[]), axis(&["screw_bore_mm=20"]));
     let change = |name: &str| number(&solid, name) - number(&hollow, name);
     let (rod, length) =
@@ -135,26 +136,26 @@ fn a_bore_reduces_area_inertia_and_mass() {
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 
-/// Strokes below three nut lengths, below one circulation of the balls, and below half a turn are
-/// noted.
+/// A note is given for strokes below three nut lengths, below one circulation of the balls, and
+/// below half a turn.
 #[test]
-fn short_strokes_are_noted() {
-    // The two nuts are 380 mm long together.
+fn sheet_contains_a_note_about_short_strokes() {
+    // The two nuts are 380 mm long in total.
     let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
     assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
     assert!(says(&with("stroke_mm=500"), "three nut lengths"));
     assert!(says(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");
     assert!(says(&still, "false brinelling") && still.number(output!(cycle_life_h)).is_none());
-    // A required life that cannot be calculated counts as violated.
+    // If the life cannot be calculated, the rule for the required life is violated.
     let life = rule(&still, "life");
     assert!(!life.passes() && life.remedy.is_none(), "{life:?}");
 }
 
-/// The manufacturing method determines the limit of the ball return. The lead of 20 mm is less than
-/// half of 62 mm.
+/// The manufacturing method determines the speed number limit of the ball return. The limit for a
+/// rolled screw also depends on the lead: 20 mm is less than half of the diameter of 62 mm.
 #[test]
-fn the_manufacturing_method_determines_the_speed_number_limit() {
+fn manufacturing_method_determines_the_speed_number_limit() {
     let limit = |make: &str| {
         let given: Vec<_> = [make].into_iter().filter(|make| !make.is_empty()).collect();
         let mut case = Case::from_json(super::size::AXIS).expect("an example");

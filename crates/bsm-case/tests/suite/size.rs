@@ -1,4 +1,5 @@
-//! Compares the numbers of the axis with a second implementation, and checks its messages.
+//! Tests that compare the numbers of the axis sheet with a second implementation, and check its
+//! messages.
 
 use std::f64::consts::{PI, TAU};
 
@@ -41,10 +42,10 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     assert!((ours / theirs - 1.0).abs() < tolerance, "{what}: {ours} {theirs}");
 }
 
-/// A rule is met after its remedy is applied. If the screw is too short, the nut has no room for
-/// the stroke.
+/// After a remedy is applied, its rule is met. If the screw is then too short, the program reports
+/// that the nut has no room for the stroke.
 #[test]
-fn remedies_meet_their_rules() {
+fn rules_are_met_after_their_remedies_are_applied() {
     for (settings, title, asks, input) in [
         ("inclination_deg=90 brake_torque_Nm=1", "brake", "brake_torque_Nm ", "brake_torque_Nm"),
         ("preload_N=20000", "preload", "preload_N ", "preload_N"),
@@ -70,10 +71,10 @@ fn remedies_meet_their_rules() {
     assert!(short.to_string().contains("the nut would run into the bearings"), "{short}");
 }
 
-/// Calculates the rules again from the sizes on the sheet, in mm, N and rpm as in catalogs. Only
-/// the rounding of a few products differs.
+/// Calculates the rules again from the sizes on the sheet, in mm, N and rpm as in catalogs. The
+/// results differ only by rounding errors of a few products.
 #[test]
-fn rules_match_a_calculation_in_workshop_units() {
+fn rules_match_a_calculation_in_catalog_units() {
     const TIGHT: f64 = 1e-9;
     for (support, root, kappa) in [
         ("fixed-free", 1.875_104_068_711_961, 0.25),
@@ -90,7 +91,8 @@ fn rules_match_a_calculation_in_workshop_units() {
             size(&report, "screw_core_diameter_mm"),
             1200.0 + size(&report, "nut_length_mm") + 2.0 * size(&report, "lead_mm"),
         );
-        // The modulus is 207 GPa = 207 000 N/mm², and the density is 7850 kg/m³ = 7.85e-9 t/mm³.
+        // Young's modulus is 207 GPa = 207 000 N/mm², and the density is 7850 kg/m³ = 7.85e-9
+        // t/mm³.
         let (e, rho): (f64, f64) = (207e3, 7.85e-9);
         let (i, a) = (PI * d.powi(4) / 64.0, PI * d * d / 4.0);
         let critical = 60.0 / TAU * (root / l).powi(2) * (e * i / (rho * a)).sqrt();
@@ -108,9 +110,9 @@ fn rules_match_a_calculation_in_workshop_units() {
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
-        // The guide friction is 1 % of 500 kg, in both directions.
+        // The guide friction is 1 % of the weight of 500 kg and acts in both directions.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
-        // Two fixed bearings of 1 kN/um hinder part of the growth.
+        // Two fixed bearings with 1 kN/um hinder a part of the thermal growth.
         let own = e * a / l / 1e3;
         let left = if support == "fixed-fixed" { 1.0 - 1.0 / (1.0 + own * 2e-3) } else { 1.0 };
         let growth = left * 11.5e-6 * l * 5.0 * 1e3;
@@ -122,8 +124,8 @@ fn rules_match_a_calculation_in_workshop_units() {
     near(number(&report, "largest_load_N"), load, TIGHT, "load");
     near(number(&report, "largest_speed_rpm"), 1500.0, TIGHT, "speed");
     near(number(&report, "largest_speed_number_mm_min"), 1500.0 * d_pw, TIGHT, "speed number");
-    // The life of the pair is calculated by ISO 3408-5 with preload, in which the load relieves the
-    // other nut.
+    // The life of the pair is calculated according to ISO 3408-5 with preload. The external load
+    // relieves one of the nuts.
     let (c, f_w) = (size(&report, "dynamic_load_rating_N"), size(&report, "cold_preload_N"));
     let busy = f_w * (1.0 + load / (8.0_f64.sqrt() * f_w)).powf(1.5);
     let lives = [busy, busy - load].map(|f: f64| (c / f).powi(3));
@@ -133,8 +135,8 @@ fn rules_match_a_calculation_in_workshop_units() {
     let tan = lead / (PI * d_pw);
     let drag = 0.05 / tan.sqrt() * f_w * lead * 1e-3 / TAU;
     near(number(&report, "preload_torque_measured_Nm"), drag, TIGHT, "drag");
-    // The parts of the torque add up, and the power is the sum of the heat and the power that moves
-    // the load.
+    // The parts of the torque add up to the screw torque, and the input power is the sum of the
+    // heat and the power that moves the load.
     let part = |name: &str| of_phase(&report, 0, name);
     let ideal = load * lead * 1e-3 / TAU;
     near(part("ideal_torque_Nm"), ideal, TIGHT, "ideal torque");
@@ -149,11 +151,11 @@ fn rules_match_a_calculation_in_workshop_units() {
     assert!(report.passes(), "{:?}", report.answer.rules);
 }
 
-/// The screw torque is the sum of its parts. Without preload, the part of the contacts equals the
-/// torque of the model: with the screw or the load driving, with a turning nut, and with losses
-/// outside the balls.
+/// The screw torque is the sum of its parts. Without preload, the part due to the contacts equals
+/// the torque of the model. This is tested with the screw or the load driving, with a turning nut,
+/// and with losses outside the contacts.
 #[test]
-fn the_screw_torque_is_the_sum_of_its_parts() {
+fn screw_torque_is_the_sum_of_its_parts() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
     for settings in [
         &[][..],
@@ -172,22 +174,23 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         let [ideal, friction @ ..] = ScrewTorque::PARTS.map(OutputName::name).map(part);
         let sum = ideal + (screw - nut).signum() * friction.iter().sum::<f64>();
         let torque = parts.torque().expect("a torque");
-        // The tolerance allows for rounding of five terms.
+        // The tolerance allows for the rounding errors of five terms.
         assert_relative_eq!(torque, sum, max_relative = 1e-14);
         let solution = case.problem(&settings).expect("complete");
         let record = Record::new(solution.solve(&mut ModelWorkspace::default()));
         let others = part("seal_torque_Nm") + part("support_bearing_torque_Nm");
         let balls = torque - (screw - nut).signum() * others;
-        // The friction of the contacts is a difference of torques that are 40 times larger.
+        // The contact friction is the difference of torques that are 40 times larger.
         let of_balls = record.number(output!(ball_torque_Nm)).expect("a torque");
         assert_relative_eq!(balls, of_balls, max_relative = 1e-13);
     }
 }
 
-/// The sheet answers each usual question in one line: which torque to measure (THK BNFN4010-5,
-/// A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether it falls.
+/// The sheet answers each of these usual questions in one line: which torque to measure (THK
+/// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
+/// the load falls.
 #[test]
-fn the_sheet_states_preload_torque_temperature_and_falling() {
+fn sheet_states_preload_torque_temperature_and_back_driving() {
     const NUT: [&str; 9] = [
         "pitch_circle_diameter_mm=41.75",
         "lead_mm=10",
@@ -204,7 +207,8 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
     let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
-    // The torque is 0.05/sqrt(tan) of 10/(pi 41.75) to six digits, times 3000 N and 10 mm per turn.
+    // The torque is the product of 0.05/sqrt(tan), with tan = 10/(pi 41.75) to six digits, the
+    // preload of 3000 N and the lead of 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to be measured").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % according to C3)", "with the seals 1.165 N m"] {
@@ -214,12 +218,12 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
     let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
     let coarse = note(&coarse, "to be measured").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
-    // Without a grade the note used to read as if the standard had no value.
+    // The note for a screw without a grade used to read as if the standard contained no value.
     let ungraded = note(&axis(&NUT[..7]), "to be measured");
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
-    // A horizontal axis has no load at rest, because its load is the process force.
+    // No load acts on a horizontal axis at rest, because its only load is the process force.
     assert!(note(&level, "No force acts at rest").is_some());
 
     // The temperature has an uncertainty band. The time constant is the heat capacity of the screw
@@ -238,20 +242,20 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
     let [low, high] =
         ["low", "high"].map(|end| number(&turning, &format!("steady_temperature_rise_{end}_K")));
     assert!(low < rise && rise < high, "{low} {rise} {high}");
-    // One heat transfer replaces the thermal network.
+    // A given heat transfer replaces the thermal network.
     let given = with(&["axis_heat_transfer_W_K=10"]);
     near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");
     let rise = number(&given, "mean_heat_W") / 10.0;
     near(number(&given, "steady_temperature_rise_K"), rise, 1e-12, "rise");
     assert_eq!(note(&given, "thermal network"), None);
 
-    // The holding torque of 500 kg on a vertical axis is m g P_h/(2 pi) = 7.80388 N m, and the
-    // brake needs 1.5 times this torque.
+    // For 500 kg on a vertical axis, the holding torque is m g P_h/(2 pi) = 7.80388 N m. The brake
+    // needs 1.5 times this torque.
     let upright = with(&["inclination_deg=90"]);
     let falls = note(&upright, "Without motor power").expect("a weight");
     assert!(falls.contains("a brake is needed") && falls.contains("11.706 N m"), "{falls}");
-    // Bearings with 5 N m hold the load only if their friction doubles at rest. Bearings with 20 N
-    // m hold it.
+    // Bearings with a friction torque of 5 N m hold the load only if their friction doubles at
+    // rest. Bearings with 20 N m hold the load.
     for (bearing, words) in [(5, "may back-drive the screw"), (20, "Friction holds the load")] {
         let bearing = format!("support_bearing_torque_Nm={bearing}");
         let said = note(&with(&["inclination_deg=90", &bearing]), "Without motor power");
@@ -259,8 +263,9 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
     }
 }
 
-/// A vertical axis lifts and lowers its weight. Downward the load drives, and the motor brakes with
-/// less torque than it needs for lifting. The holding torque is between both.
+/// A vertical axis lifts and lowers its weight. When the weight is lowered, the load drives the
+/// screw, and the motor brakes with less torque than it needs for lifting. The holding torque is
+/// between these torques.
 #[test]
 fn a_vertical_axis_needs_less_torque_for_lowering() {
     let report = axis(&[
@@ -276,17 +281,17 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");
-    // The load and the speed are the same forward and backward, and so is the friction.
+    // Load and speed have the same magnitude in both directions, and so does the friction.
     assert!(((up - rest) / (rest - down) - 1.0).abs() < 0.2, "{up} {down} {rest}");
     let holding = number(&report, "holding_torque_Nm");
     assert!(holding < rest && holding > down, "{holding} {down}");
     assert!(of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
-/// Every torque that follows from a lubricant has an uncertainty band. The sheet states the band,
-/// and a dry torque has no band.
+/// Every torque that depends on a lubricant has an uncertainty band, which the sheet states. A
+/// torque with dry friction has no band.
 #[test]
-fn the_sheet_of_a_lubricated_axis_states_the_friction_band() {
+fn sheet_of_a_lubricated_axis_states_the_friction_band() {
     let oiled = |case: &[u8]| {
         let mut case = Case::from_json(case).expect("an example");
         case.friction_coefficient = None;
@@ -314,23 +319,25 @@ fn the_sheet_of_a_lubricated_axis_states_the_friction_band() {
     near(load, 10_049.033_25, 1e-4, "load");
     near(rpm, 1500.0, 1e-9, "speed");
     near(percent, 90.0, 1e-9, "the interval");
-    // The note has three digits.
+    // The note states three digits.
     near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
-    // The specification gives a range of 0.6 to 1.3 of the loss if rolling resistance dominates.
+    // According to the specification, the loss is between 0.6 and 1.3 of the calculated value if
+    // rolling resistance dominates.
     assert!(
         (0.55..0.95).contains(&(low / stated)) && (1.05..1.4).contains(&(high / stated)),
         "{numbers:?}"
     );
 }
 
-/// A manufacturer's ratings replace the calculated ratings for life and static safety.
+/// A manufacturer's ratings replace the calculated ratings in the life and the static safety
+/// factor.
 #[test]
 fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
     let own = axis(&["preload_N=1"]);
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
         axis(&["preload_N=1", "keep_ratings=true", &format!("rated_dynamic_load_N={}", 0.5 * c)]);
-    // The preload of 1 N changes both loads equally, by 1e-4.
+    // The preload of 1 N changes both loads by the same fraction, 1e-4.
     near(number(&stated, "cycle_life_h"), number(&own, "cycle_life_h") / 8.0, 1e-6, "life");
     let half = axis(&["preload_N=1", "reliability_percent=95"]);
     near(number(&half, "cycle_life_h"), 0.62 * number(&own, "cycle_life_h"), 1e-9, "95 %");
@@ -338,7 +345,7 @@ fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
 
 /// Missing inputs are named, and contradictory inputs are rejected.
 #[test]
-fn missing_inputs_are_named() {
+fn errors_name_missing_and_contradictory_inputs() {
     let says = |json: &str, words: &str| {
         let told = Case::from_json(json.as_bytes())
             .and_then(|case| AxisReport::of(&case, &Settings::default()).map(|_| ()));
@@ -374,11 +381,11 @@ fn requirement(settings: &[&str]) -> (RequirementFile, Catalog) {
     (requirement.expect("an example"), catalog)
 }
 
-/// An audit found that `design` proposed a pitch circle of 45.4 mm at 67 deg, which no manufacturer
-/// offers, and ignored the critical speed. The result must be a standard screw at 45 deg that
-/// passes its own axis sheet.
+/// An audit found that `design` proposed a pitch circle of 45.4 mm and a contact angle of 67 deg,
+/// which no manufacturer offers, and that it ignored the critical speed. The result must be a
+/// standard screw with a contact angle of 45 deg that passes all rules on its axis sheet.
 #[test]
-fn a_design_has_a_standard_size() {
+fn design_selects_a_standard_size() {
     let (requirement, catalog) = requirement(&[]);
     let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(report.found, "{:?}", report.reasons);
@@ -392,13 +399,14 @@ fn a_design_has_a_standard_size() {
     let sheet = AxisReport::of(case, &Settings::default()).expect("an axis");
     let step =
         |name: &str| report.rows.iter().find(|row| row.name == name).and_then(|row| row.value);
-    // The same functions are used, so only unit conversions differ by rounding.
+    // `design` and `axis` use the same functions, so results differ only by rounding errors of unit
+    // conversions.
     for name in ["cycle_life_h", "buckling_safety", "critical_speed_ratio", "largest_load_N"] {
         near(number(&sheet, name), step(name).expect(name), 1e-9, name);
     }
 }
 
-/// Compares the rules of a design with the axis sheet of its screw: the numbers agree, and all
+/// Checks that the rules in a design report agree with the axis sheet of its screw, and that all
 /// rules are met.
 ///
 /// * `model`: model of the requirement, which determines the efficiency.
@@ -417,8 +425,8 @@ fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
 }
 
 /// An audit found that `design` and `catalog --requirement` accepted inclination, reliability,
-/// moved mass, guides, preload and cycle, but ignored them, so that accepted screws failed on their
-/// own sheet.
+/// moved mass, guides, preload and cycle, but ignored them. Accepted screws therefore failed on
+/// their own axis sheet.
 #[test]
 fn design_and_catalog_use_the_rules_of_the_sheet() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
@@ -452,22 +460,24 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
             "screw_mass_kg",
         )
     };
-    // The weight raises the load from 10.05 kN to 14.9 kN.
+    // The weight increases the load from 10.05 kN to 14.9 kN.
     assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
 }
 
-/// Returns a generator of random numbers between two bounds, uniform in their logarithm.
-fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
+/// Returns a generator of random numbers between two bounds that are uniformly distributed on a
+/// logarithmic scale.
+fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     move |low, high| rng.log_uniform(low, high)
 }
 
-/// The efficiency of one axis was 0.99181 by `select` and 0.99217 by `axis`, which used another
-/// model. For random requirements (200 with `CAMPAIGNS=whole`), plain and preloaded, dry and
-/// lubricated, `select`, `axis`, `nut` and `solve` have the same value under the same name.
+/// `select`, `axis`, `nut` and `solve` give equal values for outputs with the same name. This is
+/// tested for random requirements (200 with `CAMPAIGNS=whole`), plain and preloaded, dry and
+/// lubricated. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in `axis`,
+/// which used another model.
 #[test]
 fn select_axis_nut_and_solve_agree() {
-    let (mut draw, mut axes) = (draws(44), 0);
+    let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let (load, feed) = (draw(500.0, 2e4), draw(2.0, 40.0));
@@ -504,8 +514,8 @@ fn select_axis_nut_and_solve_agree() {
             let mut values = values.iter().flatten();
             let Some(first) = values.next() else { return };
             for value in values {
-                // The tolerance allows for rounding of unit conversions, and for a search that ends
-                // at 1e-9.
+                // The tolerance allows for rounding errors of unit conversions, and for a search
+                // that stops at 1e-9.
                 let apart = (value - first).abs();
                 assert!(apart <= 1e-8 * first.abs(), "{case:?}: {name} {first} {value}");
                 shared += 1;
@@ -532,7 +542,7 @@ fn select_axis_nut_and_solve_agree() {
     assert!(axes >= rounds / 4, "{axes} of {rounds} requirements have a screw");
 }
 
-/// Numbers that `axis`, `nut` and `solve` may have in common.
+/// Outputs that `axis`, `nut` and `solve` have in common.
 const NAMES: [&str; 12] = [
     "screw_torque_Nm",
     "screw_efficiency",
@@ -548,11 +558,11 @@ const NAMES: [&str; 12] = [
     "ball_torque_Nm",
 ];
 
-/// For random requirements (200 with `CAMPAIGNS=whole`), the selected manufacturer's size passes
-/// its axis sheet, and so does a screw of any size.
+/// For random requirements (200 with `CAMPAIGNS=whole`), the screw selected from manufacturers'
+/// sizes passes its axis sheet, and so does the best screw of any size.
 #[test]
-fn the_selected_screw_passes_its_axis_sheet() {
-    let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
+fn selected_screw_passes_its_axis_sheet() {
+    let (mut draw, mut found) = (log_uniform_generator(0x9e37_79b9_7f4a_7c15), 0);
     let (sizes, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let mut settings = vec![
@@ -608,9 +618,9 @@ fn slenderness_is_limited_only_on_request() {
     };
     let (free, _) = light(&[]);
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
-    // The masses in the audit were 1.98 and 9.66 kg. The screw is as long as its thread.
+    // In the audit, the masses were 1.98 and 9.66 kg. Here the screw is as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
-    // The message states what the limit costs.
+    // The message states how much lighter the screw could be without the limit.
     let slender =
         held.iter().find(|text| text.starts_with("pitch circle radius / length of the screw >= "));
 
@@ -620,10 +630,10 @@ fn slenderness_is_limited_only_on_request() {
     );
 }
 
-/// An audit found that the axis sheet lost the required life of a requirement and had no rule about
-/// the life.
+/// An audit found that the required life was missing on the axis sheet of the selected screw, which
+/// therefore had no rule for the life.
 #[test]
-fn a_required_life_stays_on_the_sheet() {
+fn axis_sheet_keeps_the_required_life() {
     let catalog = Catalog::standard().expect("compiled in");
     let requirement =
         |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalog.lists.clone());
@@ -646,9 +656,10 @@ fn a_required_life_stays_on_the_sheet() {
     assert!(torque.contains("moved_mass_kg"), "{torque}");
 }
 
-/// Grade C3 of manufacturers used to be read as P3 of ISO 3408-3, and could not be entered as C3.
+/// The manufacturers' grade C3 used to be interpreted as P3 of ISO 3408-3, and could not be entered
+/// as C3.
 #[test]
-fn an_accuracy_grade_names_its_standard() {
+fn note_on_accuracy_grade_names_its_standard() {
     for (grade, um, words) in [
         (
             "accuracy_grade=3",
@@ -676,15 +687,15 @@ fn an_accuracy_grade_names_its_standard() {
     assert!(wrong.contains("C4") && wrong.contains("P10"), "{wrong}");
 }
 
-/// A vertical axis has no guide friction. Its lost motion used to be 2.9e-17 um.
+/// A vertical axis has no guide friction and no lost motion. The lost motion used to be 2.9e-17 um.
 #[test]
 fn a_vertical_axis_has_no_lost_motion() {
     assert_eq!(axis(&["inclination_deg=90"]).number(output!(lost_motion_um)), None);
 }
 
-/// If every standard size exceeds its critical speed, the answer says so.
+/// If every standard size exceeds its critical speed, the design report states this.
 #[test]
-fn a_long_screw_is_blocked_by_its_critical_speed() {
+fn design_report_states_that_the_critical_speed_is_exceeded() {
     let (requirement, catalog) = requirement(&["stroke_mm=7000"]);
     let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(!report.found);
@@ -693,9 +704,9 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
 }
 
 /// The ten nuts of the published catalog are read with the column names of the catalog, semicolons
-/// and decimal commas, and with the names of this program.
+/// and decimal commas, and also with the column names of this program.
 #[test]
-fn a_manufacturers_table_is_read() {
+fn manufacturer_tables_are_read_in_both_formats() {
     let table = include_str!("../../../../examples/manufacturer_table.csv");
     let ours =
         ManufacturerNut::from_csv(table.as_bytes(), &TableFormat::default()).expect("an example");
@@ -705,7 +716,7 @@ fn a_manufacturers_table_is_read() {
         .replace('.', ",")
         .replace("dynamic_load_rating_N", "Cdyn")
         .replace("circuits;", "circuits;bore;");
-    // An additional column is ignored.
+    // The additional column is ignored.
     let theirs: Vec<_> = theirs
         .lines()
         .enumerate()
@@ -727,7 +738,8 @@ fn a_manufacturers_table_is_read() {
     let unknown = ManufacturerNut::from_csv(theirs.as_bytes(), &format);
     let told = unknown.expect_err("Cdyn").to_string();
     assert!(told.contains("unknown column") && told.contains("`names` of the dialect"), "{told}");
-    // A decimal point in a table with decimal commas is rejected instead of read as another number.
+    // A decimal point in a table with decimal commas is rejected, because it would be read as
+    // another number.
     let mixed = ManufacturerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is not a number"));
     for nut in &ours {
@@ -735,14 +747,14 @@ fn a_manufacturers_table_is_read() {
         let case = Case { axial_load_N: Some(0.3 * stated), ..nut.case.clone() };
         let report = bsm_case::ratings(&case).expect("a nut");
         let rating = report.number(output!(dynamic_load_rating_N));
-        // The tolerance is the scatter of the catalog (validation/published/ratings).
+        // The tolerance is the scatter of the catalog data (validation/published/ratings).
         near(rating.expect("a rating"), stated, 0.04, &nut.name);
     }
 }
 
-/// Each result needs only its own inputs, the buckling rule names its end condition, and play is
-/// part of the lost motion. The expected values are calculated by hand as in the comments. The file
-/// of the cases has twelve digits, of which six are compared.
+/// Each result only needs its own inputs, the buckling rule names its end conditions, and the axial
+/// play is a part of the lost motion. The comments show how the expected values were calculated by
+/// hand. The values in the file have twelve digits, of which six are compared.
 #[test]
 fn results_need_only_their_own_inputs() {
     let sheet = |case: &str| {
@@ -777,7 +789,7 @@ fn results_need_only_their_own_inputs() {
     );
     let buckling =
         ("buckling_safety", "The buckling is not calculated, because inputs are missing: ");
-    // The torque is F h/0.9.
+    // The torque is F h/0.9, with h = lead / (2 pi).
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);
     left_out(&torque, &[life, safety, speed, buckling]);
@@ -791,7 +803,7 @@ fn results_need_only_their_own_inputs() {
     close(&rated, "cycle_life_h", 156.854_810_197_594_5);
     close(&rated, "yield_load_N", 21_041.405_846_040_187);
     left_out(&rated, &[safety, speed, buckling]);
-    // The factor is 88 000 N / 20 000 N.
+    // The static safety factor is 88 000 N / 20 000 N.
     let at_rest = sheet(r#"{"rated_static_load_N":88000,"axial_load_N":20000}"#);
     close(&at_rest, "static_safety_factor", 4.4);
     left_out(&at_rest, &[life, speed, buckling]);
@@ -802,21 +814,21 @@ fn results_need_only_their_own_inputs() {
     close(&screw, "critical_speed_ratio", 0.740_853_274_859_165_4);
     close(&screw, "yield_load_N", 74_485.999_427_332_16);
     left_out(&screw, &[life, safety, buckling]);
-    // A rule with a given limit is violated if its number cannot be calculated.
+    // If the limit of a rule is given but the number cannot be calculated, the rule is violated.
     let required = sheet(
         r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500,"required_life_h":1000}"#,
     );
     assert!(!required.passes());
-    // Without any result, the error names the smallest set of missing inputs.
+    // If no result can be calculated, the error names the smallest set of missing inputs.
     let empty = Case::from_json(br#"{"axial_load_N":1000}"#).expect("a case");
     let error = AxisReport::of(&empty, &Settings::default()).expect_err("nothing").to_string();
     assert!(error.contains("give rated_static_load_N; or give"), "{error}");
 }
 
-/// The buckling rule names its end condition and the safety factor of `support`. If the rule is met
-/// only with the default end condition, there is a warning.
+/// The buckling rule names its end conditions and the safety factor with the end conditions of
+/// `support`. If the rule is met only with the default end conditions, there is a warning.
 #[test]
-fn the_buckling_rule_names_its_end_condition() {
+fn buckling_rule_names_its_end_conditions() {
     for (inputs, ends, loads, safeties, is_default) in [
         (
             r#""lead_mm":6.35,"shaft_diameter_mm":21.336,"unsupported_length_mm":1050.2138,"support":"fixed-supported","axial_load_N":2224.1"#,
@@ -856,7 +868,7 @@ fn the_buckling_rule_names_its_end_condition() {
         let rule =
             report.answer.rules.iter().find(|rule| rule.title == "buckling").expect("a rule");
         assert!(rule.source.contains(ends), "{}", rule.source);
-        // Twenty times the load is only permitted with the default end condition.
+        // The increased load meets the rule only with the default end conditions.
         let mut heavy = case.clone();
         heavy
             .apply(&[&format!("axial_load_N={}", 0.9 * loads[0].max(loads[1]) / 2.0)])
@@ -868,8 +880,8 @@ fn the_buckling_rule_names_its_end_condition() {
     }
 }
 
-/// Play is part of the lost motion of a nut without preload. If the play is missing, the sheet says
-/// so.
+/// The axial play is a part of the lost motion of a nut without preload. If the play is not given,
+/// the sheet says so.
 #[test]
 fn lost_motion_includes_the_axial_play() {
     let sheet = |at: &str, more: &str| {
@@ -883,7 +895,7 @@ fn lost_motion_includes_the_axial_play() {
     };
     let lost = |report: &AxisReport| report.number(output!(lost_motion_um)).expect("a lost motion");
     let (without, with) = (sheet("0.3 Ca", ""), sheet("0.3 Ca", r#","axial_play_um":30"#));
-    // The tolerance allows for rounding of one sum.
+    // The tolerance allows for the rounding error of one sum.
     assert!((lost(&with) - lost(&without) - 30.0).abs() < 1e-9);
     assert!(
         without
@@ -896,7 +908,7 @@ fn lost_motion_includes_the_axial_play() {
     assert!(lost(&preloaded) < lost(&with) - 29.0);
 }
 
-/// Returns the answer for an axis with a catalog screw and further inputs.
+/// Returns the answer for an axis with a catalog screw and additional inputs.
 fn catalog_axis(more: &str) -> Answer {
     let case = format!(
         r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
@@ -906,10 +918,10 @@ fn catalog_axis(more: &str) -> Answer {
     AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
 }
 
-/// Missing inputs are stated next to the numbers that they affect: seals, support bearings, the
-/// load factor, and churning in cold oil.
+/// Missing inputs are stated next to the numbers that they affect. The inputs are the torques of
+/// seals and support bearings, the load factor, and the churning of cold oil.
 #[test]
-fn numbers_name_their_missing_inputs() {
+fn missing_inputs_are_stated_next_to_the_affected_numbers() {
     let bare = catalog_axis("");
     let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and count as 0";
     for number in
@@ -917,7 +929,7 @@ fn numbers_name_their_missing_inputs() {
     {
         assert_eq!(bare.lacks(number).as_deref(), Some(heat));
     }
-    // The headline names each missing input once.
+    // The summary names each missing input only once.
     assert_eq!(
         bare.all_not_given().iter().filter(|text| text.contains("seal_torque_Nm")).count(),
         1
@@ -941,12 +953,12 @@ fn numbers_name_their_missing_inputs() {
     assert!(lacks.contains("churning") && lacks.contains("start from rest"), "{lacks}");
 }
 
-/// There are warnings about a screw heavier than a solid rod, and about an offset that leaves the
-/// balls loose.
+/// Warnings are given for a screw that is heavier than a solid rod, and for an offset that leaves
+/// the balls loose.
 #[test]
 fn warns_about_contradictory_inputs() {
     let warnings = |more: &str| catalog_axis(more).warnings;
-    // A solid rod of 40 mm has 9.86 kg/m.
+    // A solid rod with a diameter of 40 mm has a mass of 9.86 kg/m.
     let is_warned = |more: &str| warnings(more).iter().any(|text| text.contains("solid steel rod"));
     assert!(is_warned(r#","screw_mass_kg_m":12"#) && !is_warned(r#","screw_mass_kg_m":9.8"#));
     assert!(is_warned(r#","screw_inertia_kg_m2_m":0.003"#));
@@ -959,14 +971,14 @@ fn warns_about_contradictory_inputs() {
         problem.solve().expect("solved").warnings()
     };
     let is_loose = |texts: &[String]| texts.iter().any(|text| text.contains("The balls are loose"));
-    // A gap of 30 um requires about 42 um of offset at 45 deg.
+    // At 45 deg, a gap of 30 um requires an offset of about 42 um.
     nut.preload_offset_um = Some(5.0);
     assert!(is_loose(&warnings(&nut)));
     nut.preload_offset_um = Some(200.0);
     assert!(!is_loose(&warnings(&nut)));
 }
 
-/// An audit found that only `axis` warned about an ellipse that is cut off by the land.
+/// An audit found that only `axis` warned about a contact ellipse that is truncated by the land.
 #[test]
 fn every_command_warns_about_ellipses_beyond_their_flank() {
     let case = br#"{"ball_diameter_mm":3.175,"pitch_circle_diameter_mm":26,"lead_mm":5,"contact_angle_deg":45,

@@ -1,4 +1,4 @@
-//! The third contact of a ball, calculated from a case with an axial play.
+//! Tests of the third contact of a ball for a case with an axial play.
 
 use bsm_case::{AxisReport, Case, ModelChoice, NutProblem, Record, Settings, output};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -28,14 +28,14 @@ fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{name} {found} {expected}");
 }
 
-/// Ten balls of reference V06 share ten times its load.
+/// Ten balls of reference V06 share ten times the load of one ball.
 #[test]
-fn a_play_below_the_threshold_gives_the_reference_third_contact() {
+fn third_contact_below_the_threshold_play_matches_the_reference() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
     let record = solved(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
     let get = |key: &str| expect[key].as_f64().expect("a number");
-    // The tolerance equals the tolerance of the reference.
+    // The tolerance is the tolerance of the reference.
     near(&record, "nut_normal_load_N", get("nut_plus_N"), 1e-6);
     near(&record, "screw_normal_load_N", get("screw_plus_N"), 1e-6);
     near(&record, "third_contact_load_N", get("nut_minus_N"), 3e-5);
@@ -53,7 +53,7 @@ fn a_play_below_the_threshold_gives_the_reference_third_contact() {
 }
 
 #[test]
-fn a_ball_without_a_given_play_states_its_threshold() {
+fn threshold_play_is_stated_if_no_play_is_given() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     let settings = Settings::from(Model::Traction);
@@ -62,19 +62,20 @@ fn a_ball_without_a_given_play_states_its_threshold() {
     assert!(threshold > 10.0 && threshold < 40.0, "{threshold}");
     assert_eq!(record.number(output!(far_flank_gap_um)), None);
     assert!(!record.warnings(&case).join(" ").contains("far flank"));
-    // Above the threshold, the play only adds to the gap.
+    // Above the threshold, a larger play only increases the gap.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
     let wide = solved(&above, &settings);
-    // The tolerance allows for rounding of the contact angle.
+    // The tolerance allows for rounding errors of the contact angle.
     near(&wide, "ball_torque_Nm", record.number(output!(ball_torque_Nm)).expect("a torque"), 1e-12);
     assert_eq!(wide.number(output!(third_contact_load_N)), None);
     assert!(wide.number(output!(far_flank_gap_um)).is_some_and(|gap| gap > 0.0));
     assert!(!wide.warnings(&above).join(" ").contains("far flank"));
 }
 
-/// In raceway control, friction does not affect the force balance of the ball.
+/// In model `raceway-control`, friction does not affect the force balance of the ball, so there is
+/// no threshold.
 #[test]
-fn only_models_with_friction_in_the_balance_have_a_threshold() {
+fn only_models_with_friction_in_the_force_balance_have_a_threshold_play() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     for (model, has) in
@@ -85,10 +86,10 @@ fn only_models_with_friction_in_the_balance_have_a_threshold() {
     }
 }
 
-/// A play of zero and a radial gap of zero describe the same grooves, and each of these inputs
-/// counts as a given play.
+/// An axial play of zero and a radial gap of zero describe the same grooves. If either of these
+/// inputs is given, the play counts as given.
 #[test]
-fn a_radial_gap_counts_as_play() {
+fn radial_gap_counts_as_play() {
     let settings = Settings::default();
     let torque = |sets: &[&str]| {
         let (mut case, _) = reference("V06", &[]);
@@ -104,34 +105,34 @@ fn a_radial_gap_counts_as_play() {
         torque(&["radial_gap_um=3", "axial_play_um=0"]).to_bits(),
         torque(&["radial_gap_um=3"]).to_bits()
     );
-    // A gap moves the far flanks away as a play does.
+    // A radial gap moves the far flanks away from the ball, as an axial play does.
     let gaps = [0.0, 3.0, 6.0, 9.0].map(|gap| torque(&[&format!("radial_gap_um={gap}")]));
     assert!(gaps.windows(2).all(|pair| pair[1] < pair[0]), "{gaps:?}");
-    // Balls on two contacts roll at the contact angle of their first touch.
+    // Balls with two contacts roll at the contact angle of their first touch.
     let (l, gap) = (6.35 * (2.0 * 0.53 - 1.0), 0.09);
     let angle = (45_f64.to_radians().cos() - gap / l).acos().to_degrees();
     let wide = torque(&["radial_gap_um=90"]);
     let turned = torque(&["axial_play_um=1000", &format!("contact_angle_deg={angle}")]);
-    // Both balances end at 1e-10 of the friction.
+    // Both force balances are solved to 1e-10 of the friction.
     assert!((wide / turned - 1.0).abs() < 1e-9, "{wide} {turned}");
 }
 
 #[test]
-fn a_radial_gap_deeper_than_the_grooves_is_rejected() {
+fn radial_gap_deeper_than_the_grooves_is_rejected() {
     let (mut case, _) = reference("V06", &["radial_gap_um=300"]);
     for model in [Model::RacewayControl, Model::Elastic, Model::Traction] {
         let why = case.problem(&Settings::from(model)).expect_err("no groove is that deep");
         assert!(why.to_string().contains("radial_gap_um"), "{why}");
     }
-    // Models without grooves have no play.
+    // Models without grooves do not use the play.
     case.radial_gap_um = Some(300.0);
     assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
 }
 
-/// From no play to a wide play, `auto` is model traction, because no cheaper model has a third
-/// contact.
+/// For every play, from zero to a wide play, `auto` chooses model `traction`, because no cheaper
+/// model calculates a third contact.
 #[test]
-fn auto_is_traction_over_the_whole_range_of_play() {
+fn auto_chooses_traction_for_every_play() {
     let mut last = f64::INFINITY;
     for play in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 1000.0] {
         let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
@@ -140,7 +141,8 @@ fn auto_is_traction_over_the_whole_range_of_play() {
                 solved(&case, &settings).number(output!(ball_torque_Nm)).expect("a torque")
             });
         assert_eq!(auto.to_bits(), traction.to_bits(), "{play}");
-        // The tolerance allows for rounding of two contacts, above the threshold.
+        // Above the threshold, the balls have two contacts. The tolerance allows for rounding
+        // errors.
         assert!(auto <= last * (1.0 + 1e-12), "{play}: {auto} {last}");
         last = auto;
     }
@@ -157,15 +159,15 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
     assert_eq!(power(&["far_flank_friction_coefficient=0.06"]).to_bits(), equal.to_bits());
     assert!(power(&["far_flank_friction_coefficient=0.03"]) < equal);
     assert!(power(&["far_flank_friction_coefficient=0.12"]) > equal);
-    // Balls on two contacts touch no far flank.
+    // Balls with two contacts do not touch the far flanks.
     let wide = ["axial_play_um=100", "far_flank_friction_coefficient=0.03"];
     assert_eq!(power(&wide).to_bits(), power(&wide[..1]).to_bits());
 }
 
-/// The third contact of a lubricated ball adds the loss of a dry third contact at the mean friction
-/// coefficient. The loss is continuous at the threshold play.
+/// The third contact of a lubricated ball adds the same loss as a dry third contact with the mean
+/// friction coefficient. The loss is a continuous function of the play at the threshold.
 #[test]
-fn a_lubricated_ball_has_a_third_contact() {
+fn loss_of_a_lubricated_third_contact_equals_the_dry_loss() {
     let oil = ["iso_vg=68", "lubricant_temperature_C=30"];
     let settings = Settings::default();
     let at = |play: Option<f64>| {
@@ -181,7 +183,7 @@ fn a_lubricated_ball_has_a_third_contact() {
     assert!(power(&none) > 1.5 * power(&two), "{} {}", power(&none), power(&two));
     let text = none.warnings(&case).join(" ");
     assert!(text.contains("touch the far flank of the nut"), "{text}");
-    // The step is where the far gap closes.
+    // The bisection finds the play at which the gap to the far flank closes.
     let (mut low, mut high) = (0.0, 100.0);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);
@@ -206,7 +208,7 @@ fn a_lubricated_ball_has_a_third_contact() {
     assert!(((power(&none) - power(&two)) / added - 1.0).abs() < 1e-9, "{added}");
 }
 
-/// Returns the report of a horizontal axis with a pair of nuts, with changed inputs.
+/// Returns the report of a horizontal axis with a nut pair, with changed inputs.
 fn axis(sets: &[&str]) -> AxisReport {
     let case = include_bytes!("../../../../examples/axis.json");
     let mut case = Case::from_json(case).expect("a case");
@@ -215,14 +217,14 @@ fn axis(sets: &[&str]) -> AxisReport {
 }
 
 #[test]
-fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
+fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
     let with = axis(&["axial_play_um=0", "friction_coefficient=0.09"]);
     let wide = axis(&["axial_play_um=500", "friction_coefficient=0.09"]);
     let of = |report: &AxisReport, name: &str| {
         report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
     };
     // The sheet states the third contacts of the nut under the largest load, and their torque in
-    // the phases.
+    // each phase.
     assert!(
         of(&with, "third_contact_balls") > 0.0 && of(&with, "largest_third_contact_load_N") > 0.0
     );
@@ -238,17 +240,19 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     assert!(
         wide.phases.iter().all(|phase| phase.number(output!(third_contact_torque_Nm)).is_none())
     );
-    // The calculated drag coefficient is stated beside the manufacturers' rule.
+    // The calculated drag coefficient is listed next to the value from the manufacturers' rule.
     let rule = of(&with, "preload_torque_factor_rule");
     let [running, of_two] =
         [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));
     assert!(running > 1.4 * of_two && running < rule, "{running} {of_two} {rule}");
     assert!(of(&with, "running_preload_N") < of(&wide, "running_preload_N"));
-    // Without load, the balls of equal nuts exchange their parts in the opposite direction.
+    // Without load, reversing the direction only exchanges the roles of the balls in two equal
+    // nuts.
     for name in ["preload_torque", "running_preload_torque"] {
         let there = of(&with, &format!("{name}_Nm"));
         let back = of(&with, &format!("{name}_reverse_Nm"));
-        // The torques are two roots of the balance, each within 1e-6 of the ellipses' integrals.
+        // The torques are two roots of the force balance. The ellipse integrals of each root have a
+        // relative error of 1e-6.
         assert!((there / back - 1.0).abs() < 2e-6, "{name} {there} {back}");
     }
     assert!(with.answer.notes.iter().all(|note| !note.contains("Neither axial_play_um")));
@@ -257,9 +261,9 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     assert!(unknown.answer.notes.iter().any(|note| note.contains(assumed)));
 }
 
-/// Under load, balls that drive have another friction than balls that are driven.
+/// Under load, the friction of balls that drive differs from the friction of balls that are driven.
 #[test]
-fn a_loaded_nut_states_its_friction_in_both_directions() {
+fn loaded_nut_has_different_friction_in_both_directions() {
     let nut = |rpm: f64| {
         let mut case = Case::from_json(include_bytes!("../../../../examples/nut_double.json"))
             .expect("a case");
@@ -279,10 +283,10 @@ fn a_loaded_nut_states_its_friction_in_both_directions() {
     );
 }
 
-/// In a lubricated pair, third contacts contribute to the drag if the play is small, but not if it
-/// is wide.
+/// In a lubricated nut pair, third contacts contribute to the drag if the play is small, but not if
+/// the play is large.
 #[test]
-fn a_lubricated_pair_drags_more_with_little_play() {
+fn lubricated_pair_has_more_drag_with_little_play() {
     let nut = |play: Option<f64>| {
         let case = include_bytes!("../../../../examples/nut_double.json");
         let mut case = Case::from_json(case).expect("a case");
@@ -297,7 +301,7 @@ fn a_lubricated_pair_drags_more_with_little_play() {
         let [little, wide, unknown] = [&none, &wide, &unknown]
             .map(|nut| nut.number(named(name)).unwrap_or_else(|| panic!("{name}")));
         assert!(little > 1.2 * wide, "{name}: {little} {wide}");
-        // Both cases have two contacts and are solved in the same way.
+        // In both cases, the balls have two contacts and are solved in the same way.
         assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
     }
     assert_eq!(wide.number(output!(third_contact_balls)), Some(0.0));

@@ -1,4 +1,4 @@
-//! The ball train of a nut, calculated from a case: the reference cases of
+//! Tests of the ball train of a nut that is given as a case: the reference cases of
 //! `validation/published/nut`, and invalid inputs.
 
 use bsm_case::{AxisReport, Case, CaseError, NutProblem, NutReport, Settings, output};
@@ -14,7 +14,7 @@ fn cases() -> Vec<Value> {
     file["cases"].as_array().expect("cases").clone()
 }
 
-/// Solves the nut of a case with some inputs changed.
+/// Solves the nut of a case with changed inputs.
 fn nut(case: &Value, change: &Value, settings: &Settings) -> Result<NutReport, CaseError> {
     let mut case = case.clone();
     case.as_object_mut().expect("a case").extend(change.as_object().expect("entries").clone());
@@ -26,10 +26,10 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// The tolerances of the file apply to torques relative to the friction torque, and to pushes
-/// relative to the largest push.
+/// The tolerances in the file are relative to the friction torque for torques, and relative to the
+/// largest push for pushes.
 #[test]
-fn reference_cases_agree_when_read_as_cases() {
+fn ball_train_matches_reference_cases() {
     for reference in cases() {
         let name = reference["id"].as_str().expect("name");
         let settings = Settings::default();
@@ -44,7 +44,7 @@ fn reference_cases_agree_when_read_as_cases() {
         let needed = circuits.iter().filter_map(|circuit| circuit["needed_gap_mm"].as_f64());
         for (ours, want, allowed) in [
             ("advance_spread", expected("advance_spread"), rates),
-            // A gap is a sum of a hundred differences of rates.
+            // A gap is the sum of one hundred differences of rates.
             ("needed_gap_mm", needed.fold(0.0, f64::max), 600.0 * rates),
             ("contact_torque_free_Nm", expected("contact_torque_free_Nm"), torques * friction),
             ("contact_torque_Nm", expected("contact_torque_Nm"), torques * friction),
@@ -66,7 +66,8 @@ fn reference_cases_agree_when_read_as_cases() {
     }
 }
 
-/// The parts add up to the total exactly, and the driving torque follows from it.
+/// The torque parts add up to the total exactly, and the driving torque is calculated from the
+/// total.
 #[test]
 fn torque_parts_add_up_to_the_total() {
     let reference = &cases()[1];
@@ -83,12 +84,12 @@ fn torque_parts_add_up_to_the_total() {
     assert!((sum - whole).abs() <= 1e-15 * whole, "{sum} {whole}");
     let ideal = 6340.0 * 10e-3 / std::f64::consts::TAU;
     let drive = number(&report, "drive_torque_Nm");
-    // The nut is in balance to 1e-10 of its load.
+    // The equilibrium of the nut is solved to 1e-10 of its load.
     assert!((drive - ideal - whole - 0.2).abs() < 1e-9 * drive, "{drive}");
 }
 
-/// The losses agree up to rounding: with oil, drag and a given force between the balls, with and
-/// without a gap.
+/// The losses add up to the total, apart from rounding errors. This is tested with oil, drag and a
+/// given force between the balls, with and without a gap.
 #[test]
 fn losses_of_an_oiled_nut_add_up_to_the_total() {
     let case = &cases()[5]["case"];
@@ -117,10 +118,10 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
     }
 }
 
-/// If no balls touch, the torque equals the torque of balls that are solved alone, to the residual
-/// of each root, 1e-10.
+/// If no balls touch, the torque equals the torque of balls that are solved individually, within
+/// the residual of each root, 1e-10.
 #[test]
-fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
+fn torque_with_sufficient_gap_matches_individually_solved_balls() {
     let reference = &cases()[2];
     let settings = Settings::from(Model::Traction);
     let with = nut(&reference["case"], &json!({}), &settings).expect("a nut");
@@ -132,10 +133,11 @@ fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
     assert!(without.number(output!(max_push_N)).is_none());
 }
 
-/// The band was 36 kN m by model `elastic`, in which balls spin without friction. The band by
-/// raceway control differs by a few percent from the band by traction.
+/// The range of torques due to assumed pushes used to be 36 kN m with model `elastic`, in which
+/// balls spin without friction. With raceway control, the range differs by a few percent from the
+/// range with model `traction`.
 #[test]
-fn the_band_uses_traction_or_raceway_control() {
+fn ball_contact_torque_range_uses_traction_or_raceway_control() {
     let case = &cases()[1]["case"];
     let band = |model: Model| {
         let report = nut(case, &json!({}), &Settings::from(model)).expect("a nut");
@@ -155,7 +157,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
     let refused = |change: Value| {
         nut(case, &change, &Settings::default()).err().map(|why| why.to_string()).expect("an error")
     };
-    // The 1731.6 degrees of the circuit are 626.5 mm, or 98.6 balls.
+    // The arc of the circuit, 1731.6 degrees, is 626.5 mm long and has room for 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
     let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 have room for 98 balls of 6.35 mm";
     assert_eq!(none, room);
@@ -170,13 +172,13 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
 }
 
 #[test]
-fn without_a_solution_of_the_pushes_the_reason_is_stated() {
+fn reason_is_stated_if_pushes_have_no_solution() {
     let case = &cases()[1]["case"];
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
         (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
         (json!({"return_push_N": 1e4}), Settings::default(), "the return needs a push"),
-        // Balls that have no steady motion just below the push that stops them (O6) are blocked.
+        // Balls are blocked if they have no steady motion just below the push that stops them (O6).
         (
             json!({"screw_speed_rpm": -100, "ball_gap_mm": 0.06}),
             Settings::default(),
@@ -192,8 +194,8 @@ fn without_a_solution_of_the_pushes_the_reason_is_stated() {
     }
 }
 
-/// In the last reference case a push is 3.7 % of the mean load and 2.1 % of the largest load. The
-/// case is solved with a warning.
+/// In the last reference case, a push is 3.7 % of the mean ball load and 2.1 % of the largest ball
+/// load. The case is solved with a warning.
 #[test]
 fn warns_about_a_push_above_three_percent_of_the_mean_load() {
     let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
@@ -201,9 +203,9 @@ fn warns_about_a_push_above_three_percent_of_the_mean_load() {
     assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
 
-/// The circuits of a pair may have different gaps. With larger gaps no balls touch.
+/// The circuits of a pair may have different gaps. If the gaps are sufficient, no balls touch.
 #[test]
-fn each_circuit_may_have_its_own_gaps() {
+fn each_circuit_may_have_a_separate_gap() {
     let case = &cases()[5]["case"];
     let touching = |gaps: [Value; 2], of_nut: Value| {
         let mut circuits = case["circuits"].clone();
@@ -214,7 +216,7 @@ fn each_circuit_may_have_its_own_gaps() {
         let report = nut(case, &change, &Settings::default());
         report.map(|report| number(&report, "touching_contacts"))
     };
-    // The circuits need 0.98 and 0.95 mm.
+    // The needed gaps of the circuits are 0.98 and 0.95 mm.
     let (tight, wide) = (json!(0.4), json!(1.1));
     let both = touching([Value::Null, Value::Null], tight.clone()).expect("a nut");
     let first = touching([Value::Null, wide.clone()], tight.clone()).expect("a nut");
@@ -230,11 +232,11 @@ fn each_circuit_may_have_its_own_gaps() {
     }
 }
 
-/// Circuits report their needed gap and their ball flux. The number of balls that pass per second
-/// is the rate of the train divided by the angle between two touching balls (O8). T02 agrees with
-/// the reference to 1e-7.
+/// The answer states the needed gap and the ball flux of each circuit. The flux, the number of
+/// balls that pass per second, is the rate of the train divided by the angle between two touching
+/// balls (O8). Case T02 agrees with the reference to 1e-7.
 #[test]
-fn circuits_report_their_ball_flux() {
+fn ball_flux_is_reported_for_each_circuit() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let report = nut(&reference["case"], &json!({}), &Settings::default()).expect("a nut");
     let circuit = &report.answer().to_json()["circuits"][0];
@@ -249,7 +251,7 @@ fn circuits_report_their_ball_flux() {
     }
 }
 
-/// If too many balls are given, the message states how many balls fit.
+/// If a circuit has too many balls, the message states how many balls fit.
 #[test]
 fn too_many_balls_are_reported() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
@@ -257,8 +259,8 @@ fn too_many_balls_are_reported() {
     case["circuits"][0]["balls"] = json!(120);
     let report = nut(&case, &json!({}), &Settings::default()).expect("a nut");
     let warnings = report.warnings().join("; ");
-    // One turn is 129.86 mm around and 10 mm along the axis, so that 1731.6 degrees are 626.5 mm,
-    // or 98.6 balls of 6.35 mm.
+    // One turn is 129.86 mm long in the circumferential direction and 10 mm in the axial direction.
+    // The arc of 1731.6 degrees is therefore 626.5 mm long and has room for 98.6 balls of 6.35 mm.
     assert!(
         warnings.contains(
             "120 balls are too many: the 626 mm of circuit 0 have room for 98 balls of 6.35 mm"
@@ -269,7 +271,7 @@ fn too_many_balls_are_reported() {
 
 /// The sheet of an axis states whether its torque includes touching balls.
 #[test]
-fn the_axis_sheet_states_whether_its_torque_includes_touching_balls() {
+fn axis_sheet_states_whether_its_torque_includes_touching_balls() {
     let says = |change: Value| {
         let mut case = json!({
             "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12, "contact_angle_deg": 45,

@@ -1,4 +1,4 @@
-//! The warm steady state of an axis, calculated from a case: the reference cases of
+//! Tests of the warm steady state of an axis that is given as a case: the reference cases of
 //! `validation/published/nut`, and invalid inputs.
 
 use bsm_case::{
@@ -25,7 +25,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The specification and the program use different names for the same input.
+    // The specification and the program have different names for this input.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
@@ -33,10 +33,10 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     (Case::from_json(case.to_string().as_bytes()).expect("case"), reference)
 }
 
-/// The tolerances of the cases apply to temperature rises above ambient, preload, heat and growth.
-/// The tolerance of the gain is 1e-4.
+/// The tolerances of the reference cases apply to temperature rises above the surroundings,
+/// preload, heat and growth. The tolerance for the loop gain is 1e-4.
 #[test]
-fn reference_cases_agree_when_read_as_cases() {
+fn warm_state_matches_reference_cases() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(1.01));
         let report = AxisReport::of(&case, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
@@ -90,9 +90,10 @@ fn reference_cases_agree_when_read_as_cases() {
     }
 }
 
-/// Each conductance states its value, within the tolerance of the case, and its origin.
+/// The answer states the value of each conductance, which agrees with the reference case, and the
+/// origin of this value.
 #[test]
-fn conductances_have_their_origin() {
+fn conductances_state_their_origin() {
     let names = [
         ("nut_conductance_W_K", "nut"),
         ("screw_film_W_m2K", "screw_film_W_m2K"),
@@ -121,19 +122,20 @@ fn conductances_have_their_origin() {
     }
 }
 
-/// Without a given air temperature, the temperature at which the preload is set used to apply.
+/// Without a given air temperature, the program used to take the temperature at which the preload
+/// is set.
 #[test]
-fn the_air_temperature_defaults_to_20_degrees() {
+fn air_temperature_defaults_to_20_degrees() {
     let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let found = sheet.number(output!(nut_temperature_C)).expect("a temperature");
-    // The tolerance allows for rounding of the network.
+    // The tolerance allows for rounding errors of the thermal network.
     assert!((found - 20.0).abs() < 1e-9, "{found}");
 }
 
-/// The tolerance of the reference is 1e-5.
+/// The reference folds have a tolerance of 1e-5.
 #[test]
-fn folds_of_reference_cases_agree() {
+fn folds_match_reference_cases() {
     for id in ["WS-P3", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
@@ -151,8 +153,8 @@ fn folds_of_reference_cases_agree() {
     }
 }
 
-/// The reference determines the fold of WS-P3 to 0.05 K, which corresponds to 40 N, and the
-/// unstable state to its tolerance.
+/// The reference determines the fold of WS-P3 to 0.05 K, which corresponds to 40 N. It determines
+/// the unstable state to the tolerance of the case.
 #[test]
 fn fold_and_unstable_state_match_the_reference() {
     let (axis, reference) = case("WS-P3", |_| {});
@@ -180,8 +182,8 @@ fn fold_and_unstable_state_match_the_reference() {
         assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
     }
     assert_eq!(sheet.number(output!(fold_searched_to)), None);
-    // If a search ends without a fold, the note states how far the search went. Without a search
-    // there is no note.
+    // If the search ends without a fold, a note states the speeds up to which it went. Without a
+    // search, there is no note.
     let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
     assert_eq!(sheet.number(output!(fold_searched_to)), Some(1.01));
@@ -191,7 +193,7 @@ fn fold_and_unstable_state_match_the_reference() {
 
 /// The cold life equals the life under the same cycle without a warm state.
 #[test]
-fn the_cold_life_equals_the_life_without_a_warm_state() {
+fn cold_life_equals_the_life_without_a_warm_state() {
     let lives = |warm: bool, name: &str| {
         let (case, _) = case("WS-P6", |case| {
             case["warm_state"] = json!(warm);
@@ -203,14 +205,14 @@ fn the_cold_life_equals_the_life_without_a_warm_state() {
         AxisReport::of(&case, &settings()).expect("an axis").number(named(name)).expect(name)
     };
     let cold = lives(true, "cold_cycle_life_revolutions");
-    // Both searches find the preload to 1e-10.
+    // The preload is found to 1e-10 in both calculations.
     assert!((cold / lives(false, "cycle_life_revolutions") - 1.0).abs() < 1e-9);
     assert!(lives(true, "cycle_life_revolutions") < cold, "a preload that rises takes life");
 }
 
-/// Circuits determine the number of balls and turns of a nut.
+/// The number of balls and turns of a nut can be given by circuits.
 #[test]
-fn columns_of_a_nut_of_circuits_are_not_empty() {
+fn columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
     for name in ["fold_speed_factor", "cycle_life_h", "dynamic_load_rating_N"] {
         let column = Output::named(name).expect(name);
@@ -218,9 +220,9 @@ fn columns_of_a_nut_of_circuits_are_not_empty() {
     }
 }
 
-/// Above its fold WS-P3 has no state. The rule states the ratio: 1166.55 of 1500 rpm.
+/// WS-P3 has no steady state above its fold. The rule states the speed ratio, 1166.55 of 1500 rpm.
 #[test]
-fn above_the_fold_a_rule_fails() {
+fn steady_state_rule_fails_above_the_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
@@ -253,15 +255,15 @@ fn contradictory_warm_inputs_are_rejected() {
 
 const FEED_AXIS: &str = include_str!("../../../../validation/published/nut/feed_axis.json");
 
-/// Returns the feed axis with changed inputs.
+/// Returns the example feed axis with changed inputs.
 fn feed_axis(settings: &[&str]) -> Case {
     let mut case = Case::from_json(FEED_AXIS.as_bytes()).expect("a case");
     case.apply(settings).expect("settings");
     case
 }
 
-/// One name has one value in the nut, the axis, the warm state, the columns of tables, and the
-/// torque of `bsm solve`.
+/// An output has the same value in the nut, the axis, the warm state, the columns of tables, and
+/// the torque of `bsm solve`.
 #[test]
 fn all_answers_use_the_same_warm_state() {
     let case = feed_axis(&[]);
@@ -272,8 +274,8 @@ fn all_answers_use_the_same_warm_state() {
         let (found, expected) = found.zip(expected).unwrap_or_else(|| panic!("no {name}"));
         assert!((found - expected).abs() <= allowed * expected.abs(), "{name}: {found} {expected}");
     };
-    // The search solves the heat balance to 1e-10, always in the same order. The nut is then solved
-    // once more.
+    // The heat balance is solved to 1e-10 and always in the same order. The nut is then solved once
+    // more.
     same("preload of the sheet", sheet.number(output!(warm_preload_N)), Some(preload), 1e-9);
     for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
         let numbers = kind
@@ -284,14 +286,15 @@ fn all_answers_use_the_same_warm_state() {
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
         same(name, nut.answer().number(named(name)), sheet.number(named(name)), 1e-9);
     }
-    // Both answers interpolate the friction of balls that differ in load alone, with an error of 1e-9.
+    // Both answers interpolate the friction of balls that differ only in their loads, with an error
+    // of 1e-9.
     same("heat", sheet.number(output!(mean_heat_W)), sheet.number(output!(steady_heat_W)), 1e-7);
     let parts = torque_parts(&case, &settings(), &mut ModelWorkspace::default())
         .expect("a torque")
         .expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
-    // The same nut is solved with the temperatures given as inputs.
+    // The same nut is solved with the calculated temperatures as given inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
@@ -300,9 +303,9 @@ fn all_answers_use_the_same_warm_state() {
     }
 }
 
-/// If an axis has no state at its speeds, the answer states the reason.
+/// If no steady state exists at the speeds of the axis, the message states the reason.
 #[test]
-fn the_end_of_the_warm_states_is_explained() {
+fn message_states_why_no_warm_state_exists() {
     let hot = AxisReport::of(&feed_axis(&["screw_speed_rpm=40000"]), &settings());
     let why = hot.expect_err("too hot").to_string();
     assert!(why.contains("a temperature exceeds 180 C at 0.14 times these speeds"), "{why}");
@@ -311,10 +314,11 @@ fn the_end_of_the_warm_states_is_explained() {
     assert!(why.contains("runs away above 0.88 times these speeds"), "{why}");
 }
 
-/// When a faster nut of WS-P5 loses its preload, one ball after another loses contact, but steady
-/// states exist throughout. In raceway control, the friction jumps at each of these points.
+/// If the nut of WS-P5 turns faster and loses its preload, one ball after another loses contact,
+/// but a steady state always exists. In raceway control, the friction jumps at each of these
+/// points.
 #[test]
-fn states_do_not_end_where_balls_lose_their_load() {
+fn warm_states_exist_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
     for factor in [1.65, 1.7, 1.85, 1.9, 2.0, 2.15, 2.25] {
         let (case, _) = case("WS-P5", |case| {
@@ -335,22 +339,23 @@ fn states_do_not_end_where_balls_lose_their_load() {
     }
 }
 
-/// In a cycle without loads, a preload also causes drag, and its rules apply.
+/// A preload causes drag even in a cycle without loads, and the preload rules apply.
 #[test]
-fn a_preload_without_load_causes_drag() {
+fn preload_causes_drag_without_load() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
         ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(named(name)).expect(name));
-    // Both answers interpolate the friction of balls that differ in load alone, with an error of
-    // 1e-9.
+    // Both answers interpolate the friction of balls that differ only in their loads, with an error
+    // of 1e-9.
     assert!((mean / steady - 1.0).abs() < 1e-7, "{mean} {steady}");
     assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
 }
 
-/// Above the fold only the numbers of the fold exist. Other numbers state why they are missing.
+/// Above the fold, only the results at the fold exist. The error for other results states why they
+/// are missing.
 #[test]
-fn above_the_fold_a_column_states_the_reason() {
+fn error_states_why_columns_are_missing_above_the_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let numbers = |names: &[&str]| {
         AnalysisKind::Warm.numbers(
@@ -362,16 +367,16 @@ fn above_the_fold_a_column_states_the_reason() {
         )
     };
     let fold = numbers(&["fold_speed_factor"]).expect("a fold").number(output!(fold_speed_factor));
-    // The fold of WS-P3 is at 1166.5467 rpm, to within the reference tolerance of 1e-5.
+    // The fold of WS-P3 is at 1166.5467 rpm. The tolerance of the reference is 1e-5.
     assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
     let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
     assert!(why.contains("runs away above 0.78 times these speeds, where the nut"), "{why}");
 }
 
-/// The band of WS-P2 agrees with the reference to its tolerance of 1e-3. Given values are not
-/// estimated, which narrows the band.
+/// The uncertainty band of WS-P2 agrees with the reference to its tolerance of 1e-3. Values that
+/// are given are not varied, which narrows the band.
 #[test]
-fn given_values_narrow_the_band() {
+fn given_values_narrow_the_uncertainty_band() {
     let band = |change: &dyn Fn(&mut Value)| {
         let (case, reference) = case("WS-P2", |case| {
             case["fold_search_factor"] = json!(1.01);
@@ -407,25 +412,25 @@ fn given_values_narrow_the_band() {
     }
 }
 
-/// A screw that cannot grow is compressed, and the compression adds to its buckling load.
+/// A screw that cannot grow is compressed. The compression increases the load in the buckling rule.
 #[test]
-fn thermal_compression_adds_to_the_buckling_load() {
+fn thermal_compression_reduces_the_buckling_safety() {
     let (case, _) = case("WS-P4", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let number = |name: &str| sheet.number(named(name)).expect(name);
     let tension = number("screw_tension_N");
     assert!(tension < 0.0);
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
-    // The values differ by rounding only.
+    // The values differ only by rounding errors.
     assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
     assert!(sheet.answer.warnings.iter().any(|words| words.contains("Hindered growth compresses")));
 }
 
-/// X and O arrangements differ. If the nut is cooled better than its screw, the states of an X pair
-/// end at a fold, dry and lubricated, and then return to lower speeds at higher preloads. The
-/// states of an O pair continue.
+/// X and O arrangements behave differently. If the nut is cooled better than its screw, the branch
+/// of states of an X pair ends at a fold, with dry friction and with a lubricant, and then returns
+/// to lower speeds at higher preloads. The branch of an O pair has no fold.
 #[test]
-fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
+fn x_pair_has_a_fold_and_o_pair_has_none() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
@@ -447,16 +452,17 @@ fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
         assert!(beyond.iter().all(|point| point.speed_rpm < fold.speed_rpm));
         assert!(beyond.iter().all(|point| point.preload_N > fold.preload_N));
         if !dry {
-            // The axial load of a thousandth of a newton is negligible. The expected value is the
-            // fold of the reference case WS-P3, which is accurate to 1e-5.
+            // The axial load of 0.001 N is negligible. The expected value is the fold of the
+            // reference case WS-P3, which is accurate to 1e-5.
             assert!((fold.speed_rpm / 1_166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
         }
     }
 }
 
-/// A phase given by a screw speed equals the phase given by the corresponding feed rate.
+/// A phase that is given by a screw speed is equal to the phase that is given by the corresponding
+/// feed rate.
 #[test]
-fn phases_have_a_feed_or_a_speed() {
+fn screw_speed_and_equivalent_feed_rate_give_the_same_phase() {
     let at = |phase: Value| {
         let (case, _) = case("WS-P2", |case| {
             case["warm_state"] = json!(false);
@@ -470,18 +476,18 @@ fn phases_have_a_feed_or_a_speed() {
     };
     let turned = at(json!({ "share": 1.0, "force_N": 2000.0, "screw_speed_rpm": 1000.0 }));
     let moved = at(json!({ "share": 1.0, "force_N": 2000.0, "feed_m_min": 12.0 }));
-    // The tolerance allows for rounding of the lead.
+    // The tolerance allows for rounding errors of the lead.
     assert!((turned / moved - 1.0).abs() < 1e-12);
     let both = json!({ "cycle": [{ "share": 1.0, "screw_speed_rpm": 1.0, "feed_m_min": 1.0 }] });
     let why = Case::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
     assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
 }
 
-/// At rest there is no heat: all nodes have the temperature of their surroundings, the preload
-/// equals the cold preload, the gain is 0, and the balls of the nut carry their load without a
-/// friction torque.
+/// At rest, no heat is generated. All nodes have the temperature of their surroundings, the preload
+/// equals the cold preload, and the loop gain is 0. The balls of the nut carry their load, but
+/// there is no friction torque.
 #[test]
-fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
+fn axis_at_rest_has_the_temperature_of_its_surroundings() {
     let case = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state").answer();
@@ -498,7 +504,8 @@ fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
     ] {
         for answer in [&sheet.answer, &nut] {
             let found = answer.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
-            // All parts expand equally. Only rounding of the network and of the preload remains.
+            // All parts expand equally, so only rounding errors of the network and of the preload
+            // remain.
             assert!((found - expected).abs() <= 1e-9 * expected.max(1.0), "{name}: {found}");
         }
     }
@@ -506,10 +513,10 @@ fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
     assert!(nut.number(output!(max_contact_load_N)).is_some_and(|load| load > 0.0));
 }
 
-/// The warm state limits the selection: the lightest screw selected without it violates a rule when
-/// warm, while the screw selected with it meets all rules.
+/// The warm state affects the selection. The lightest screw that is selected without it violates a
+/// rule when warm, while the screw that is selected with it meets all rules.
 #[test]
-fn a_screw_is_chosen_for_its_warm_state() {
+fn selection_takes_the_warm_state_into_account() {
     let catalog = Catalog::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 3000, "screw_speed_rpm": 500, "lead_mm": 10, "stroke_mm": 700, "required_life_h": 10000,
         "preload_N": 2500, "preload_arrangement": "O", "friction_coefficient": 0.05, "model": "raceway-control"}"#;
@@ -535,9 +542,9 @@ fn a_screw_is_chosen_for_its_warm_state() {
     assert!(differ, "the limit chooses another screw");
 }
 
-/// The program used to find no state at 17 of 91 preloads from 690 to 720 N, and at 5 of 31
-/// preloads from 660 to 690 N with nut control, because the friction of each ball of the unloaded
-/// nut jumped when the ball was first loaded.
+/// The program used to find no steady state at 17 of 91 preloads from 690 to 720 N, and at 5 of 31
+/// preloads from 660 to 690 N with nut control. The reason was that the friction of each ball in
+/// the unloaded nut jumped when the ball was first loaded.
 #[test]
 fn warm_states_exist_where_balls_lift_off() {
     for (settings, preloads) in [
@@ -555,8 +562,8 @@ fn warm_states_exist_where_balls_lift_off() {
         let states = preloads.map(state);
         for of in [0, 1] {
             let steps: Vec<_> = states.windows(2).map(|pair| pair[1][of] - pair[0][of]).collect();
-            // On a smooth curve, the steps change little from one pair of points to the next. The
-            // former jumps were 20 times as large as these steps and had both signs.
+            // On a smooth curve, successive steps between points are nearly equal. The former jumps
+            // were 20 times as large as these steps and had both signs.
             for pair in steps.windows(2) {
                 assert!(pair[0] > 0.0 && (pair[1] / pair[0] - 1.0).abs() < 0.1, "{states:?}");
             }
@@ -564,10 +571,10 @@ fn warm_states_exist_where_balls_lift_off() {
     }
 }
 
-/// If a varied assumption has no steady state, the upper end of the band is open. Formerly, the
-/// upper end was equal to the value itself.
+/// If one of the varied assumptions has no steady state, the band has no upper end. The upper end
+/// used to be equal to the value itself.
 #[test]
-fn the_band_has_no_upper_end_if_an_assumption_has_no_steady_state() {
+fn uncertainty_band_has_no_upper_end_without_steady_state() {
     let words = [
         "preload_arrangement=X",
         "preload_N=2500",
@@ -590,10 +597,10 @@ fn the_band_has_no_upper_end_if_an_assumption_has_no_steady_state() {
     }
 }
 
-/// Warm balls of a nut without preload grow into its play. They used to press on both flanks, where
-/// their friction was not found.
+/// In a nut without preload, the warm balls expand into the play. The balls used to press against
+/// both flanks, for which no friction could be calculated.
 #[test]
-fn a_nut_without_preload_has_a_warm_state() {
+fn nut_without_preload_has_a_warm_state() {
     let mut case: Value = serde_json::from_str(FEED_AXIS).expect("JSON");
     let entries = case.as_object_mut().expect("a case");
     entries.retain(|name, _| !name.starts_with("preload"));

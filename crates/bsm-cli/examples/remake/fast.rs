@@ -1,5 +1,5 @@
-//! Blocks whose commands take seconds and always have the same result. `docs/remake fast` writes
-//! them, and `cargo test -p bsm-cli documents::` compares them with the documents.
+//! Blocks whose commands take only seconds and always give the same result. `docs/remake fast`
+//! writes these blocks, and `cargo test -p bsm-cli documents::` compares them with the documents.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -11,19 +11,19 @@ use bsm_report::short;
 use bsm_validate::tradeoff::{self, Distribution, Errors, Group, Points, Setting};
 use serde_json::{Value, json};
 
-/// The text of a block.
+/// The text of a block, or the reason why it cannot be generated.
 type Blocks = Result<String, Box<dyn Error>>;
 
-/// Function that creates the text of a block.
+/// A function that generates the text of a block.
 type Make = fn(&Program) -> Blocks;
 
-/// The program `bsm` in a folder that contains the examples and the published data.
+/// The program `bsm`, with a working folder that contains the examples and the published data.
 pub(crate) struct Program {
     pub(crate) path: PathBuf,
     pub(crate) folder: PathBuf,
 }
 
-/// Blocks by name.
+/// Names of all blocks, with the functions that generate them.
 pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("checks", checks),
     ("accuracies", accuracies),
@@ -40,7 +40,7 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
 ];
 
 impl Program {
-    /// Returns a program that works in a new folder with the examples of the repository.
+    /// Prepares the working folder by linking the examples and the published data.
     pub(crate) fn new(path: PathBuf, root: &Path, folder: &Path) -> std::io::Result<Self> {
         for name in ["examples", "validation"] {
             std::os::unix::fs::symlink(root.join(name), folder.join(name))?;
@@ -52,8 +52,8 @@ impl Program {
         Command::new(&self.path).args(arguments).current_dir(&self.folder).output()
     }
 
-    /// Returns standard output and standard error of a command. Exit codes 0 (solution) and 3 (no
-    /// solution) are accepted.
+    /// Runs a command and returns its standard output and standard error. Exit codes 0 (solution)
+    /// and 3 (no solution) are accepted.
     pub(crate) fn prints(&self, arguments: &[String]) -> Result<(String, String), Box<dyn Error>> {
         let output = self.run(arguments)?;
         let text = |bytes| String::from_utf8(bytes);
@@ -70,12 +70,12 @@ impl Program {
     }
 }
 
-/// Formats an output as in a document.
+/// Formats the output of a command as a fenced block.
 pub(crate) fn fenced(text: &str) -> String {
     format!("\n```text\n{}\n```\n", text.trim_end())
 }
 
-/// Formats a Markdown table as in a document.
+/// Formats a Markdown table.
 pub(crate) fn table(header: &str, rows: &[String]) -> String {
     let columns = header.matches('|').count() - 1;
     format!("\n{header}\n{}|\n{}\n", "|---".repeat(columns), rows.join("\n"))
@@ -107,7 +107,7 @@ fn accuracies(program: &Program) -> Blocks {
         let (found, bound) =
             (number(&result, "efficiency")?, number(&result, "efficiency_error_bound")?);
         let off = (found - finest).abs();
-        // The solver stops at residuals of 1e-10.
+        // The solver stops at residuals of 1e-10, so smaller differences are meaningless.
         let off = if off < 1e-10 { "< 1e-10".to_owned() } else { format!("{off:.0e}") };
         Ok::<_, Box<dyn Error>>(format!("| {accuracy} | {found:.9} | {off} | {bound:.0e} |"))
     };
@@ -141,8 +141,8 @@ fn catalog(program: &Program) -> Blocks {
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
 }
 
-/// Returns the effects that equal load sharing neglects, one at a time. Each nut is compared with a
-/// nut that has the same balls, stiff guides, and rigid bodies without errors.
+/// Calculates the effects that equal load sharing neglects, one at a time. Each nut is compared
+/// with a nut that has the same balls, but stiff guides and rigid bodies without errors.
 fn nut_sharing(program: &Program) -> Blocks {
     let read = |case: &str| std::fs::read(program.folder.join("examples").join(case));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
@@ -245,10 +245,10 @@ fn nut_sharing(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Axis of the catalog line of the examples.
+/// Command that calculates the axis for the example catalog line.
 const CATALOG_LINE: &str = "axis examples/catalog_line.json --json";
 
-/// Formats a number of an axis with its 90 % interval.
+/// Formats a result of the axis analysis and its 90 % interval.
 fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Box<dyn Error>> {
     let three = |value: f64| digits(value, 3);
     let value = three(number(&axis["results"], name)?);
@@ -261,7 +261,7 @@ fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Bo
     Ok([format!("{value} {unit}"), interval])
 }
 
-/// Returns the results of a catalog line with their intervals.
+/// Generates a table of the results and their intervals for the example catalog line.
 fn catalog_line(program: &Program) -> Blocks {
     let axis = program.json(CATALOG_LINE)?;
     let row = |(label, name, unit): (&str, &str, &str)| {
@@ -282,7 +282,7 @@ fn catalog_line(program: &Program) -> Blocks {
     Ok(table("| result | best groove | 90 % interval |", &rows))
 }
 
-/// Returns the intervals of a catalog line with further known items.
+/// Generates a table of the intervals that remain if further inputs of the catalog line are known.
 fn catalog_line_items(program: &Program) -> Blocks {
     let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
     let cases = [
@@ -304,7 +304,7 @@ fn catalog_line_items(program: &Program) -> Blocks {
     Ok(table("| additional inputs | heat of the example, W | stiffness of the nut, N/um |", &rows))
 }
 
-/// Returns the measured number of a check of the groove.
+/// Returns the measured value of a check of the groove estimate.
 fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     let list = checks["checks"].as_array().ok_or("no checks")?;
     let key = format!("groove/{key}");
@@ -312,7 +312,8 @@ fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     number(check.ok_or_else(|| format!("no check `{key}`"))?, "measured").map_err(Into::into)
 }
 
-/// Returns the rates at which the estimate finds the ball of rows to which the prior was not fitted.
+/// Generates a table of how often the estimate finds the correct ball diameter in catalog rows that
+/// were not used to fit the prior.
 fn groove_rates(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |(key, known): (&str, &str)| {
@@ -337,7 +338,8 @@ fn groove_rates(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Returns the rates for each manufacturer, with a prior that is fitted to the other manufacturers.
+/// Generates the same rates for each manufacturer, with a prior that was fitted to the other
+/// manufacturers.
 fn groove_new_makers(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |maker: &str| {
@@ -354,7 +356,7 @@ fn groove_new_makers(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Returns the widths of intervals of rows to which the prior was not fitted.
+/// Reports the widths of the intervals for catalog rows that were not used to fit the prior.
 fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
@@ -369,8 +371,8 @@ fn groove_widths(program: &Program) -> Blocks {
     ))
 }
 
-/// Returns the gap that the balls need and the effect of smaller gaps, for driving and
-/// back-driving.
+/// Generates a table of the gap that the balls need, and of the effect of smaller gaps, for driving
+/// and back-driving.
 fn ball_train(program: &Program) -> Blocks {
     const PER_CENT: [f64; 4] = [0.5, 0.2, 0.05, 0.01];
     const COLUMNS: &str = "needed_gap_mm,advance_spread,max_over_mean,idle_balls,contact_torque_free_Nm,friction_torque_Nm,max_push_N";
@@ -380,7 +382,7 @@ fn ball_train(program: &Program) -> Blocks {
     let tilted = " --set nut_guidance=guided --set tilt_y_urad=200 --set radial_x_um=5";
     let cases = [
         (
-            "guided, rigid (also a pair at its preload)",
+            "guided, rigid (including a preloaded pair)",
             ONE,
             " --set nut_guidance=guided".to_owned(),
         ),
@@ -432,7 +434,7 @@ fn ball_train(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Returns the errors of every model and setting over the committed points.
+/// Generates a table of the errors of every model and setting for the points in the repository.
 fn accuracy(_: &Program) -> Blocks {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
     let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";
@@ -456,7 +458,7 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
     format!("| `{}` | {solved:.1} % | {} |", setting.name(), cells.join(" | "))
 }
 
-/// Formats an error. Errors below the residual of the solver are shown as a limit.
+/// Formats an error. If the error is below the residual of the solver, an upper limit is shown.
 fn small(error: f64) -> String {
     if error < 1e-9 { "< 1e-9".to_owned() } else { short(error) }
 }

@@ -1,8 +1,9 @@
-//! Updates the numbers in README and docs by running their commands; see `docs/remake`.
+//! Updates the generated numbers in the README and in docs by running the corresponding commands;
+//! see `docs/remake`.
 //!
-//! Blocks are written as soon as their command has succeeded, so that an interrupt loses at most
-//! one command. If a command fails, its blocks do not change, the other commands still run, and the
-//! exit code is 1.
+//! The blocks of a command are written as soon as it has succeeded, so that an interrupt loses the
+//! work of at most one command. If a command fails, its blocks are not changed, the other commands
+//! still run, and the exit code is 1.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -25,22 +26,22 @@ use slow::{CAMPAIGNS, Site, Text};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Blocks with their new text.
+/// Names of blocks with their new texts.
 type Blocks = Vec<(&'static str, Text)>;
 
-/// A source of blocks, which can be selected by name.
+/// A generator of one or several blocks, which can be selected by its name.
 struct Source {
     name: String,
-    /// The commands, as text.
+    /// The commands that are run, as shown by `--list`.
     commands: &'static str,
     takes: &'static str,
     how: How,
 }
 
 enum How {
-    /// Output of the `bsm` command above the block.
+    /// The output of the `bsm` command shown above the block.
     Shown,
-    /// Output of the long test above the block.
+    /// The output of the `cargo test` command shown above the block.
     Tests,
     Fast(fn(&Program) -> Result<String>),
     Slow(fn(&Site) -> Result<Blocks>),
@@ -101,7 +102,7 @@ impl Source {
 
 fn main() -> Result<ExitCode> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
-    // `bsm` lies one folder above this program, which is target/release/examples/remake.
+    // The program `bsm` is one folder above this program, which is target/release/examples/remake.
     let bsm = std::env::current_exe()?.ancestors().nth(2).map(|folder| folder.join("bsm"));
     let bsm = bsm.filter(|path| path.exists()).ok_or("bsm is not built; call docs/remake")?;
     let (mut quick, mut names) = (false, Vec::new());
@@ -167,12 +168,13 @@ fn write_all(site: &Site, made: &[(&str, Text)]) -> Result<()> {
     made.iter().try_for_each(|(name, text)| write(site, name, text))
 }
 
-/// Writes all blocks with the given name.
+/// Writes a new text into all blocks with the given name.
 fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
     let mut written = 0;
     for document in documents(&site.root)? {
         let mut new = document.text.clone();
-        // The last block is replaced first, so that the positions of the other blocks remain valid.
+        // Blocks are replaced from the last to the first, so that the positions of the remaining
+        // blocks stay valid.
         for block in document.blocks()?.iter().rev().filter(|block| block.name == name) {
             let body = match text {
                 Text::Whole(body) => body.clone(),
@@ -189,7 +191,7 @@ fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
     if written == 0 { Err(format!("no document has a block {name}").into()) } else { Ok(()) }
 }
 
-/// Replaces a document atomically. If the document was edited in the meantime, it is not replaced.
+/// Replaces a document atomically, unless it was edited in the meantime.
 fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
     if site.quick || old == new {
         return Ok(());
@@ -204,7 +206,7 @@ fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
     Ok(())
 }
 
-/// Replaces the row of a table with the same first cell as `row`, or appends `row`.
+/// Replaces the table row that has the same first cell as `row`, or appends `row`.
 fn with_row(table: &str, row: &str) -> String {
     let key = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
     let mut lines: Vec<_> = table.trim_end().lines().collect();
@@ -215,13 +217,14 @@ fn with_row(table: &str, row: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Runs the commands above the blocks with the given name, and writes their outputs. The commands
-/// of a document share a folder, so that a command can read files of the commands before it.
+/// Runs the commands shown above all blocks with the given name, and writes their outputs into the
+/// blocks. All commands of a document run in the same folder, so that a command can read files that
+/// earlier commands wrote.
 fn outputs(site: &Site, name: &str, run: impl Fn(&str, &Program) -> Result<String>) -> Result<()> {
     for mut document in documents(&site.root)? {
         let folder = tempfile::tempdir()?;
         let program = Program::new(site.bsm.clone(), &site.root, folder.path())?;
-        // Positions change with each block that is written.
+        // The positions change whenever a block is written, so they are determined again.
         for number in 0..document.blocks()?.len() {
             let block = document.blocks()?.swap_remove(number);
             if block.name != name {

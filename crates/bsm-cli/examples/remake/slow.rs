@@ -1,5 +1,5 @@
-//! Blocks whose commands take minutes or hours: measurements of time, campaigns, searches and
-//! comparisons with peers.
+//! Blocks whose commands take minutes or hours: timings, test campaigns, searches and comparisons
+//! with other solvers.
 
 use std::error::Error;
 use std::fs;
@@ -14,25 +14,26 @@ use crate::fast::table;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// New text for a block.
+/// New text for a generated block.
 pub(crate) enum Text {
     Whole(String),
-    /// A table row, which replaces the row with the same first cell.
+    /// A table row, which replaces the row that has the same first cell.
     Row(String),
 }
 
-/// The repository, and the extent of the measurements.
+/// The repository, the program, and the extent of the measurements.
 pub(crate) struct Site {
     pub(crate) root: PathBuf,
     pub(crate) bsm: PathBuf,
-    /// True to use only a thousandth of the points.
+    /// True to use only a thousandth of the points, for a quick check.
     pub(crate) quick: bool,
 }
 
-/// Folder for files of the measurements, in the repository.
+/// Folder in the repository for temporary files of the measurements.
 const WORK: &str = "target/remake";
 
-/// Campaigns over extreme points: model, number of points, seed, and number of points near edges.
+/// Test campaigns with extreme points: model, number of points, seed, and number of points near the
+/// limits of the inputs.
 pub(crate) const CAMPAIGNS: &[(&str, usize, u64, usize)] = &[
     ("closed-form", 50_000, 2026, 100_000),
     ("quasi-static", 50_000, 2026, 100_000),
@@ -48,7 +49,8 @@ impl Site {
         if self.quick { full.div_ceil(1000).max(20) } else { full }
     }
 
-    /// Returns the build profile. Quick runs use the profile of the tests, which is already built.
+    /// Returns the build profile. Quick runs use the profile of the tests, because it has already
+    /// been built.
     fn profile(&self) -> &'static str {
         if self.quick { "test" } else { "release" }
     }
@@ -59,7 +61,7 @@ impl Site {
         Ok(folder)
     }
 
-    /// Runs a command in the repository, and returns its standard output and standard error.
+    /// Runs a command in the repository and returns its standard output and standard error.
     pub(crate) fn run(&self, program: impl AsRef<Path>, words: &str) -> Result<(String, String)> {
         let program = program.as_ref();
         eprintln!("  {} {words}", program.file_name().unwrap_or_default().display());
@@ -77,7 +79,7 @@ impl Site {
         Err(format!("{}: {}", program.display(), output.status).into())
     }
 
-    /// Describes the machine and the state of the code.
+    /// Describes the machine and the commit of the measured code.
     fn machine(&self) -> Result<String> {
         let cores = std::thread::available_parallelism()?;
         let kind = bsm_simd::name(bsm_simd::Arch::new());
@@ -109,8 +111,8 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Measures the fastest settings and the time per point with `bsm tradeoff`, with additional means
-/// over fresh points.
+/// Determines the fastest settings and the time per point with `bsm tradeoff`. Mean values over
+/// newly drawn random points are added.
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = |points: &str| -> Result<Value> {
         let words = format!("tradeoff --quiet --json{points}");
@@ -126,7 +128,8 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = if site.quick { fresh.clone() } else { measured("")? };
     let advice = list(&measured, "advice")?;
     let times = list(&measured, "settings")?.iter().zip(list(&fresh, "settings")?);
-    // The creep speed does not affect the time.
+    // Settings that differ only in the creep speed are left out, because it does not affect the
+    // time.
     let times = times.filter(|(setting, _)| {
         !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
     });
@@ -147,7 +150,7 @@ fn picked(pick: &Value) -> Result<String> {
     Ok(format!("`{}`, {} us", word(pick, "setting")?, micro(number(pick, "ns")?)))
 }
 
-/// Formats a table with a row for each tolerance, and a column for each regime except partial skid.
+/// Formats a table with a row for each tolerance and a column for each regime except partial skid.
 fn summary(advice: &[Value]) -> Result<String> {
     let mut tolerances: Vec<_> = advice.iter().map(|a| &a["tolerance"]).collect();
     tolerances.dedup();
@@ -168,7 +171,7 @@ fn summary(advice: &[Value]) -> Result<String> {
     Ok(table("| error of the efficiency | any regime | rolling | gross skid |", &rows))
 }
 
-/// Returns the times on one core for a group of the points.
+/// Returns the single-core times of a setting for a group of points.
 fn group_times<'a>(setting: &'a Value, group: &str) -> Result<Option<&'a Value>> {
     let times = list(&setting["times"], "one_core")?;
     Ok(times.iter().find(|times| times["group"] == *group))
@@ -193,7 +196,7 @@ fn times_row((setting, fresh): (&Value, &Value)) -> Result<String> {
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
 }
 
-/// Returns the mean times of the default model.
+/// Formats the mean times of model `auto` with its default tolerance.
 fn auto_means(settings: &[Value]) -> Result<String> {
     let auto = |s: &&Value| s["model"] == "auto" && s["options"] == "--tolerance 1e-2";
     let times = settings.iter().find(auto).map(|setting| group_times(setting, "all"));
@@ -202,10 +205,10 @@ fn auto_means(settings: &[Value]) -> Result<String> {
     Ok(format!("{one} us, a row of a table {row} us"))
 }
 
-/// Time and memory of a run of the program.
+/// Time and memory use of one run of the program.
 struct RunTime {
     time: Duration,
-    /// Peak memory \[bytes\], if the system reports it.
+    /// Peak memory use \[B\], if the operating system reports it.
     memory: Option<f64>,
 }
 
@@ -215,7 +218,7 @@ impl Site {
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
             .args(words.split_whitespace())
-            // Other commands show no progress.
+            // Only `sweep` shows a progress bar.
             .args(words.starts_with("sweep").then_some("--quiet"))
             .current_dir(folder)
             .stdin(Stdio::null())
@@ -240,7 +243,7 @@ impl Site {
     }
 }
 
-/// Returns the total size of all Parquet files in a folder and its subfolders \[bytes\].
+/// Returns the total size of all Parquet files in a folder and its subfolders \[B\].
 fn parquet_bytes(folder: &Path) -> Result<f64> {
     let mut bytes = 0.0;
     for entry in fs::read_dir(folder)? {
@@ -260,7 +263,7 @@ fn seconds(took: &RunTime) -> String {
     format!("{} s", short(took.time.as_secs_f64()))
 }
 
-/// Formats a large count in words: "10.1 million".
+/// Formats a large count in the form "10.1 million".
 fn millions(count: f64) -> String {
     format!("{} million", (1e-5 * count).round() / 10.0)
 }
@@ -269,8 +272,8 @@ fn megabytes(bytes: f64) -> String {
     format!("{:.0} MB", 1e-6 * bytes)
 }
 
-/// Measures sweeps into files: grids of up to a hundred million points, and tables of ten million
-/// rows.
+/// Measures sweeps that write files: grids of up to a hundred million points, and tables of ten
+/// million rows.
 pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = tempfile::tempdir_in(site.folder()?)?;
     let folder = folder.path();
@@ -341,7 +344,8 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
-/// Measures rows of a sweep on one core: nuts, touching balls and warm axes.
+/// Measures the time per sweep row on one core for nuts, balls that touch each other, and warm
+/// axes.
 pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const TRAIN: &str = "examples/nut_train.json --model traction --set moment_y_Nm=30";
     const AXIS: &str = "validation/published/nut/feed_axis.json";
@@ -358,8 +362,8 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             site.took(folder.path(), &words)
         };
         let rows = site.points(400);
-        // The start of the program takes a few milliseconds, which are also contained in the time
-        // of two rows.
+        // Subtracting the time of a run with two rows removes the startup time of the program,
+        // which is a few milliseconds.
         let time = run(rows + 2)?.time.saturating_sub(run(2)?.time);
         #[expect(clippy::cast_precision_loss, reason = "hundreds")]
         let each = 1e3 * time.as_secs_f64() / rows as f64;
@@ -409,7 +413,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Measures estimates of grooves, and tables of catalog lines.
+/// Measures the estimation of grooves, and tables of catalog lines.
 pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const PUBLISHED: &str = "validation/published/groove/public.json";
     let folder = tempfile::tempdir_in(site.folder()?)?;
@@ -419,7 +423,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let mut text = String::from(
         "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N\n",
     );
-    // The rows repeat with other loads.
+    // The published rows are repeated with different loads.
     for place in 0..count {
         let row = &published[place % published.len()];
         #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
@@ -447,7 +451,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         );
         site.took(folder.path(), &words)
     };
-    // The start of the program is also contained in the time of one row.
+    // Subtracting the time of a run with one row removes the startup time of the program.
     let start = sweep("one.csv", "ball_torque_Nm", 1)?.time;
     let estimates = sweep("lines.csv", "ball_torque_Nm", 1)?.time.saturating_sub(start);
     #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
@@ -465,7 +469,10 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             seconds(&intervals)
         ),
         format!("| `bsm select --from`: {count} catalog lines, all cores | {} |", seconds(&listed)),
-        format!("| the same in the axis of a requirement | {} |", seconds(&judged)),
+        format!(
+            "| `bsm select axis.json --from`: the same lines, each checked in an axis | {} |",
+            seconds(&judged)
+        ),
     ];
     let text = table("| what | time |", &rows);
     Ok(vec![
@@ -474,7 +481,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Compares `rigid` with its peers, at random points and at the points of the trade-off.
+/// Compares `rigid` with other solvers, at random points and at the points of the trade-off.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let report = |name: &str, flag: &str| -> Result<Value> {
@@ -516,7 +523,7 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Compares `traction` with its peers, at random points and at the points of the trade-off.
+/// Compares `traction` with other solvers, at random points and at the points of the trade-off.
 pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let printed = |flag: &str| {
@@ -526,7 +533,7 @@ pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let [seeded, ordinary] = [printed("")?, printed("--ordinary")?];
     let (lines, with) = seeded.trim_end().split_once("\n\n").ok_or("no table")?;
-    // The second table contributes time, unsolved points and different answers.
+    // From the second table, the columns with time, unsolved points and different results are used.
     let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let row = |(line, other): (&str, &str)| {
         let (own, other) = (cells(line), cells(other));
@@ -541,10 +548,13 @@ pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Runs a campaign over extreme points, and another campaign near edges.
+/// Runs a test campaign with extreme points, and another campaign with points near the limits of
+/// the inputs.
 pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Text)>> {
-    let (_, points, seed, edges) =
-        *CAMPAIGNS.iter().find(|(name, ..)| *name == model).ok_or("no campaign of that model")?;
+    let (_, points, seed, edges) = *CAMPAIGNS
+        .iter()
+        .find(|(name, ..)| *name == model)
+        .ok_or("no campaign exists for this model")?;
     let ask = |points: usize, more: &str| {
         let just = format!("just extremes {points} --model {model} --seed {seed}{more}");
         let words = format!(
@@ -569,7 +579,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
         ("extremes/reasons", Text::Row(format!("| `{model}` | {} |", wide.reasons().join(" | ")))),
         ("extremes/edges", Text::Row(format!("| `{model}` | `{next}` | {} |", close.shares()[2]))),
     ];
-    // A model that never searches for other solutions has no row.
+    // A model that never searches for other solutions gets no row.
     let [several, single, unknown] = wide.others;
     let all = several + single + unknown;
     if unknown < all {
@@ -580,19 +590,18 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
     Ok(rows)
 }
 
-/// Printed results of a campaign.
+/// Results that a test campaign has printed.
 struct Campaign {
     points: f64,
-    /// Index of the outcome in [`OUTCOMES`], the rest of its name, and the number of points.
+    /// For each outcome: index in [`OUTCOMES`], rest of the name, and number of points.
     kinds: Vec<(usize, String, f64)>,
-    /// Numbers of converged points that have other solutions, that have none, and for which this is
-    /// unknown.
+    /// Numbers of converged points with other solutions, of points without other solutions, and of
+    /// points for which this is unknown.
     others: [f64; 3],
     slowest_ms: f64,
 }
 
-/// Beginnings of the names of the outcomes. The last outcome includes solutions without
-/// sensitivities.
+/// Beginnings of the outcome names. The last outcome also includes solutions without sensitivities.
 const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
 
 impl Campaign {
@@ -607,10 +616,10 @@ impl Campaign {
             let name = row[0].trim();
             let (first, rest) = name.split_once(' ').unwrap_or((name, ""));
             let outcome = OUTCOMES.iter().position(|outcome| *outcome == first);
-            // "converged, no sensitivities: ..." does not count as converged.
+            // The outcome "converged, no sensitivities: ..." does not count as converged.
             let outcome = outcome.or_else(|| first.ends_with(',').then_some(2));
             let outcome = outcome.ok_or_else(|| format!("unknown outcome: {name}"))?;
-            // Explanations of a regime follow after a comma or colon.
+            // After a comma or colon, the name explains the regime. The explanation is left out.
             let rest =
                 if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
             kinds.push((outcome, spaced(rest), row.get(2).ok_or("no count")?.parse()?));
@@ -634,7 +643,7 @@ impl Campaign {
         })
     }
 
-    /// Returns the reasons for each outcome, with the most frequent reason first.
+    /// Returns the reasons for each outcome, the most frequent reason first.
     fn reasons(&self) -> [String; 3] {
         [0, 1, 2].map(|place| {
             let mut of: Vec<_> =
@@ -648,7 +657,7 @@ impl Campaign {
     }
 }
 
-/// Converts `NoSkidAtInertia` to "no skid at inertia".
+/// Converts an identifier such as `NoSkidAtInertia` to the words "no skid at inertia".
 fn spaced(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
@@ -661,7 +670,8 @@ fn spaced(name: &str) -> String {
     words
 }
 
-/// Formats a share in percent with two decimals, or with two digits if it is small.
+/// Formats a fraction as a percentage with two decimals, or with two significant digits if it is
+/// small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {
@@ -672,13 +682,13 @@ fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// Measures the time of a cold build and the size of the program.
+/// Measures the time of a clean build and the size of the program.
 pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = site.folder()?.join("build");
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
     }
-    // A check processes the same crates without generating code.
+    // `cargo check` processes the same crates without generating code.
     let what = if site.quick { "check" } else { "build --release" };
     let begin = Instant::now();
     site.run("cargo", &format!("{what} --quiet --locked -p bsm-cli --target-dir {WORK}/build"))?;
@@ -696,10 +706,10 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![("build", Text::Whole(text))])
 }
 
-/// Returns the output of a long test. `line` is its command in a document.
+/// Runs a long test and returns its output. `line` is the command in the document.
 pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let words =
-        line.strip_prefix("cargo ").ok_or_else(|| format!("not a command of cargo: {line}"))?;
+        line.strip_prefix("cargo ").ok_or_else(|| format!("not a cargo command: {line}"))?;
     let mut words = words.replacen("test ", "test --quiet --locked ", 1);
     if site.quick {
         // Quick runs only check that the test exists.
@@ -708,7 +718,7 @@ pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let (stdout, _) = site.run("cargo", &words)?;
     let noise = ["running ", "test result", "test "];
     let mut lines: Vec<_> = stdout.lines().map(str::trim_end).collect();
-    // `--quiet` prints a dot for each test before the next output.
+    // With `--quiet`, cargo prints a line of dots for the tests, which is removed.
     lines.retain(|line| {
         !line.chars().all(|c| ".i".contains(c)) && !noise.iter().any(|n| line.starts_with(n))
     });

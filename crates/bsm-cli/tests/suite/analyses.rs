@@ -1,4 +1,4 @@
-//! Tests of the slip and jamming analyses at the command line.
+//! Tests of the slip and jamming analyses on the command line.
 
 use crate::data;
 use std::fs;
@@ -15,9 +15,9 @@ fn json(args: &[&str]) -> Value {
     serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout")
 }
 
-/// `validate` checks the same cases that the examples run.
+/// The cases that `validate` checks must be the same as the example cases.
 #[test]
-fn examples_are_the_published_cases() {
+fn example_cases_match_the_published_cases() {
     for key in ["xu2015", "dong2020"] {
         let case = root().join("validation/published").join(key).join("case.json");
         let example = fs::read_to_string(example(&format!("{key}.json"))).expect("example");
@@ -25,8 +25,8 @@ fn examples_are_the_published_cases() {
     }
 }
 
-/// A check fails if its trend holds on more or fewer curves than recorded, or on a curve that is
-/// not recorded. Recording a finding is therefore not a way to make a check pass.
+/// A check must fail if its trend holds on more or fewer curves than recorded, or fails on a curve
+/// that is not recorded. This ensures that a recorded finding cannot be used to make a check pass.
 #[test]
 fn checks_fail_if_trends_differ_from_the_recorded_findings() {
     let dir = folder();
@@ -52,7 +52,7 @@ fn checks_fail_if_trends_differ_from_the_recorded_findings() {
 }
 
 #[test]
-fn slip_shows_published_and_exact_forms() {
+fn slip_output_contains_published_and_exact_formulas() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &example("xu2015.json"), "--show", "slip"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -76,12 +76,12 @@ fn slip_shows_published_and_exact_forms() {
         .flat_map(|c| ["center", "spin", "curvature"].map(|p| value(&format!("{c}_{p}_power_W"))))
         .sum();
     assert!((parts / value("dissipated_power_W") - 1.0).abs() < 1e-9, "{result}");
-    // Only the rigid model has a contact at the unloaded flank.
+    // Only model `rigid` has a contact at the unloaded flank.
     assert!(result["unloaded_flank_differential_slip_m_s"].is_null());
 }
 
 #[test]
-fn jam_gives_verdicts_with_margins() {
+fn jam_output_contains_verdicts_and_margins() {
     let result = json(&["solve", &example("dong2020.json"), "--show", "jam", "--model", "elastic"]);
     let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     let thrusts = ["apex_thrust_N", "step_thrust_N", "entry_thrust_N"].map(value);
@@ -98,7 +98,8 @@ fn jam_gives_verdicts_with_margins() {
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     let text = bsm(folder().path(), &["solve", &example("jamming.json"), "--show", "jam"], "");
     let text = stdout(&text);
-    // Jamming is a result, not a failed check. Each title has one table of each kind.
+    // Jamming is a result and not a failed check. Each title has one table for each kind of
+    // contact.
     assert!(text.contains("self_locking_under_load  no ") && !text.contains("FAIL"), "{text}");
     assert_eq!(text.matches("wedge between the raceways").count(), 2, "{text}");
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
@@ -106,7 +107,7 @@ fn jam_gives_verdicts_with_margins() {
     assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);
     assert_eq!(result["lacks"], Value::Array(Vec::new()));
 
-    // Without the optional inputs, each part states which inputs are missing.
+    // If optional inputs are missing, each section states which inputs it needs.
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &example("feed_drive.json"), "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -119,10 +120,10 @@ fn jam_gives_verdicts_with_margins() {
     assert!(stdout(&output).contains("omitted: contact state"), "{}", stdout(&output));
 }
 
-/// The trends of one paper used to be printed below the user's own result, but they belong to
-/// `validate`.
+/// Regression test: the trends stated in a paper used to be printed below the user's own results.
+/// They belong to `validate`.
 #[test]
-fn plots_show_curves_without_the_trends_of_a_paper() {
+fn slip_plots_do_not_show_the_trends_of_a_paper() {
     let dir = folder();
     for (what, case, figure, label) in [
         ("slip", "xu2015.json", "slip-traction-lead-angle-screw", "spin, printed"),
@@ -139,7 +140,7 @@ fn plots_show_curves_without_the_trends_of_a_paper() {
     }
 }
 
-/// The slip sweeps used to assume a rolling ball for every model.
+/// Regression test: the slip sweeps used to assume a rolling ball, whichever model was chosen.
 #[test]
 fn slip_sweeps_use_the_chosen_model() {
     let dir = folder();
@@ -157,7 +158,8 @@ fn slip_sweeps_use_the_chosen_model() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let curve = fs::read_to_string(dir.path().join("figures/slip-rigid-lead-angle-nut.csv"));
     let curve = curve.expect("a figure");
-    // Differential slip of a rolling ball is at most 0.136 m/s at 10 deg. A sliding ball has more.
+    // The differential slip of a rolling ball is at most 0.136 m/s at 10 deg. The slip of a sliding
+    // ball is larger.
     let slip = |line: &str| line.rsplit(',').next().and_then(|cell| cell.parse::<f64>().ok());
     let differential = curve.lines().filter(|line| line.starts_with("differential"));
     let most = differential.filter_map(slip).fold(0.0, f64::max);
@@ -209,7 +211,8 @@ fn invalid_input_of_an_analysis_is_reported() {
         assert!(text.starts_with("error: ") && text.trim_end().lines().count() == 1, "{text}");
         assert!(text.contains(part), "{args:?}: {text}");
     }
-    // A case without a solution gives the reason and exit code 3, as in every command.
+    // If the case has no solution, the command states the reason and exits with code 3, like every
+    // other command.
     let flat = ["solve", &xu, "--show", "slip", "--model", "rigid", "--set", "lead_mm=10"];
     let output = bsm(dir.path(), &flat, "");
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
@@ -219,10 +222,11 @@ fn invalid_input_of_an_analysis_is_reported() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// Numbers of analyses are available as columns and curves. A misspelled name gets a suggestion,
-/// and a column that no row can fill is rejected before any work.
+/// Results of analyses are available as table columns and as curves. A misspelled name gets a
+/// suggestion, and a column that cannot be calculated in any row is rejected before any row is
+/// solved.
 #[test]
-fn analyses_are_columns_of_a_sweep() {
+fn sweep_columns_may_be_results_of_analyses() {
     let dir = folder();
     let case = example("dong2020.json");
     let sweep = |columns: &str, more: &[&str]| {
@@ -263,9 +267,9 @@ fn analyses_are_columns_of_a_sweep() {
     assert!(!dir.path().join("u.csv").exists());
 }
 
-/// The program used to ignore the preload silently.
+/// Regression test: a preload that the model does not use used to be ignored silently.
 #[test]
-fn an_unused_preload_is_noted() {
+fn unused_preload_causes_a_note() {
     let dir = folder();
     let case = example("feed_drive.json");
     let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];
@@ -279,7 +283,7 @@ fn an_unused_preload_is_noted() {
         let told = |settings: &[&str]| {
             let output = bsm(dir.path(), &[&[command, &case], settings, more].concat(), "");
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
-            // An answer lists its notes below its numbers.
+            // The notes of an answer are printed below its numbers.
             format!("{}{}", stdout(&output), stderr(&output))
                 .contains("note: preload_N is not included in the results of the balls, because the model calculates one ball; `bsm nut`")
         };

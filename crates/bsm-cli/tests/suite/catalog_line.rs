@@ -1,4 +1,4 @@
-//! Tests of commands with one line of a catalog.
+//! Tests of commands with a case that contains only the data of one catalog line.
 
 use std::fs;
 
@@ -15,8 +15,8 @@ const SETTINGS: [&str; 6] = [
     "friction_coefficient=0.08",
 ];
 
-/// Two catalog lines, R40-20K4-FSC of HIWIN and SFU1605-4 of TBI, loaded with a tenth of their
-/// dynamic load ratings.
+/// Two catalog lines, R40-20K4-FSC from HIWIN and SFU1605-4 from TBI. The axial load is a tenth of
+/// the dynamic load rating.
 const LINES: &str =
     "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N
 40,20,51300,144400,5130
@@ -28,7 +28,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// Writes the rated screw of the example without its cycle and its lubricant.
+/// Writes the example screw, which is described by its load ratings, without its cycle and
+/// lubricant.
 fn write_catalog_line(folder: &std::path::Path) {
     let text = fs::read_to_string(example("catalog_line.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&text).expect("JSON");
@@ -37,10 +38,11 @@ fn write_catalog_line(folder: &std::path::Path) {
     fs::write(folder.join("line.json"), case.to_string()).expect("a case");
 }
 
-/// Columns contain the same results and intervals as `nut` and `solve`, and each row of a table has
-/// its own groove. If no groove has the ratings of a row, the row states the reason.
+/// Table columns must contain the same results and intervals as `nut` and `solve`. The groove is
+/// estimated separately for each row. If no groove is consistent with the ratings of a row, its
+/// message must say so.
 #[test]
-fn columns_have_the_ends_of_intervals() {
+fn table_columns_contain_interval_bounds() {
     let dir = folder();
     write_catalog_line(dir.path());
     fs::write(dir.path().join("lines.csv"), LINES).expect("a table");
@@ -60,11 +62,12 @@ fn columns_have_the_ends_of_intervals() {
     let nut = bsm(dir.path(), &[&["nut", "line.json", "--json"][..], &SETTINGS].concat(), "");
     let nut = json(&stdout(&nut));
     let interval = &nut["groove_estimate"]["intervals"]["nut_stiffness_N_um"];
-    // Both commands repeat the same calculation.
+    // The table and the command repeat the same calculation, so the results must be equal.
     assert_eq!(rows[0]["nut_stiffness_N_um"], nut["nut_stiffness_N_um"]);
     assert_eq!(rows[0]["nut_stiffness_low_N_um"], interval[0]);
     assert_eq!(rows[0]["nut_stiffness_high_N_um"], interval[1]);
-    // A grid over the load has one groove, and the kernel of its model.
+    // In a grid over the load, the groove is the same at all points, and a kernel solves the
+    // points.
     let grid = [
         "sweep",
         "line.json",
@@ -78,7 +81,7 @@ fn columns_have_the_ends_of_intervals() {
     let output = bsm(dir.path(), &[&grid[..], &SETTINGS[2..]].concat(), "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("ball 6.35 mm"), "{}", stderr(&output));
-    // With a given groove there is no interval.
+    // If the groove is given, there are no intervals.
     let given = [
         "sweep",
         &example("feed_drive.json"),
@@ -93,8 +96,8 @@ fn columns_have_the_ends_of_intervals() {
     assert!(stdout(&output).lines().skip(1).all(|row| row.ends_with(',')), "{}", stdout(&output));
 }
 
-/// Estimated inputs are marked in the JSON, on the screen and on the sheet, and intervals follow
-/// their numbers.
+/// Estimated inputs must be marked in the JSON, on the screen and on the sheet. The intervals must
+/// follow the corresponding numbers.
 #[test]
 fn estimates_are_marked_in_every_output() {
     let dir = folder();
@@ -122,8 +125,9 @@ fn estimates_are_marked_in_every_output() {
     }
 }
 
-/// A misprinted rating is rejected with exit code 2. `axis` still calculates the life and prints a
-/// warning. The page and `fit` work with an estimated groove.
+/// If a rating is misprinted, so that no groove is consistent with it, commands that need the
+/// groove exit with code 2. `axis` still calculates the life and prints a warning. The HTML page
+/// and `fit` work with an estimated groove.
 #[test]
 fn commands_work_or_reject_the_case_with_a_reason() {
     let dir = folder();
@@ -145,7 +149,7 @@ fn commands_work_or_reject_the_case_with_a_reason() {
     assert!(
         code == Some(0)
             && text.contains("warning: No usual groove")
-            && text.contains("life of the cycle"),
+            && text.contains("life under the cycle"),
         "{text}"
     );
     let (code, text) = run(&["fit", "line.json", "--measured", "screw_torque_Nm=16.65"]);
@@ -154,8 +158,8 @@ fn commands_work_or_reject_the_case_with_a_reason() {
     assert_eq!(code, Some(0), "{text}");
 }
 
-/// A table with ratings alone has intervals as JSON and as CSV, and two such screws side by side
-/// have intervals in the axis and in the browser.
+/// A table of screws that are described only by load ratings has intervals in JSON and CSV. Two
+/// such screws have intervals in the comparison by `axis` and in the browser.
 #[test]
 fn lists_and_offers_of_catalog_lines_have_intervals() {
     let dir = folder();
@@ -202,7 +206,7 @@ fn lists_and_offers_of_catalog_lines_have_intervals() {
     run(&["view", "point-line.json", "point-other.json", "-o", "page.html"]);
     let page = fs::read_to_string(dir.path().join("page.html")).expect("a page");
     assert!(page.contains("groove_estimate"));
-    // Rules in a table have the ends of their intervals.
+    // The table of rules contains the bounds of the intervals.
     let rules = ["axis", "line.json", "--set", "stroke_mm=500", "-o", "rules.csv"];
     run(&[&rules[..], &SETTINGS].concat());
     let rules = fs::read_to_string(dir.path().join("rules.csv")).expect("rules");

@@ -1,4 +1,4 @@
-//! Tests of the program at the command line: output, files, errors and exit codes.
+//! Tests of the command-line program: output, files, errors and exit codes.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -16,7 +16,7 @@ fn lin() -> String {
 }
 
 #[test]
-fn solve_prints_lin_case() {
+fn solve_prints_results_for_lin_example() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin()], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -53,7 +53,7 @@ fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
     let text = stdout(&output);
     let table = text.split("sensitivity to").nth(1).expect("a table below the results");
     assert!(table.lines().next().expect("header").contains("torque, N m/unit"), "{table}");
-    // Friction has the largest effect. A nut at rest has no relative sensitivity.
+    // Friction has the largest effect. The nut speed is zero, so it has no relative sensitivity.
     let row =
         |i: usize| table.lines().nth(i).expect("a row").split_whitespace().collect::<Vec<_>>();
     assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
@@ -72,15 +72,15 @@ fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
     assert!(numbers.iter().all(|name| friction[name].is_f64()), "{friction}");
     assert!(result["sensitivities"]["nut_speed_rpm"]["efficiency_relative"].is_null());
     assert!(run(&[]).1.get("sensitivities").is_none());
-    // A case without a solution has no sensitivities.
+    // If the case has no solution, there are no sensitivities.
     let (code, result) = run(&["--show", "sensitivities", "--set", "lead_angle_deg=5"]);
     assert_eq!((code, result.get("sensitivities")), (Some(3), None));
 }
 
-/// Runs each example file in the command that it is written for; `@` stands for the path of the
-/// file. The scheduler scripts of `scale-out` are tested with the parts.
+/// Runs each example file with the command for which it was written. `@` stands for the path of the
+/// file. The scheduler scripts in `scale-out` are tested in `parts.rs`.
 #[test]
-fn every_example_runs_in_its_command() {
+fn every_example_runs_with_its_command() {
     const USES: [(&str, &str); 26] = [
         ("angles_only.json", "solve @"),
         ("axis.json", "axis @"),
@@ -107,7 +107,8 @@ fn every_example_runs_in_its_command() {
         ("nut_train.json", "nut @"),
         ("rated.json", "axis @"),
         ("requirements/axis.json", "select @"),
-        // For these two requirements the manufacturers' sizes have no screw with six loaded turns.
+        // For these two requirements, the manufacturers' sizes contain no screw with six loaded
+        // turns.
         ("requirements/feed_drive.json", "select @ --from standard"),
         ("requirements/free_lead.json", "select @ --from standard"),
         ("requirements/load_drives.json", "select @"),
@@ -151,7 +152,7 @@ fn a_case_is_read_from_standard_input() {
 }
 
 #[test]
-fn no_solution_is_exit_code_3_with_the_reason() {
+fn missing_solution_causes_exit_code_3_and_a_reason() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin(), "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
@@ -160,8 +161,8 @@ fn no_solution_is_exit_code_3_with_the_reason() {
     assert!(text.contains("critical lead angle of this point is 7.075"), "{text}");
 }
 
-/// Invalid input gives one paragraph, exit code 2 (1 for a file error), nothing on stdout, and no
-/// output file.
+/// Invalid input must cause one paragraph on standard error, exit code 2 (1 for a file error),
+/// nothing on standard output, and no output file.
 #[test]
 fn bad_input_is_reported_in_one_paragraph() {
     let dir = folder();
@@ -196,12 +197,12 @@ fn bad_input_is_reported_in_one_paragraph() {
         assert_eq!(output.status.code(), Some(1));
         assert!(stderr(&output).starts_with("error: cannot read "), "{}", stderr(&output));
     }
-    // The folder contains only the case itself.
+    // The folder contains nothing but the case itself.
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// Rows keep their order and position even if they are invalid, and state what is wrong. Extra
-/// columns are carried through, and all three table formats have the same content.
+/// Rows must keep their order and position even if they are invalid, and state what is wrong.
+/// Additional columns must be copied, and all three table formats must have the same contents.
 #[test]
 fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     let dir = folder();
@@ -231,15 +232,15 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
     assert!(rows[2][5].contains("`axial_load_N` = -3 must be a finite number > 0"), "{text}");
     assert!(rows[5][5].contains("rolls on the nut"), "{text}");
-    // The empty cell takes the load of the base case.
+    // For the empty cell, the load of the base case is used.
     assert_eq!(rows[0][6], rows[3][6]);
     assert!(stderr(&output).contains("4 of 6 rows have no result"), "{}", stderr(&output));
     let asked = run(&[args("-"), columns.to_vec(), vec!["--keep-going".to_owned()]].concat());
     assert_eq!(asked.status.code(), Some(0));
     assert_eq!((&asked.stdout, &asked.stderr), (&output.stdout, &output.stderr));
 
-    // The table goes through Parquet and back. Texts in number columns are lost; everything else is
-    // unchanged.
+    // The table is written as Parquet and read again. Text in numeric columns is lost; everything
+    // else must be unchanged.
     assert_eq!(run(&args("first.parquet")).status.code(), Some(3));
     let output = bsm(
         dir.path(),
@@ -276,9 +277,9 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     assert_eq!(line["efficiency"].to_string(), rows[0][6]);
 }
 
-/// Results depend neither on the number of threads nor on the chunk boundaries.
+/// Results must not depend on the number of threads or on chunk boundaries.
 #[test]
-fn batch_does_not_depend_on_threads() {
+fn sweep_results_do_not_depend_on_threads() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let grid = ["--vary", "screw_speed_rpm=100:9000:100", "--vary", "axial_load_N=100:9000:60"];
@@ -288,7 +289,7 @@ fn batch_does_not_depend_on_threads() {
         let output = bsm(dir.path(), &args.concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     };
-    // A sweep writes its points. They are then solved again as a table with a different number of
+    // The points that a sweep has written are solved again as a table, with a different number of
     // threads.
     sweep("all.csv", &["--columns", "efficiency,nut_spin_rad_s"]);
     let text = fs::read_to_string(dir.path().join("all.csv")).expect("table");
@@ -320,7 +321,7 @@ fn batch_does_not_depend_on_threads() {
     assert_eq!(text.lines().count(), 6001);
 }
 
-/// A malformed table gives one paragraph, exit code 2, and no file under the final name.
+/// A malformed table must cause one paragraph on standard error, exit code 2, and no output file.
 #[test]
 fn malformed_tables_are_reported() {
     let dir = folder();
@@ -344,17 +345,17 @@ fn malformed_tables_are_reported() {
         assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
         assert!(!dir.path().join("out.csv").exists());
     }
-    // An input that is missing in every row is reported once.
+    // An input that is missing in every row is reported only once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("a case or --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// All models for which the case has inputs are shown side by side. The other models list their
-/// missing inputs.
+/// All models whose inputs the case contains are shown side by side. For the other models, the
+/// missing inputs are listed.
 #[test]
-fn compare_shows_every_model() {
+fn model_comparison_shows_every_model() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let output = bsm(dir.path(), &["solve", &drive, "--model", "all", "--json"], "");
@@ -367,8 +368,8 @@ fn compare_shows_every_model() {
         model["efficiency"].as_f64().expect(name)
     };
     assert_eq!(models.len(), 6);
-    // The balls of a loaded feed drive roll, so the traction model is near raceway control and far
-    // from saturated friction.
+    // The balls of a loaded feed drive roll. Model `traction` therefore agrees closely with raceway
+    // control, and its friction is far from saturated.
     assert!((eta("traction") - eta("raceway-control")).abs() < 1e-3);
     assert!(eta("traction") - eta("elastic") > 0.05);
     assert_eq!(result["regime"], "rolling");
@@ -379,17 +380,17 @@ fn compare_shows_every_model() {
     for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
         assert!(text.contains(part), "{text}");
     }
-    // If a model has no solution, the exit code is 3, as in every command.
+    // If a model has no solution, the exit code is 3, as for every other command.
     let output =
         bsm(dir.path(), &["solve", &lin(), "--model", "all", "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("rolls on the nut"), "{}", stdout(&output));
 }
 
-/// Tolerance, accuracy and controlling raceway reach the models. Invalid settings are rejected by
-/// name.
+/// The models use the given tolerance, accuracy and controlling raceway. An invalid setting is
+/// rejected, and the message names it.
 #[test]
-fn models_have_settings() {
+fn model_settings_are_used_or_rejected() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let solve = |args: &[&str]| {
@@ -413,11 +414,12 @@ fn models_have_settings() {
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
         (["--tolerance", "0"], "must be a finite number > 0"),
-        // An audit found a loss that was 20 % too large with a stated error of 0.3 %.
+        // Regression test: with this accuracy, a loss was 20 % too large, although its stated error
+        // bound was 0.3 %.
         (["--accuracy", "1e-2"], "must be from 0.0000000000001 to 0.0001"),
         (["--accuracy", "0"], "must be from 0.0000000000001 to 0.0001"),
         (["--control", "ball"], "nut, screw"),
-        // This setting used to be accepted silently.
+        // Regression test: this setting used to be accepted without any effect.
         (["--model=rigid", "--control=nut"], "--model: model rigid uses no settings"),
         (["--model=traction", "--tolerance=0.1"], "model traction uses accuracy and creep alone"),
     ] {
@@ -453,8 +455,8 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     assert_eq!(rows.len(), 8);
     assert_eq!(leads[..3], [pair("30", "5"), pair("30", "10"), pair("30", "15")]);
     assert_eq!(leads[7], pair("60", "20"));
-    // At 5 deg and 60 deg there is no root: the row keeps its position, states the reason and has
-    // no numbers.
+    // At 5 deg and 60 deg, there is no solution. The row keeps its position, states the reason and
+    // contains no results.
     assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
     assert!(rows[4][4].contains("rolls on the nut"), "{}", &rows[4][4]);
     assert!(stderr(&output).contains("1 of 8 rows have no result"), "{}", stderr(&output));
@@ -475,7 +477,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
         "out.svg",
     ];
     let output = bsm(dir.path(), &plotted, "");
-    // The plot is drawn even though some rows have no result.
+    // The plot is drawn even if some rows have no result.
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     let svg = fs::read_to_string(dir.path().join("out.svg")).expect("plot");
     for part in ["<svg", "lead angle, deg", "efficiency", "contact angle 60 deg"] {
@@ -486,7 +488,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     assert_eq!((lines.lines().count(), &first["lead_angle_deg"]), (16, &Value::from(5.0)));
 }
 
-/// A row of a sweep and a single solve of the same point give the same numbers.
+/// For the same point, a row of a sweep and a single solve must give the same results.
 #[test]
 fn sweep_agrees_with_solve() {
     let dir = folder();
@@ -503,13 +505,13 @@ fn sweep_agrees_with_solve() {
     let solved =
         stdout(&bsm(dir.path(), &["solve", &lin(), "--set", "axial_load_N=200", "--json"], ""));
     let solved: Value = serde_json::from_str(&solved).expect("JSON");
-    // Kernels agree with the models to 1e-10.
+    // Kernels agree with the models to within 1e-10.
     let solved = solved["efficiency"].as_f64().expect("a number");
     assert!((solved - swept).abs() <= 1e-10 * solved, "{solved} {swept}");
 }
 
 #[test]
-fn bad_sweeps_write_nothing() {
+fn invalid_sweeps_write_no_files() {
     let dir = folder();
     for (args, part) in [
         (vec!["--vary", "lead_angle_deg=1:2", "-o", "x.csv"], "name=start:stop:count"),
@@ -565,7 +567,7 @@ fn bad_sweeps_write_nothing() {
         assert_eq!(output.status.code(), Some(2), "{args:?} {}", stderr(&output));
         assert!(stderr(&output).contains(part), "{}", stderr(&output));
     }
-    // A review found that the table was written although the plot could not be written.
+    // Regression test: the table was written although the plot could not be written.
     for (table, plot) in [("no/such/x.csv", "x.svg"), ("x.csv", "no/such/x.svg")] {
         let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", table, "-o", plot];
         let output = bsm(dir.path(), &vary, "");
@@ -574,8 +576,8 @@ fn bad_sweeps_write_nothing() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// The efficiency jumps by 5e-3 along this sweep. There used to be no message that several
-/// solutions exist.
+/// The efficiency jumps by 5e-3 along this sweep. Regression test: there was no message that
+/// several solutions exist.
 #[test]
 fn a_sweep_marks_rows_with_several_solutions() {
     let dir = folder();
@@ -598,7 +600,7 @@ fn a_sweep_marks_rows_with_several_solutions() {
     assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");
 }
 
-/// The efficiency jumps where control passes to the other raceway. Every table names the
+/// The efficiency jumps where the other raceway takes control. Every table format must name the
 /// controlling raceway in a text column.
 #[test]
 fn tables_name_the_controlling_raceway() {
@@ -614,8 +616,8 @@ fn tables_name_the_controlling_raceway() {
     for file in ["raceway.csv", "raceway.jsonl"] {
         let text = fs::read_to_string(dir.path().join(file)).expect("a table");
         let raceways: Vec<_> = text.lines().filter(|row| row.contains("converged")).collect();
-        // The raceway with the closer conformity has the longer ellipse and the larger spinning
-        // moment.
+        // The raceway with the smaller conformity has the longer contact ellipse and the larger
+        // spinning moment, so it controls the ball.
         assert!(raceways[0].contains("nut") && raceways[1].contains("screw"), "{text}");
     }
     let table = File::open(dir.path().join("raceway.parquet")).expect("a table");
@@ -658,7 +660,7 @@ fn optimum_matches_the_closed_form() {
     let output = bsm(dir.path(), &["solve", "--show", "optimum", "--set", "lead_angle_deg=10"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("friction_coefficient"), "{}", stderr(&output));
-    // Lead angles beyond the optimum are reported.
+    // A lead angle beyond the optimum must be reported.
     let args = [
         "solve",
         "--show",
@@ -680,7 +682,7 @@ fn load_ratings_match_sobolewski() {
     let output = bsm(dir.path(), &["solve", &nut, "--show", "ratings"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    // Sobolewski (2002) prints 103546 N.
+    // The value 103546 N is printed in Sobolewski (2002).
     assert!(text.contains("dynamic axial load rating") && text.contains("103546"), "{text}");
     let args = ["solve", &nut, "--show", "ratings", "--set", "axial_load_N=30000", "--json"];
     let json: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
@@ -714,7 +716,7 @@ fn help_and_completions_work() {
         assert_eq!(output.status.code(), Some(0));
         let text = stdout(&output);
         assert!(text.contains("bsm") && text.contains("Exit codes"), "{args:?}");
-        // The help text fits on one tall screen.
+        // The help text of a command must fit on a tall screen.
         assert!(text.lines().count() <= 60, "{args:?}: {} lines", text.lines().count());
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{args:?}");
     }
@@ -725,7 +727,8 @@ fn help_and_completions_work() {
         .envs([("COMPLETE", "bash"), ("_CLAP_COMPLETE_INDEX", "1")])
         .output();
     assert_eq!(stdout(&candidates.expect("the program runs")).trim(), "select");
-    // Without arguments the program prints help. A misspelled command gives a usage error.
+    // Without arguments, the program prints its help text. A misspelled command causes a usage
+    // error.
     for args in [&[][..], &["sovle"]] {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(2));

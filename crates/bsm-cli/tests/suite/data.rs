@@ -1,9 +1,9 @@
-//! Copies of the published data that tests may change.
+//! Copies of the published data that a test may modify.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Copies the published data to `folder/data` and returns that path.
+/// Copies the published data to `folder/data` and returns the path of the copy.
 pub(crate) fn copy_published(folder: &Path) -> PathBuf {
     let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/published");
     let data = folder.join("data");

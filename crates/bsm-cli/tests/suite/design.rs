@@ -1,4 +1,5 @@
-//! Tests of `bsm select`, `bsm fit` and the optimum search at the command line.
+//! Tests of `bsm select`, `bsm fit` and the search for the optimum contact angle on the command
+//! line.
 
 use std::fs;
 
@@ -6,7 +7,7 @@ use serde_json::Value;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// The test goes from a requirement to a case and to a solved motion, as in the guide.
+/// Follows the guide from a requirement to a case and then to a solved motion.
 #[test]
 fn a_selected_screw_can_be_solved() {
     let dir = folder();
@@ -27,8 +28,9 @@ fn a_selected_screw_can_be_solved() {
     assert!(stdout(&output).contains("pressure_limit_MPa"));
 }
 
-/// If no screw exists, the command names the blocking limit and states by how much the limit is
-/// missed, writes no case, and exits with 3. Invalid input exits with 2.
+/// If no screw meets the requirement, the command must name the limit that prevents it and state by
+/// how much the limit is missed. It must write no case and exit with code 3. Invalid input must
+/// cause exit code 2.
 #[test]
 fn an_unattainable_requirement_names_the_blocking_limit() {
     let dir = folder();
@@ -48,7 +50,10 @@ fn an_unattainable_requirement_names_the_blocking_limit() {
     assert!(!dir.path().join("none.json").exists());
     let (code, text, _) = set("axial_load_N=1e30");
     assert_eq!(code, Some(3), "{text}");
-    assert!(text.contains("largest pressure at the nut, equal sharing must be"), "{text}");
+    assert!(
+        text.contains("largest pressure at the nut, with equal load sharing must be"),
+        "{text}"
+    );
     for (setting, words) in [
         ("screw_torque_Nm=12", "give one of axial_load_N and screw_torque_Nm"),
         ("lead_mm=-2", "`lead_mm` = -2 must be a finite number > 0"),
@@ -79,7 +84,7 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
     assert!(rows.windows(2).all(|w| number(&w[0], "mass_kg") <= number(&w[1], "mass_kg")));
     assert!(rows.iter().all(|row| number(row, "dynamic_load_rating_N") >= 5e4));
 
-    // Every table format has the same rows, and the JSON file contains the first nut as a case.
+    // All table formats must contain the same rows. The JSON file contains the first nut as a case.
     let mut tables = Vec::new();
     for table in ["a.csv", "a.jsonl", "a.parquet"] {
         let args = [&["select", "--from", "standard"], &wanted[..], &lightest[..], &["-o", table]]
@@ -100,8 +105,8 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
     assert!(stderr(&output).contains("are Pareto-optimal"), "{}", stderr(&output));
     let output = bsm(dir.path(), &["solve", "nut.json", "--show", "steps"], "");
     assert!(stdout(&output).contains("C_s/C_n"), "{}", stderr(&output));
-    // An audit found that the ratings of a picked nut stated a smaller mass, because they used a
-    // different screw diameter.
+    // Regression test: for a nut from the list, `solve --show ratings` stated a smaller mass than
+    // the list, because it used a different screw diameter.
     let picked = bsm(dir.path(), &["solve", "nut.json", "--show", "ratings", "--json"], "");
     let picked = json(&stdout(&picked));
     let args =
@@ -121,22 +126,23 @@ fn bad_catalog_requests_are_reported() {
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("and the nearest nut has"), "{}", stdout(&output));
-    // Columns named by the sort order and the conditions are shown on the screen.
+    // Columns used by `--sort` and `--where` are shown on the screen.
     let named = ["--sort", "clearance_per_turn_mm", "--where", "nut_length_mm<=50", "--first", "3"];
     let output = stdout(&bsm(dir.path(), &[&["select"], &named[..]].concat(), ""));
     for name in ["clearance_per_turn_mm", "nut_length_mm"] {
         assert!(output.contains(name), "{output}");
     }
     assert!(!output.contains("nut_bore_mm"), "{output}");
-    // The program used to print nothing on standard output and to name no limit for a list without
-    // a matching nut.
+    // Regression test: if no nut in the list matched, the program printed nothing on standard
+    // output and named no limit.
     let requirement = example("requirements/feed_drive.json");
     let long = ["--set", "required_life_h=100000"];
     let args =
         [&["select", &requirement, "--from", "standard", "--first", "1"], &long[..]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(3));
-    let limit = "no nut was selected: life of the cycle by ISO 3408-5 must be >= 100000 h";
+    let limit =
+        "no nut was selected: life under the cycle according to ISO 3408-5 must be >= 100000 h";
     assert!(stdout(&output).contains(limit), "{}", stdout(&output));
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),
@@ -152,7 +158,7 @@ fn bad_catalog_requests_are_reported() {
     let output = bsm(dir.path(), &["select", "--from", "lists.json"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("lists.json: unknown key `turns`"), "{}", stderr(&output));
-    // The printed lists are accepted as input.
+    // The printed lists must be accepted as input.
     let lists = stdout(&bsm(dir.path(), &["select", "--show", "lists"], ""));
     fs::write(dir.path().join("lists.json"), lists).expect("written");
     let output = bsm(
@@ -165,10 +171,10 @@ fn bad_catalog_requests_are_reported() {
     assert_eq!(figures, 26);
 }
 
-/// An audit found that figures were drawn around a fixed nut. With the lists of Fig 3 of Sobolewski
-/// (2002), eight tables therefore contained only headers.
+/// Regression test: figures were drawn for a fixed nut. With the lists of Fig 3 of Sobolewski
+/// (2002), eight tables therefore contained only a header.
 #[test]
-fn figures_follow_the_lists() {
+fn figures_are_drawn_for_the_listed_sizes() {
     let dir = folder();
     let lists = |leads: &str| {
         format!(
@@ -182,7 +188,7 @@ fn figures_follow_the_lists() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = |name: &str| fs::read_to_string(dir.path().join("figures").join(name));
     let figure = table("catalog-3.csv").expect("Fig 3");
-    // There are four conformities at three leads, and a header.
+    // The table has a header and one line for each of four conformities at three leads.
     assert_eq!(figure.lines().count(), 13, "{figure}");
     for entry in fs::read_dir(dir.path().join("figures")).expect("figures") {
         let path = entry.expect("an entry").path();
@@ -190,14 +196,14 @@ fn figures_follow_the_lists() {
         let table = path.extension().is_some_and(|extension| extension == "csv");
         assert!(!table || text.lines().count() > 1, "{}", path.display());
     }
-    // The lists have no second diameter, so there is no figure over the diameter, and Fig 7 is
-    // drawn once instead of separately for 50 and 63 mm.
+    // The lists contain only one diameter, so there is no figure over the diameter, and Fig 7 is
+    // drawn only once instead of separately for 50 and 63 mm.
     assert!(table("catalog-4.csv").is_err() && table("catalog-7b.csv").is_err());
     assert!(table("catalog-7a.csv").is_ok(), "{}", stderr(&output));
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("two nuts that differ"), "{}", stderr(&output));
-    // Only the requested figures are drawn.
+    // Only the requested figures must be drawn.
     let args = [
         "select",
         "--from",
@@ -227,7 +233,7 @@ fn friction_is_fitted_to_a_torque() {
     let args = ["solve", &feed_drive, "--model", "traction", "--set", &setting, "--json"];
     let solved = json(&stdout(&bsm(dir.path(), &args, "")));
     let torque = solved["ball_torque_Nm"].as_f64().expect("converged");
-    // The search stops at 5e-11 in the friction coefficient.
+    // The search stops at an error of 5e-11 in the friction coefficient.
     assert!((torque - 26.0).abs() < 1e-7, "{torque}");
     let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=1"];
     let output = bsm(dir.path(), &args, "");
@@ -244,7 +250,8 @@ fn friction_is_fitted_to_a_torque() {
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
-/// Two inputs are fitted to a table. The result is printed, written as JSON and drawn.
+/// Fits two inputs to a table of measured points. The result must be printed, written as JSON and
+/// plotted.
 #[test]
 fn inputs_are_fitted_to_a_table() {
     let dir = folder();
@@ -268,7 +275,7 @@ fn inputs_are_fitted_to_a_table() {
     let seal = answer["found"]["seal_torque_Nm"]["value"].as_f64().expect("a number");
     assert!((0.0..=1.0).contains(&seal), "{answer}");
     assert_eq!(answer["points"].as_array().map(Vec::len), Some(4));
-    // The same points are given with semicolons and decimal commas.
+    // The same points are read from a table with semicolons and decimal commas.
     let commas = points.replace(',', ";").replace('.', ",");
     fs::write(dir.path().join("measured.csv"), commas).expect("a file");
     let dialect = ["--delimiter", "semicolon", "--decimal", "comma", "--json"];
@@ -279,8 +286,8 @@ fn inputs_are_fitted_to_a_table() {
     assert_eq!(bsm(dir.path(), &two, "").status.code(), Some(2));
 }
 
-/// The 90 % interval of a lubricated torque is printed by default, but only on request if `--show`
-/// or `--json` is given.
+/// The 90 % interval of the torque of a lubricated screw is printed by default. With `--show` or
+/// `--json`, it is included only on request.
 #[test]
 fn json_contains_the_friction_band_on_request() {
     let dir = folder();
@@ -297,7 +304,7 @@ fn json_contains_the_friction_band_on_request() {
     assert!(band["band"]["ball_torque_Nm"]["high"].as_f64().expect("a number") > 26.0, "{band}");
 }
 
-/// The search with the closed-form model finds the optimum of the formula.
+/// With the closed-form model, the search must find the optimum given by the formula.
 #[test]
 fn the_optimum_search_matches_the_closed_form() {
     let dir = folder();
@@ -307,17 +314,17 @@ fn the_optimum_search_matches_the_closed_form() {
     let number = |value: &Value, name: &str| value[name].as_f64().expect("an optimum");
     let found = number(&answer["by_model"], "optimum_contact_angle_deg");
     let exact = number(&answer, "rotary_to_linear_optimum_contact_angle_deg");
-    // Near a flat minimum, the position is known to half the digits of the efficiency.
+    // Near a flat minimum, the position is accurate to only half as many digits as the efficiency.
     assert!((found - exact).abs() < 1e-5, "{found} {exact}");
     let output = bsm(dir.path(), &["solve", &lin, "--show", "optimum", "--model", "traction"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("nut_conformity"), "{}", stderr(&output));
 }
 
-/// A case with only one contact angle used to be rejected. Either angle determines the other angle,
-/// and only those figures of Lin are drawn for which the case has inputs.
+/// Regression test: a case with only one contact angle used to be rejected. Either contact angle
+/// determines the other. Only those figures of Lin are drawn whose inputs the case contains.
 #[test]
-fn the_optimum_is_found_from_either_angle() {
+fn optimum_is_found_if_only_one_contact_angle_is_given() {
     let dir = folder();
     let of = |setting: &str| {
         let args = [
@@ -361,8 +368,8 @@ fn the_optimum_is_found_from_either_angle() {
     assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
 }
 
-/// By default, the sizes come from manufacturers. A user's table of sizes, here the built-in table
-/// written with decimal commas, is used unchanged. Continuous sizes must be requested.
+/// By default, the sizes of manufacturers are used. A user's table of sizes (here the built-in
+/// table with decimal commas) must be used unchanged. Continuous sizes are used only on request.
 #[test]
 fn sizes_come_from_manufacturers_or_a_table() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! Runs the commands of README and the guides as written, and compares their output with the
+//! Runs the commands shown in the README and the guides, and compares their output with the
 //! documented output.
 #![cfg(unix)]
 
@@ -17,8 +17,7 @@ use document::{Document, bsm_arguments, documents};
 use fast::{BLOCKS, Program};
 use tempfile::TempDir;
 
-/// Table of the equations, figures and statements of the papers, with the commands that reproduce
-/// them.
+/// Table of the equations, figures and statements in the papers, with commands that reproduce them.
 const PAPERS: &str = "docs/papers.csv";
 
 fn program() -> (TempDir, Program) {
@@ -32,9 +31,9 @@ fn all_documents() -> Vec<Document> {
     documents(&root()).expect("README and docs")
 }
 
-/// Returns the first difference between two texts. Times may differ between machines. The last
-/// printed digit may differ, and so may numbers that consist of rounding error: they are below
-/// 1e-10, the residual at which the solver stops.
+/// Returns the first relevant difference between two texts. Times may differ because they depend on
+/// the machine. The last printed digit may differ, and so may numbers below 1e-10, the residual at
+/// which the solver stops, because they consist only of rounding errors.
 fn difference(documented: &str, printed: &str) -> Option<String> {
     let cells = |line: &str| -> Vec<String> {
         line.split("  ").map(|cell| cell.trim().to_owned()).filter(|c| !c.is_empty()).collect()
@@ -47,7 +46,7 @@ fn difference(documented: &str, printed: &str) -> Option<String> {
             (old, new) => (old.unwrap_or_default(), new.unwrap_or_default()),
         };
         let [mut a, mut b] = [old, new].map(cells);
-        // The header of a table states which column is a time.
+        // The header of a table shows which column contains times.
         time = a.iter().position(|cell| cell == "time us").or(time);
         for cells in [&mut a, &mut b] {
             if let Some(cell) = time.and_then(|place| cells.get_mut(place))
@@ -75,13 +74,14 @@ fn are_equal_when_printed(old: &str, new: &str) -> bool {
     old == new
         || numbers.is_some_and(|(x, y)| {
             let last_digit = last_digit(old).max(last_digit(new));
-            // Half a unit is added because decimal fractions are not exact doubles.
+            // The tolerance includes half a unit more, because decimal fractions are not exact
+            // doubles.
             (x - y).abs() <= 1.5 * last_digit || x.abs().max(y.abs()) < 1e-10
         })
 }
 
-/// Returns one unit of the last digit of a printed number. Integers are counts and must match
-/// exactly.
+/// Returns one unit in the last place of a printed number. Integers are counts and must match
+/// exactly, so the result is 0.
 fn last_digit(number: &str) -> f64 {
     let (digits, power) = number.split_once('e').unwrap_or((number, "0"));
     let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
@@ -112,11 +112,11 @@ fn relevant_differences_between_texts_are_found() {
     assert!(difference("158 pass", "159 pass").is_some());
 }
 
-/// Shell commands that are not run here because they build the program or run tests.
+/// Beginnings of shell commands that are not run here, because they build the program or run tests.
 const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
 
-/// README has two set-up commands. One command runs the main job, and the other command passes the
-/// tests. CI runs exactly these commands.
+/// The README contains two setup commands: one command runs the program, and the other command runs
+/// the tests. CI must use exactly these commands.
 #[test]
 fn ci_runs_exactly_the_two_commands_of_readme() {
     let read = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
@@ -136,9 +136,9 @@ fn ci_runs_exactly_the_two_commands_of_readme() {
     assert!(tests.starts_with("cargo test "), "{tests}");
 }
 
-/// Every line of an `sh` fence runs as written, in the order of its document, unless it is in
-/// [`SET_UP`]. Files that a document shows under a name exist. Commands of `sh long` fences take
-/// seconds or more even in an optimized build, so they are run with fewer points.
+/// Runs every line of an `sh` fence exactly as documented, in the order of the document, unless it
+/// is in [`SET_UP`]. If a document shows a file under a name, this file exists. Commands in `sh
+/// long` fences take seconds or more even in an optimized build, so they are run with fewer points.
 #[test]
 fn commands_run_and_print_what_is_documented() {
     for document in all_documents() {
@@ -167,7 +167,8 @@ fn commands_run_and_print_what_is_documented() {
                 let code = output.status.code().expect("an exit code");
                 let stderr = String::from_utf8_lossy(&output.stderr);
                 printed = Some(String::from_utf8(output.stdout).expect("UTF-8"));
-                // A missing solution is a valid answer if the document shows it.
+                // The exit code for a missing solution is acceptable if the document shows the
+                // output.
                 let shown = |b: &document::Block| {
                     b.name == "shown"
                         && document.command_before(b.body.start).as_deref() == Some(line)
@@ -190,7 +191,7 @@ fn commands_run_and_print_what_is_documented() {
     }
 }
 
-/// Returns the same command with three points per input, or three points in total.
+/// Returns the command with three points per input (`sweep`) or three points in total.
 fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     match words[0].as_str() {
         "sweep" => {
@@ -209,7 +210,7 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
             fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
             words.extend(["--points", "few.csv"].map(str::to_owned));
         }
-        // A server would not end, so the page is written to a file instead.
+        // A server would not end, so the command writes the page to a file instead.
         "view" => {
             words.retain(|word| word != "--open");
             match words.iter().position(|word| word == "-o") {
@@ -222,9 +223,9 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     words
 }
 
-/// Checks that the reader of fences finds commands.
+/// Checks that the parser finds the commands in the documents.
 #[test]
-fn commands_of_documents_are_found() {
+fn parser_finds_commands_in_documents() {
     let count = |name: &str| {
         let documents = all_documents();
         let document = documents.iter().find(|d| d.path.ends_with(name)).expect("a document");
@@ -232,7 +233,8 @@ fn commands_of_documents_are_found() {
         let shells = fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh"));
         shells.flat_map(|fence| fence.body.lines()).filter_map(bsm_arguments).count()
     };
-    // The counts were determined by hand when this test was written. Further commands may be added.
+    // These counts were determined by hand when the test was written. Later versions of the
+    // documents may contain more commands.
     assert!(count("README.md") >= 6);
     assert!(count("docs/guide/design.md") >= 6);
 }
@@ -257,16 +259,16 @@ fn documented_numbers_match_the_program() {
     }
 }
 
-/// Every documented output has a command above it that is run.
+/// Every documented output must follow a command that is run.
 #[test]
-fn documented_output_has_a_command() {
+fn every_documented_output_follows_a_command() {
     for document in all_documents() {
         for block in document.blocks().expect("markers").iter().filter(|b| b.name == "shown") {
             let command = document.command_before(block.body.start).unwrap_or_default();
             let path = document.path.display();
             assert!(bsm_arguments(&command).is_some(), "{path}: {command}");
         }
-        // Output that no command produces becomes outdated unnoticed.
+        // Output that does not belong to a command would become outdated without being noticed.
         let blocks = document.blocks().expect("markers");
         let places: BTreeSet<_> = blocks.iter().map(|b| b.body.end).collect();
         for fence in document.fences().iter().filter(|f| f.info == "text") {
@@ -275,12 +277,12 @@ fn documented_output_has_a_command() {
     }
 }
 
-/// Returns the parts of a text between backquotes.
+/// Returns the parts of a text that are enclosed in backquotes.
 fn texts_between_backquotes(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// A row of the table of the papers: one equation, figure or statement.
+/// A row of the table of papers: one equation, figure or statement.
 struct Row {
     paper: String,
     text: String,
@@ -293,8 +295,8 @@ fn papers() -> String {
     fs::read_to_string(root().join(PAPERS)).expect("the table of the papers")
 }
 
-/// Parses the rows below the header, with the columns paper, item, equation, command, value of the
-/// paper, our value and verdict.
+/// Parses the rows of the table of papers. The columns are paper, item, equation, command, value in
+/// the paper, calculated value and verdict.
 fn rows(text: &str) -> Vec<Row> {
     let row = |record: Result<csv::StringRecord, csv::Error>| {
         let record = record.expect("a row of the table");
@@ -313,10 +315,10 @@ fn rows(text: &str) -> Vec<Row> {
     csv::Reader::from_reader(text.as_bytes()).records().map(row).collect()
 }
 
-/// Allowed verdicts on the claims of the papers.
+/// Permitted verdicts in the table of papers.
 const VERDICTS: [&str; 4] = ["reproduced", "corrected", "differs", "not modeled"];
 
-/// Words before a number that identifies an equation, a figure or a chapter.
+/// Words that precede the number of an equation, a figure or a chapter.
 const REFERENCES: [&str; 10] = [
     "Eq",
     "Eqs",
@@ -353,7 +355,7 @@ fn prose(text: &str) -> String {
     kept + rest
 }
 
-/// Returns a number that is neither in backquotes nor the number of an equation, a figure or a
+/// Returns the first number that is neither in backquotes nor the number of an equation, figure or
 /// chapter.
 fn bare_number(text: &str) -> Option<String> {
     let mut refers = false;
@@ -372,7 +374,8 @@ fn bare_number(text: &str) -> Option<String> {
     None
 }
 
-/// Returns true if a text contains a number, either complete or cut after at least four digits.
+/// Returns true if a text contains a number. The number may have additional decimals in the text if
+/// it has at least four digits.
 fn contains_number(text: &str, number: &str) -> bool {
     let digits = number.bytes().filter(u8::is_ascii_digit).count();
     let may_go_on = digits >= 4 && number.contains('.');
@@ -391,7 +394,7 @@ fn contains_number(text: &str, number: &str) -> bool {
 }
 
 #[test]
-fn bare_numbers_and_printed_numbers_are_found() {
+fn bare_and_printed_numbers_are_detected() {
     for (text, bare) in [
         ("efficiency `0.96609`", None),
         ("differs: by (X13), Eqs 7 and 8, Figs 4 to 6; $r_b/2$", None),
@@ -416,13 +419,13 @@ fn bare_numbers_and_printed_numbers_are_found() {
     }
 }
 
-/// Every command in the table of the papers runs once, and the commands of a row print every number
-/// of the program in that row.
+/// Runs every command in the table of papers once. The commands of a row must print every
+/// calculated number that the row states.
 ///
-/// Ten rows used to contain numbers that their commands did not print, because only numbers in
-/// backquotes were compared.
+/// Regression test: ten rows contained numbers that their commands did not print, because only
+/// numbers in backquotes were compared.
 #[test]
-fn commands_of_the_papers_run_and_print_our_numbers() {
+fn commands_in_the_papers_table_print_the_stated_numbers() {
     let rows = rows(&papers());
     for row in &rows {
         assert!(VERDICTS.iter().any(|verdict| row.verdict.starts_with(verdict)), "{}", row.text);
@@ -455,7 +458,7 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
         for command in &row.commands {
             let output = &answers[command.as_str()];
             let (code, stderr) = (output.status.code(), said(&output.stderr));
-            // A missing solution is a valid answer if the row says so.
+            // The exit code for a missing solution is acceptable if the row mentions it.
             let no_solution = code == Some(3) && row.text.contains("exit code 3");
             assert!(code == Some(0) || no_solution, "{command}: exit code {code:?}: {stderr}");
             printed.push_str(&said(&output.stdout));
@@ -475,10 +478,10 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
     }
 }
 
-/// Parses a row with commands and a verdict. The page beside the table states the number of
-/// verdicts for each paper.
+/// Parses a row with commands and a verdict. The page that accompanies the table must state how
+/// many verdicts of each kind each paper has.
 #[test]
-fn table_of_papers_is_parsed_and_its_page_counts_the_verdicts() {
+fn papers_table_is_parsed_and_its_page_counts_the_verdicts() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\
                 a,Eq 1,(Q1),\"`bsm a`, `bsm b --c 'd e'`\",1,`2`,differs: why\n";
     let rows = rows(text);
@@ -491,7 +494,7 @@ fn table_of_papers_is_parsed_and_its_page_counts_the_verdicts() {
         let verdict = VERDICTS.iter().position(|verdict| row.verdict.starts_with(verdict));
         counts.entry(row.paper).or_default()[verdict.expect("a verdict")] += 1;
     }
-    // The counts are from the time when this test was written. Further rows may be added.
+    // The table had 176 rows when this test was written. Further rows may be added.
     assert!(counts.values().flatten().sum::<usize>() >= 176, "{counts:?}");
     let page = fs::read_to_string(root().join(PAPERS).with_extension("md")).expect("the page");
     for (paper, counts) in counts {

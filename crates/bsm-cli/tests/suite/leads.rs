@@ -1,13 +1,13 @@
-//! A row of a table gives the same answer as `bsm solve --set` for the same point.
+//! A table row must give the same result as `bsm solve --set` for the same point.
 
 use std::path::Path;
 
 use crate::program::{bsm, folder, stderr, stdout};
 
-/// An audit found that row 1 was solved with the lead of the base case. This is the command of the
-/// audit.
+/// Regression test: row 1 was solved with the lead of the base case. The command is the one that
+/// revealed the error.
 #[test]
-fn both_lead_columns_with_gaps_are_answered_as_single_points() {
+fn rows_with_gaps_in_lead_columns_match_single_solves() {
     let dir = folder();
     let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/feed_drive.json");
     let drive = drive.display().to_string();
@@ -35,7 +35,7 @@ fn both_lead_columns_with_gaps_are_answered_as_single_points() {
             let single = stdout(&bsm(dir.path(), &[&solve[..], &common].concat(), ""));
             let single: serde_json::Value = serde_json::from_str(&single).expect("JSON");
             let known = single["efficiency"].as_f64();
-            // A kernel rounds differently from its model.
+            // A kernel has other rounding errors than its model.
             let same = match (row[5].parse::<f64>(), known) {
                 (Ok(found), Some(known)) => (found - known).abs() <= 1e-10 * known.abs(),
                 (found, known) => found.is_err() && known.is_none(),

@@ -1,4 +1,4 @@
-//! Tests of the list options of `bsm select` and of displayed units.
+//! Tests of the list options of `bsm select`, and of display units.
 
 use std::fs;
 use std::path::Path;
@@ -7,22 +7,24 @@ use serde_json::Value;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// Runs the program and returns its output on the screen. The run must succeed.
+/// Runs the program, checks that it succeeds, and returns its standard output.
 fn run(folder: &Path, args: &[&str]) -> String {
     let output = bsm(folder, args, "");
     assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
     stdout(&output)
 }
 
-/// Catalog lines with a stiffness, the load for which it is stated, and texts of the user.
+/// Catalog lines with a stiffness, the load for which the stiffness is stated, and additional text
+/// columns.
 const LINES: &str = "nut,supplier,nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,rated_rigidity_N_um,rated_rigidity_at
 small,A,40,20,52000,88000,700,0.3 Ca
 large,B,50,20,80000,150000,900,0.28 Ca
 slow,C,40,10,60000,120000,800,0.3 Ca
 ";
 
-/// Filters, order, columns in any unit and tables in all formats work for a manufacturer's table as for standard sizes. Columns of text
-/// are kept, and the case of the first nut has its order code.
+/// Filters, sorting, columns in any unit and all table formats must work for a manufacturer's table
+/// as they do for standard sizes. Text columns are kept, and the case of the first nut contains its
+/// order code.
 #[test]
 fn list_options_apply_to_a_table_of_nuts() {
     let dir = folder();
@@ -60,7 +62,7 @@ fn list_options_apply_to_a_table_of_nuts() {
     assert_eq!(cells.len(), 2, "{csv}");
     assert_eq!([cells[0][0], cells[0][2], cells[1][0]], ["large", "B", "small"]);
     let lead: f64 = cells[0][1].parse().expect("a number");
-    // One division.
+    // The conversion to inches requires only one division.
     assert!((lead - 20.0 / 25.4).abs() < 1e-12, "{lead}");
     for name in ["list.xlsx", "list.jsonl", "list.parquet"] {
         assert!(fs::metadata(path.join(name)).expect("a file").len() > 50, "{name}");
@@ -70,7 +72,7 @@ fn list_options_apply_to_a_table_of_nuts() {
         (&case["order_code"], &case["rated_rigidity_at"]),
         (&Value::from("large"), &Value::from("0.28 Ca"))
     );
-    // The stiffness of the catalog is used.
+    // The stiffness stated in the catalog is used.
     let rows = json(&with(&["--first", "1", "--sort", "lead_mm", "--json"]));
     let row = &rows.as_array().expect("rows")[0];
     assert_eq!((&row["nut"], &row["texts"]["supplier"]), (&Value::from("slow"), &Value::from("C")));
@@ -88,10 +90,10 @@ fn list_options_apply_to_a_table_of_nuts() {
     assert!(stderr(&misspelled).contains("lead_mm"), "{}", stderr(&misspelled));
 }
 
-/// Rows that contradict their geometry are named: a ball that is too large for the lead, and a ratio of calculated to stated rating far
-/// from the median of the table.
+/// Rows that contradict their own geometry must be named: here a ball that is too large for the
+/// lead, and a row whose ratio of calculated to stated rating is far from the median of the table.
 #[test]
-fn rows_that_contradict_their_geometry_are_named() {
+fn rows_that_contradict_their_geometry_are_reported() {
     let dir = folder();
     let path = dir.path();
     let table = fs::read_to_string(example("manufacturer_table.csv")).expect("a table");
@@ -115,14 +117,18 @@ fn rows_that_contradict_their_geometry_are_named() {
     let said = stderr(&output);
     let named: Vec<_> = said.lines().filter(|line| line.contains("warning")).collect();
     assert_eq!(named.len(), 2, "{said}");
-    assert!(said.contains("misprint: the dynamic load rating of the geometry is"), "{said}");
     assert!(
-        said.contains("crowded: ball_diameter_mm 3.175 is more than 0.8 of lead_mm 3.5"),
+        said.contains("misprint: the ratio of calculated to stated dynamic load rating is"),
+        "{said}"
+    );
+    assert!(
+        said.contains("crowded: ball_diameter_mm 3.175 is more than 0.8 times lead_mm 3.5"),
         "{said}"
     );
 }
 
-/// In inch units, labels and numbers of screen, sheet, rules and columns are converted, and JSON is not.
+/// With inch units, labels and numbers on the screen, on the sheet, in rules and in columns must be
+/// converted. JSON must not be converted.
 #[test]
 fn answers_are_displayed_in_inch_units() {
     let dir = folder();
@@ -146,7 +152,7 @@ fn answers_are_displayed_in_inch_units() {
     assert!(largest.contains(&"lbf".to_owned()), "{largest:?}");
     let value: f64 = largest.last().expect("a number").parse().expect("a number");
     let newtons = metric["results"]["largest_load_N"].as_f64().expect("a load");
-    // Five digits are printed.
+    // Numbers are printed with five digits.
     assert!((value * 4.448_221_615 / newtons - 1.0).abs() < 1e-4, "{value} {newtons}");
     assert!(shown.contains("peak motor torque") && !shown.contains("  N m  "), "{shown}");
     let sheet = fs::read_to_string(path.join("sheet.html")).expect("a sheet");
@@ -154,10 +160,10 @@ fn answers_are_displayed_in_inch_units() {
     assert!(!sheet.contains("axial load, kN"));
     let rules = fs::read_to_string(path.join("rules.csv")).expect("rules");
     assert!(rules.contains(",lbf,") && !rules.contains(",N,"), "{rules}");
-    // A temperature has an offset, and a temperature rise has none.
+    // Converting a temperature to °F adds an offset, but converting a temperature rise does not.
     let rise = line("steady-state temperature rise of the screw above the surroundings");
     assert!(rise.contains(&"degF".to_owned()), "{rise:?}");
-    // An input of the case has the same effect as the option.
+    // The input `display_units` of a case has the same effect as the option `--units`.
     let set = axis(&[&more[..], &["--set", "display_units=inch"]].concat());
     assert_eq!(set, axis(&[&more[..], &["--units", "inch"]].concat()));
     let nut = example("nut.json");
@@ -168,9 +174,10 @@ fn answers_are_displayed_in_inch_units() {
     assert!(list.contains("lead_in") && list.contains("dynamic_load_rating_lbf"), "{list}");
 }
 
-/// The sheet is an order and a document to sign: manufacturer and code, the process force of each phase, and fields for signatures.
+/// The sheet can be used for ordering and signing. It must contain the manufacturer, the order
+/// code, the process force of each phase, and fields for signatures.
 #[test]
-fn the_sheet_has_the_process_force_and_fields_for_signatures() {
+fn sheet_contains_process_force_and_signature_fields() {
     let dir = folder();
     let cycle = r#"cycle=[{"time_s": 1, "feed_m_min": 6, "force_N": 1234, "end_force_N": 2345}, {"time_s": 1, "feed_m_min": -6}]"#;
     let case = example("axis.json");
@@ -201,6 +208,6 @@ fn the_sheet_has_the_process_force_and_fields_for_signatures() {
     ] {
         assert!(sheet.contains(words), "{words}");
     }
-    // An entry of the order does not repeat its title.
+    // An entry of the order must not repeat its own title.
     assert!(!sheet.contains(">thread 1"), "{sheet}");
 }

@@ -1,11 +1,11 @@
-//! Tests of maps for the lookup blocks of drive models.
+//! Tests of lookup tables for drive models.
 
 use std::fs;
 use std::path::Path;
 
 use crate::program::{bsm, folder, stderr, stdout};
 
-/// Sweeps an example case into a file of the folder and returns the exit code and the messages.
+/// Runs a sweep of an example case in `folder` and returns the exit code and standard error.
 fn sweep(folder: &Path, case: &str, options: &[&str]) -> (Option<i32>, String) {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(case);
     let case = case.display().to_string();
@@ -22,12 +22,13 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
     lines.iter().map(row).collect()
 }
 
-/// The map contains the numbers of the table of rows, with the first axis in rows and the second
-/// axis in columns.
+/// The lookup table must contain the same numbers as the ordinary table. Its rows correspond to the
+/// first axis and its columns to the second axis.
 #[test]
-fn a_lookup_has_the_numbers_of_the_table() {
+fn lookup_table_has_the_numbers_of_the_ordinary_table() {
     let dir = folder();
-    // With a fixed model no row has a message. Messages may contain commas.
+    // A model is selected because `auto` would write a message into each row, and messages may
+    // contain commas.
     let columns = ["--columns", "efficiency,ball_torque_Nm", "--model", "raceway-control"];
     for out in ["map.txt", "map.csv"] {
         let options = [&SPEED[..], &LOAD, &columns, &["-o", out]].concat();
@@ -62,9 +63,9 @@ fn a_lookup_has_the_numbers_of_the_table() {
     assert_eq!(grid.lines().collect::<Vec<_>>(), lines);
 }
 
-/// One varied input gives one table of all outputs.
+/// With one varied input, a single table must contain all outputs.
 #[test]
-fn one_input_makes_one_table() {
+fn one_varied_input_gives_one_lookup_table() {
     let dir = folder();
     let options =
         [&SPEED[..], &["--columns", "efficiency,ball_torque_Nm", "-o", "map.txt"]].concat();
@@ -78,9 +79,9 @@ fn one_input_makes_one_table() {
     assert!(rows.iter().all(|row| (0.9..1.0).contains(&row[1])), "{rows:?}");
 }
 
-/// A map that a lookup block could not use is not written.
+/// A lookup table with gaps must not be written, because a drive model could not use it.
 #[test]
-fn a_lookup_with_gaps_is_rejected() {
+fn lookup_table_with_gaps_is_rejected() {
     let dir = folder();
     let refused = |options: &[&str], code: i32, words: &str| {
         let (found, told) = sweep(dir.path(), "feed_drive.json", options);

@@ -1,4 +1,4 @@
-//! Tests of the program at the command line.
+//! Tests of the program on the command line.
 
 mod analyses;
 mod catalog_line;
@@ -20,7 +20,8 @@ mod schemas;
 mod size;
 mod tables;
 
-// A private module is tested directly. The program itself is compiled once, without this test.
+// This private module is included and tested directly. The program itself is compiled once, without
+// this test.
 #[expect(dead_code, reason = "bars are drawn by the program")]
 #[path = "../../src/progress.rs"]
 mod progress;

@@ -1,11 +1,11 @@
-//! Tests of `bsm nut` at the command line.
+//! Tests of `bsm nut` on the command line.
 
 use std::fs;
 
 use crate::program::{bsm, example, folder, root, stderr, stdout};
 use serde_json::{Value, json};
 
-/// Returns the exit code, the answer in JSON and the messages.
+/// Runs `bsm nut` and returns the exit code, the JSON answer and standard error.
 fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
     let dir = folder();
     let output = bsm(dir.path(), &[&["nut", "-", "--json"], args].concat(), case);
@@ -13,7 +13,7 @@ fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
     (output.status.code(), json, stderr(&output))
 }
 
-/// Returns the message of a rejected case.
+/// Runs `bsm nut` for a case that must be rejected, and returns the message.
 fn rejection_message(change: &Value, args: &[&str]) -> String {
     let mut case = single();
     case.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
@@ -31,7 +31,7 @@ fn single() -> Value {
     })
 }
 
-/// Returns a reference case as a case of the program, with its loads as inputs.
+/// Converts a reference case to a case of this program, with the loads as inputs.
 fn case_of(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
@@ -67,11 +67,11 @@ fn case_of(reference: &Value) -> Value {
     case
 }
 
-/// Compares every number of `expect` by name. The tolerance of the cases is 1e-9, relative to the
-/// number. Numbers that are zero by symmetry are compared relative to a thousandth of the largest
-/// number of the list. Loads are compared relative to a millionth of the largest load (chapter
-/// 11.10 of the source of the cases), and sums of forces that cancel are compared relative to all
-/// loads.
+/// Compares every number of `expect` by name. The relative tolerance is stated in the reference
+/// case (1e-9). Because some numbers are zero by symmetry, the tolerance is relative to at least a
+/// thousandth of the largest number of the list or, for forces that cancel, of the sum of all ball
+/// loads. For ball loads, it is relative to at least a millionth of the largest load (chapter 11.10
+/// of the source of the reference cases).
 #[test]
 fn nut_results_match_the_reference_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
@@ -81,14 +81,15 @@ fn nut_results_match_the_reference_cases() {
         let name = reference["name"].as_str().expect("name");
         let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
         if reference["case"]["lead_mm"] == 0.0 {
-            // A bearing is not a valid case. The tests of bsm-nut compare it.
+            // A bearing is not a valid case for this program. It is compared in the tests of
+            // bsm-nut.
             assert_eq!(code, Some(2), "{name}: {words}");
             assert!(words.contains("`lead_mm` = 0 must be a finite number > 0"), "{words}");
             continue;
         }
         assert_eq!(code, Some(0), "{name}: {words}");
-        // The ring begins at 45.82613 mm here and at 45.826 mm in the reference cases. The relative
-        // difference of 3e-6 affects its stiffness slightly.
+        // The inner diameter of the ring is 45.82613 mm here and 45.826 mm in the reference cases.
+        // This relative difference of 3e-6 slightly affects the stiffness.
         let has_ring = !reference["case"]["ring"].is_null();
         let exact = reference["rel_tol"].as_f64().expect("tolerance");
         let tolerance = if has_ring { 1e-5 } else { exact };
@@ -115,7 +116,8 @@ fn nut_results_match_the_reference_cases() {
                     assert_eq!(expected, found, "{name} {key}[{i}]");
                     continue;
                 };
-                // Displacements of an unloaded pair are zero up to rounding of 1e-15 m.
+                // The displacements of an unloaded pair are zero apart from rounding errors of
+                // 1e-15 m.
                 let floor = if key == "displacement_um" { floor.max(1.0) } else { floor };
                 let allowed = tolerance * expected.abs().max(floor);
                 assert!(
@@ -127,9 +129,9 @@ fn nut_results_match_the_reference_cases() {
     }
 }
 
-/// Short inputs are equivalent to the full objects: bars and ring follow from anchors and diameters
-/// (chapter 16), and the pair of case P06 from a preload, up to the tolerance of the preload
-/// search, 1e-8.
+/// Short inputs must be equivalent to complete objects. Bars and ring are calculated from anchors
+/// and diameters (chapter 16). The nut pair of case P06 is calculated from its preload; its results
+/// agree to within 1e-8, the tolerance of the preload search.
 #[test]
 fn short_inputs_are_equivalent_to_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
@@ -190,7 +192,8 @@ fn short_inputs_are_equivalent_to_objects() {
     same(&json!({ "preload_N": 3000, "axial_load_N": 3000 }), &pair, 1e-8);
 }
 
-/// Ambiguous or contradictory inputs are rejected, with the path of the wrong input.
+/// Ambiguous or contradictory inputs must be rejected. The message states the path of the invalid
+/// input.
 #[test]
 fn contradictory_nut_inputs_are_rejected() {
     let circuit = json!({ "start_deg": 0, "arc_deg": 330, "balls": 18 });
@@ -242,7 +245,8 @@ fn contradictory_nut_inputs_are_rejected() {
     assert!(rejection_message(&json!({}), &["--samples", "5"]).contains("ball_deviation_sd_um"));
 }
 
-/// `--set` accepts choices of a nut, and a load of zero, which is not valid for a single ball.
+/// `--set` must accept text values for a nut, and a load of zero, which is not valid for a single
+/// ball.
 #[test]
 fn set_accepts_text_values() {
     let (_, found, words) = answer(&single().to_string(), &["--set", "nut_guidance=free"]);
@@ -250,7 +254,7 @@ fn set_accepts_text_values() {
     let pulled = ["--set", "axial_load_N=-6340"];
     let (_, pulled, _) = answer(&single().to_string(), &pulled);
     let (_, pushed, _) = answer(&single().to_string(), &[]);
-    // Both flanks have the same shape, so only signs differ.
+    // Both flanks have the same shape, so a reversed load changes only signs.
     for key in ["max_contact_load_N", "life_by_balls_revolutions"] {
         assert_eq!(pulled[key], pushed[key], "{key}");
     }
@@ -259,7 +263,7 @@ fn set_accepts_text_values() {
         &["--set", "axial_load_N=-500", "--set", "loaded_turns=1", "--set", "nut_guidance=free"],
     );
     assert_eq!(code, Some(0), "{none}");
-    // A circuit with one flank carries no load in the opposite direction.
+    // A circuit that is loaded on one flank cannot carry a load in the opposite direction.
     let mut case = single();
     let map = case.as_object_mut().expect("object");
     map.retain(|key, _| !key.starts_with("loaded"));
@@ -273,8 +277,8 @@ fn set_accepts_text_values() {
     );
 }
 
-/// For a preloaded nut, the three stiffnesses match their definitions, no preload is left at the
-/// limit load, and the torque has its note.
+/// For a preloaded nut, the three stiffness values must match their definitions, no preload must
+/// remain at the limit load, and a note must explain the torque.
 #[test]
 fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     let dir = folder();
@@ -287,11 +291,11 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
     assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
-    // The ratio is 2.86 to 2.91 for the contact angles at usual preloads (chapter 16).
+    // For the contact angles at usual preloads, the ratio is 2.86 to 2.91 (chapter 16).
     let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
-    // With a dry friction coefficient of 0.06, K_p is 0.033, a third of the smallest catalog value
-    // (chapter 16).
+    // For a dry friction coefficient of 0.06, K_p is 0.033, which is a third of the smallest
+    // catalog value (chapter 16).
     let factor = of("preload_torque_factor");
     assert!((0.025..0.045).contains(&factor), "{factor}");
     let low = of("rule_torque_low_Nm");
@@ -305,7 +309,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
         "limit load",
         "K_p",
         "third contact",
-        "life by all balls / life by ISO 3408-5",
+        "life from the loads of all balls / life according to ISO 3408-5",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -345,7 +349,7 @@ fn balls_curve_and_figures_are_written() {
     assert_eq!(balls.len(), 1 + 98);
     let curve = rows("curve.csv");
     assert!(curve[0].starts_with("axial_load_N,nut_displacement_um"), "{}", curve[0]);
-    // Displacement increases with the load, and preload decreases.
+    // As the load increases, the displacement increases and the preload decreases.
     let column = |i: usize| -> Vec<f64> {
         curve[1..]
             .iter()
@@ -362,8 +366,8 @@ fn balls_curve_and_figures_are_written() {
     }
 }
 
-/// Samples depend on the seed alone, not on the number of threads. The first sample is the nut of
-/// the case itself.
+/// Samples must depend only on the seed and not on the number of threads. The first sample is the
+/// nut of the case itself.
 #[test]
 fn samples_depend_on_the_seed_alone() {
     let dir = folder();
@@ -386,8 +390,8 @@ fn samples_depend_on_the_seed_alone() {
     assert!(values[0] > 1.1, "scattered balls share unevenly: {values:?}");
 }
 
-/// The results of a nut are available as columns of a sweep. A row of the sweep equals the output
-/// of `bsm nut`.
+/// Nut results can be calculated as columns of a sweep. A row must have the same results as `bsm
+/// nut`.
 #[test]
 fn nut_results_are_available_as_sweep_columns() {
     let dir = folder();
@@ -410,13 +414,13 @@ fn nut_results_are_available_as_sweep_columns() {
     }
 }
 
-/// Returns the name in this program for a number of the reference data.
+/// Returns the output name that corresponds to a name in the reference data.
 fn name_in_program(key: &str) -> &str {
     if key == "life_revolutions" { "life_by_balls_revolutions" } else { key }
 }
 
-/// Returns a number of an answer.
-fn of(found: &Value, key: &str) -> f64 {
+/// Returns a number from an answer by its name in the reference data.
+fn number(found: &Value, key: &str) -> f64 {
     found[name_in_program(key)].as_f64().unwrap_or_else(|| panic!("{key}: {found}"))
 }
 
@@ -434,10 +438,10 @@ fn pair(change: &Value) -> Value {
     case
 }
 
-/// A preload force applies to the cold nut, and temperatures change it. Temperatures used to change
-/// the preload only if it was given as an offset, and a force was set again in the warm nut without
-/// a note. By default the nuts of a pair are pushed apart (O arrangement). An offset keeps its
-/// sign, and so do listed flanks.
+/// A preload force must apply to the cold nut, and temperatures must change the preload. Regression
+/// test: temperatures changed the preload only if it was given as an offset; a preload force was
+/// applied to the warm nut without a note. By default, the nuts of a pair are pushed apart (O
+/// arrangement). A given offset keeps its sign, and given flanks are used unchanged.
 #[test]
 fn a_preload_force_applies_to_the_cold_nut() {
     let warm = |change: Value| {
@@ -457,8 +461,8 @@ fn a_preload_force_applies_to_the_cold_nut() {
         ] })
     };
     let (listed_x, listed_o) = (warm(circuits("+", "-")), warm(circuits("-", "+")));
-    // The reference values come from an independent solution (chapter 16). Offsets are found to
-    // 1e-8.
+    // The reference values come from an independent solution (chapter 16). The search finds offsets
+    // to within 1e-8.
     for (found, expected) in [
         (&o, 2_210.411_218),
         (&listed_o, 2_210.411_218),
@@ -466,17 +470,18 @@ fn a_preload_force_applies_to_the_cold_nut() {
         (&by_offset, 4_111.339_823),
         (&listed_x, 4_111.339_823),
     ] {
-        assert!((of(found, "cold_preload_N") - 2500.0).abs() < 1e-4, "{found}");
-        assert!((of(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
+        assert!((number(found, "cold_preload_N") - 2500.0).abs() < 1e-4, "{found}");
+        assert!((number(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
         let notes = found["notes"].to_string();
         assert!(notes.contains(&format!("2500 N cold, {expected:.0} N warm")), "{notes}");
     }
-    assert!((of(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
-    assert!((of(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
-    // The manufacturers' rule and the preload without external load use the warm preload.
-    let ratio = of(&x, "rule_torque_low_Nm") / of(&o, "rule_torque_low_Nm");
-    assert!((ratio - of(&x, "warm_preload_N") / of(&o, "warm_preload_N")).abs() < 1e-9);
-    assert!((of(&x, "preload_left_N") / of(&x, "warm_preload_N") - 1.0).abs() < 1e-9);
+    assert!((number(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
+    assert!((number(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
+    // The drag torque of the manufacturers' rule and the remaining preload without external load
+    // are based on the warm preload.
+    let ratio = number(&x, "rule_torque_low_Nm") / number(&o, "rule_torque_low_Nm");
+    assert!((ratio - number(&x, "warm_preload_N") / number(&o, "warm_preload_N")).abs() < 1e-9);
+    assert!((number(&x, "preload_left_N") / number(&x, "warm_preload_N") - 1.0).abs() < 1e-9);
     for (change, words) in [
         (json!({ "preload_arrangement": "Y" }), "`Y` is not one of"),
         (
@@ -493,8 +498,8 @@ fn a_preload_force_applies_to_the_cold_nut() {
     }
 }
 
-/// The axis sheet used to apply temperature rises to its lives but state that the fit does not
-/// depend on them.
+/// Regression test: the axis sheet used temperature rises in its lives, but stated that the preload
+/// does not depend on them.
 #[test]
 fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     let axis = json!({
@@ -511,12 +516,14 @@ fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     }
     assert_eq!(nut["limit_load_N"], sheet["results"]["limit_load_N"]);
     assert!(sheet["notes"].to_string().contains("2500 N cold, 4111 N warm"), "{sheet}");
-    let life = of(&sheet["results"], "cycle_life_revolutions");
-    // The life by ISO 3408-5 of the warm pair equals the life of `bsm nut` up to rounding.
-    assert!((life / of(&nut, "iso_life_revolutions") - 1.0).abs() < 1e-9, "{life}");
+    let life = number(&sheet["results"], "cycle_life_revolutions");
+    // The life of the warm pair according to ISO 3408-5 equals the life from `bsm nut`, apart from
+    // rounding errors.
+    assert!((life / number(&nut, "iso_life_revolutions") - 1.0).abs() < 1e-9, "{life}");
 }
 
-/// Contact angles of 93.8 to 150.9 deg, -3.8 deg and -48.9 deg used to be accepted as results.
+/// Regression test: contact angles of 93.8 to 150.9 deg, -3.8 deg and -48.9 deg used to be accepted
+/// as results.
 #[test]
 fn a_ball_outside_its_groove_is_rejected() {
     for (case, set) in [
@@ -534,8 +541,8 @@ fn a_ball_outside_its_groove_is_rejected() {
     }
 }
 
-/// The search took 0.1 s for every ball without a solution. A thousand balls had not finished after
-/// 200 s.
+/// Regression test: the search took 0.1 s for every ball without a solution, so that a nut with a
+/// thousand balls had not finished after 200 s.
 #[test]
 fn a_ball_without_a_solution_ends_the_search() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
@@ -549,22 +556,22 @@ fn a_ball_without_a_solution_ends_the_search() {
     case["axial_load_N"] = json!(1);
     let begun = std::time::Instant::now();
     let (code, found, words) = answer(&case.to_string(), &["--model", "elastic"]);
-    // With 0.1 s per ball the search would take 100 s. A slow machine takes a few seconds.
+    // At 0.1 s per ball, the search would take 100 s. A slow machine takes a few seconds.
     assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
     assert_eq!(code, Some(0), "{words}");
     assert!(found["friction_torque_Nm"].is_null(), "{found}");
     let notes = found["notes"].to_string();
-    // The note states the reason.
+    // The note must state why the torque is missing.
     assert!(
         notes.contains("because ball 0 has no solution with model elastic: inertia forces"),
         "{notes}"
     );
 }
 
-/// The bound for a pair without preload used to assume that both nuts carry the load. A load of
-/// 505.6 N exceeded its bound of 476.8 N.
+/// Regression test: the upper bound of the contact load of a pair without preload assumed that both
+/// nuts carry the load. A contact load of 505.6 N exceeded its bound of 476.8 N.
 #[test]
-fn the_largest_contact_load_of_a_pair_has_no_bound() {
+fn contact_load_of_a_pair_without_preload_has_no_upper_bound() {
     let case = fs::read_to_string(example("nut_double.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&case).expect("JSON");
     let map = case.as_object_mut().expect("object");
@@ -581,17 +588,17 @@ fn the_largest_contact_load_of_a_pair_has_no_bound() {
     assert!(found["load_bound_N"].is_null(), "{found}");
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
     let (_, found, _) = answer(&guided, &[]);
-    assert!(of(&found, "load_bound_N") >= of(&found, "max_contact_load_N"), "{found}");
+    assert!(number(&found, "load_bound_N") >= number(&found, "max_contact_load_N"), "{found}");
 }
 
-/// Earlier versions had an efficiency of -19 without mentioning self-locking, the message "NaN of
-/// their sum is left", overlapping circuits, an arc of 1e308 deg, and an unbalanced ball in a
-/// converged nut.
+/// Regression test: earlier versions printed an efficiency of -19 without mentioning self-locking
+/// and the message "NaN of their sum is left". They accepted overlapping circuits, an arc of 1e308
+/// deg, and a ball without force balance in a converged nut.
 #[test]
 fn unusual_nuts_are_rejected_or_explained() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, found, _) = answer(&double, &["--set", "axial_load_N=-5"]);
-    assert!(of(&found, "nut_efficiency") < 0.0, "{found}");
+    assert!(number(&found, "nut_efficiency") < 0.0, "{found}");
     assert!(found["notes"].to_string().contains("self-locking"), "{found}");
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
     let (code, found, _) = answer(&guided, &["--set", "tilt_x_urad=1e6"]);
@@ -621,8 +628,8 @@ fn unusual_nuts_are_rejected_or_explained() {
     assert!(words.contains("is larger than its groove"), "{words}");
 }
 
-/// `nut` used to derive the number of balls from circuits and gaps, but `solve` did not, and chose
-/// a model without loads.
+/// Regression test: `nut` determined the number of balls from circuits and gaps. `solve` did not,
+/// and chose a model that calculates no loads.
 #[test]
 fn solve_counts_the_balls_of_circuits_with_gaps() {
     let dir = folder();
@@ -634,13 +641,13 @@ fn solve_counts_the_balls_of_circuits_with_gaps() {
     );
     let free = fs::read_to_string(example("nut_free.json")).expect("an example");
     let (_, nut, _) = answer(&free, &[]);
-    let (share, load) = (of(&nut, "equal_load_N"), of(&solved, "nut_normal_load_N"));
-    // Centrifugal force and friction change the load of a ball by less than 2 %.
+    let (share, load) = (number(&nut, "equal_load_N"), number(&solved, "nut_normal_load_N"));
+    // Centrifugal force and friction change the ball load by less than 2 %.
     assert!((share / load - 1.0).abs() < 0.02, "{share} {load}");
 }
 
-/// The text "by model auto" named the requested model instead of the model that calculated the
-/// torque.
+/// Regression test: the text "by model auto" named the requested model instead of the model with
+/// which the torque was calculated.
 #[test]
 fn the_model_used_for_the_torque_is_named() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -653,7 +660,7 @@ fn the_model_used_for_the_torque_is_named() {
     assert!(found["model"].is_null(), "{found}");
 }
 
-/// `bsm nut examples/nut.json` used to be rejected because of its load.
+/// Regression test: `bsm nut examples/nut.json` was rejected because of its load.
 #[test]
 fn the_example_nut_is_solved() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
@@ -663,8 +670,8 @@ fn the_example_nut_is_solved() {
     let output =
         bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    // The preload equals the preload of the ratings. It is found to 1e-8.
-    let ratio = of(&found, "cold_preload_N") / of(&rated, "preload_N");
+    // The preload must be equal to the preload of the ratings. The search finds it to within 1e-8.
+    let ratio = number(&found, "cold_preload_N") / number(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     assert!(
         found["notes"].to_string().contains("Neither a load nor a preload is given"),
@@ -672,10 +679,10 @@ fn the_example_nut_is_solved() {
     );
 }
 
-/// A nut with a moved mass and without an axial load used to be solved as a pair with an assumed
+/// Regression test: a nut with a moved mass and no axial load was solved as a pair with an assumed
 /// preload.
 #[test]
-fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
+fn nut_without_axial_load_carries_weight_and_guide_friction() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
     let mass = ["--set", "moved_mass_kg=100", "--set", "screw_speed_rpm=500"];
     let (code, found, words) =
@@ -693,26 +700,29 @@ fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
     );
 }
 
-/// With raceway control, the friction torque used to approach 2.1e-4 N m at zero load, which is
-/// caused by the spin of balls that only inertia presses against the nut.
+/// Regression test: with raceway control, the friction torque did not vanish at zero load but
+/// approached 2.1e-4 N m. This torque was caused by the spin of balls that are pressed against the
+/// nut only by inertia.
 #[test]
-fn friction_of_a_nut_vanishes_with_its_load() {
+fn nut_friction_vanishes_at_zero_load() {
     let nut = fs::read_to_string(example("feed_drive_oil.json")).expect("an example");
     for load in [1e-9, 1e-6, 1e-3] {
         let set = format!("axial_load_N={load}");
         let settings = ["--model", "raceway-control", "--set", &set];
         let (code, found, words) = answer(&nut, &settings);
         assert_eq!(code, Some(0), "{words}");
-        let friction = of(&found, "friction_torque_Nm");
-        // The limit is gross sliding with the boundary coefficient 0.12 on the pitch radius of
-        // 20.75 mm. The sum of the ball loads is less than twice the axial load.
+        let friction = number(&found, "friction_torque_Nm");
+        // The upper limit is the torque of gross sliding with the boundary friction coefficient
+        // 0.12 at the pitch radius of 20.75 mm. The sum of the ball loads is less than twice the
+        // axial load.
         assert!(friction > 0.0 && friction < 0.12 * 0.02075 * 2.0 * load, "{load} N: {friction}");
     }
 }
 
-/// `nut` used to ignore the weight of the moved mass, which `axis` added to the axial load.
+/// Regression test: `nut` ignored the weight of the moved mass, whereas `axis` added it to the
+/// axial load.
 #[test]
-fn nut_adds_weight_to_the_axial_load_as_axis_does() {
+fn nut_and_axis_add_the_weight_to_the_axial_load() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
     let words = [
         "axial_load_N=3000",
@@ -732,14 +742,14 @@ fn nut_adds_weight_to_the_axial_load_as_axis_does() {
     let args = [&["axis", &case, "--json"][..], &settings].concat();
     let axis: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
     let largest = axis["results"]["largest_load_N"].as_f64().expect("a load");
-    // The load is 3000 N plus the weight of 100 kg at 9.80665 m/s2.
+    // The load consists of 3000 N and the weight of 100 kg at 9.80665 m/s².
     assert!((largest - 3980.665).abs() < 1e-9, "{largest}");
 }
 
-/// Ratings and `bsm axis` used to reject the example feed drive because it did not state its number
-/// of loaded turns.
+/// Regression test: the ratings and `bsm axis` rejected the example feed drive because the case
+/// does not state the number of loaded turns.
 #[test]
-fn the_feed_drives_are_rated_and_run_in_axis_and_nut() {
+fn example_feed_drives_work_in_ratings_axis_and_nut() {
     let dir = folder();
     for case in ["feed_drive.json", "feed_drive_oil.json"] {
         for args in [
@@ -753,9 +763,9 @@ fn the_feed_drives_are_rated_and_run_in_axis_and_nut() {
     }
 }
 
-/// A centrifugal force of 1 % does not require any action.
+/// A centrifugal force of 1 % of the load requires no action, so it is a note and not a warning.
 #[test]
-fn a_small_centrifugal_force_is_a_note() {
+fn small_centrifugal_force_causes_a_note_and_no_warning() {
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
     let at = |rpm: u32| answer(&guided, &["--set", &format!("screw_speed_rpm={rpm}")]).1;
     let said = |found: &Value, of: &str| found[of].to_string().contains("centrifugal");
@@ -765,17 +775,20 @@ fn a_small_centrifugal_force_is_a_note() {
     assert!(said(&fast, "warnings"), "{fast}");
 }
 
-/// Seals and ball returns given in a case used to be ignored silently.
+/// Regression test: seals and ball returns in a case were ignored silently.
 #[test]
-fn given_losses_are_terms_of_the_drive_torque() {
+fn given_losses_are_included_in_the_drive_torque() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, dry, _) = answer(&double, &[]);
     let (_, sealed, _) = answer(&double, &["--set", "seal_torque_Nm=0.1"]);
     let speed = 500.0 * std::f64::consts::PI / 30.0;
-    // Both torques have the same terms, so they differ by rounding only.
-    assert!((of(&sealed, "drive_torque_Nm") - of(&dry, "drive_torque_Nm") - 0.1).abs() < 1e-12);
+    // Both torques consist of the same terms, so they differ only by rounding errors.
     assert!(
-        (of(&sealed, "friction_heat_W") - of(&dry, "friction_heat_W") - 0.1 * speed).abs() < 1e-9
+        (number(&sealed, "drive_torque_Nm") - number(&dry, "drive_torque_Nm") - 0.1).abs() < 1e-12
+    );
+    assert!(
+        (number(&sealed, "friction_heat_W") - number(&dry, "friction_heat_W") - 0.1 * speed).abs()
+            < 1e-9
     );
     assert_eq!(sealed["nut_seal_torque_Nm"], 0.1);
     assert_eq!(sealed["friction_torque_Nm"], dry["friction_torque_Nm"]);
@@ -793,37 +806,37 @@ fn given_losses_are_terms_of_the_drive_torque() {
     let (_, plain, words) = answer(&oiled.to_string(), &[]);
     (oiled["return_circuits"], oiled["return_loss_coefficient"]) = (json!(6), json!(2));
     let (_, returned, _) = answer(&oiled.to_string(), &[]);
-    let returns = of(&returned, "return_torque_Nm");
-    assert!(of(&plain, "return_torque_Nm").abs() <= 0.0, "{words}");
-    // By (Y26), six returns each dissipate twice the kinetic energy of every passing ball, which
-    // travels at half the speed of the screw.
+    let returns = number(&returned, "return_torque_Nm");
+    assert!(number(&plain, "return_torque_Nm").abs() <= 0.0, "{words}");
+    // According to (Y26), each of the six returns dissipates twice the kinetic energy of every
+    // passing ball. The balls travel at half the speed of the screw.
     let (mass, travel) =
         (7800.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3), 0.5 * speed * 20.73e-3);
     let power = 6.0 * 2.0 * 0.5 * mass * travel.powi(3) / 6.35e-3;
-    // The orbital speed of a ball is within about 15 % of half the screw speed and enters with its
-    // third power.
+    // The orbital speed of a ball is within about 15 % of half the screw speed, and the power is
+    // proportional to its third power.
     assert!((0.5..1.6).contains(&(returns * speed / power)), "{returns} {power}");
-    let added = of(&returned, "drive_torque_Nm") - of(&plain, "drive_torque_Nm");
+    let added = number(&returned, "drive_torque_Nm") - number(&plain, "drive_torque_Nm");
     assert!((added / returns - 1.0).abs() < 1e-6, "{added} {returns}");
 }
 
-/// Solves the example nut with oversize balls at the given settings.
+/// Solves the example nut with oversize balls and the given settings.
 fn solve_oversize_nut(sets: &[String]) -> Value {
     let case = fs::read_to_string(example("nut_oversize.json")).expect("an example");
     let args: Vec<_> = sets.iter().flat_map(|set| ["--set", set.as_str()]).collect();
     answer(&case, &[&args[..], &["--model", "traction"]].concat()).1
 }
 
-/// The friction torque agrees with an independent solution with friction in the force balance of
-/// each ball. With loads without friction, the torque dropped to 0.225 N m before the limit load
-/// and jumped to 0.312 N m beyond it.
+/// The friction torque must agree with an independent solution that includes friction in the force
+/// balance of each ball. Regression test: with loads calculated without friction, the torque
+/// dropped to 0.225 N m below the limit load and jumped to 0.312 N m above it.
 #[test]
-fn oversize_balls_have_the_reference_friction_torque_across_the_limit_load() {
+fn friction_torque_of_oversize_balls_matches_the_reference() {
     let at = |load: f64| solve_oversize_nut(&[format!("axial_load_N={load}")]);
-    let limit = of(&at(3000.0), "limit_load_N");
+    let limit = number(&at(3000.0), "limit_load_N");
     for (part, torque) in [(0.0, 0.557), (0.9, 0.747), (0.995, 0.805), (1.2, 0.917)] {
-        let found = of(&at(part * limit), "friction_torque_Nm");
-        // The reference is printed with three digits.
+        let found = number(&at(part * limit), "friction_torque_Nm");
+        // The reference values have three digits.
         assert!((found - torque).abs() < 6e-4, "{part}: {found} {torque}");
     }
 }
@@ -838,11 +851,11 @@ fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank() {
             "loaded_turns=1".to_owned(),
         ])
     };
-    let limit = of(&at(10.0, 50.0), "limit_load_N");
+    let limit = number(&at(10.0, 50.0), "limit_load_N");
     for rpm in [50.0, -50.0] {
         let [before, after] =
-            [0.9999, 1.0001].map(|part| of(&at(part * limit, rpm), "friction_torque_Nm"));
-        // The relative change is at most proportional to the change of the load.
+            [0.9999, 1.0001].map(|part| number(&at(part * limit, rpm), "friction_torque_Nm"));
+        // The relative change of the torque is at most proportional to the change of the load.
         assert!((after / before - 1.0).abs() < 5e-4, "{before} {after}");
     }
 }
@@ -864,35 +877,39 @@ fn the_drag_of_a_pair_with_play_matches_the_reference() {
         assert_eq!(code, Some(0), "{words}");
         found
     };
-    // The expected values are the ratio of drag coefficient to running force, and the ratio of
-    // running force to preload, from validation/published/nut.
+    // The columns are the play, the drag coefficient divided by the running force, and the running
+    // force divided by the preload. The values come from validation/published/nut.
     for (play, running, force) in
         [(0.0, 0.205_056, 0.969_428), (10.0, 0.186_738, 1.024_71), (50.0, 0.052_749, 1.456_62)]
     {
         let found = with(Some(play));
-        let preload = of(&found, "running_preload_N");
+        let preload = number(&found, "running_preload_N");
         let factor =
-            of(&found, "running_preload_torque_Nm") / (preload * 10e-3 / std::f64::consts::TAU);
-        // The reference is printed with six digits, and the ellipses are integrated to 1e-6.
+            number(&found, "running_preload_torque_Nm") / (preload * 10e-3 / std::f64::consts::TAU);
+        // The reference values have six digits, and the contact ellipses are integrated with an
+        // error of 1e-6.
         assert!((factor / running - 1.0).abs() < 2e-5, "{play}: {factor}");
         assert!((preload / 1200.0 - force).abs() < 2e-5, "{play}: {preload}");
         assert!(found["running_preload_torque_factor_without_play"].is_null(), "{found}");
     }
     let [wide, unknown] = [with(Some(200.0)), with(None)];
-    let torque = of(&wide, "running_preload_torque_Nm");
-    // Both cases have balls with two contacts.
-    assert!((of(&unknown, "running_preload_torque_Nm") / torque - 1.0).abs() < 1e-9, "{torque}");
-    let none = of(&with(Some(0.0)), "running_preload_torque_factor");
+    let torque = number(&wide, "running_preload_torque_Nm");
+    // In both cases, all balls have two contacts.
     assert!(
-        (of(&unknown, "running_preload_torque_factor_without_play") / none - 1.0).abs() < 1e-9,
+        (number(&unknown, "running_preload_torque_Nm") / torque - 1.0).abs() < 1e-9,
+        "{torque}"
+    );
+    let none = number(&with(Some(0.0)), "running_preload_torque_factor");
+    assert!(
+        (number(&unknown, "running_preload_torque_factor_without_play") / none - 1.0).abs() < 1e-9,
         "{none}"
     );
-    let rule = of(&unknown, "preload_torque_factor_rule");
+    let rule = number(&unknown, "preload_torque_factor_rule");
     assert!((rule - 0.05 / (10.0 / (41.5 * std::f64::consts::PI)).sqrt()).abs() < 1e-12, "{rule}");
 }
 
-/// Warm pairs in X and O arrangement agree with an independent solution: preloads, loads, stiffness
-/// and lives at the reference temperatures.
+/// For warm pairs in X and O arrangement, the preloads, loads, stiffness and lives at the reference
+/// temperatures must agree with an independent solution.
 #[test]
 fn warm_pairs_agree_with_an_independent_solution() {
     let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));
@@ -902,9 +919,9 @@ fn warm_pairs_agree_with_an_independent_solution() {
         let (code, found, words) = answer(&reference["case"].to_string(), &[]);
         assert_eq!(code, Some(0), "{}: {words}", reference["id"]);
         for (key, expected) in reference["expect"].as_object().expect("numbers") {
-            let (found, expected) = (of(&found, key), expected.as_f64().expect("a number"));
-            // Temperatures and results are printed with twelve digits. One degree changes the
-            // preload by some tens of percent.
+            let (found, expected) = (number(&found, key), expected.as_f64().expect("a number"));
+            // The reference temperatures and results have twelve digits. A temperature change of
+            // one degree changes the preload by several tens of percent.
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "{} {key}: {found} {expected}",

@@ -1,6 +1,6 @@
-//! Tests planned folders that are solved by many processes, some of which are killed, race each
-//! other or find damaged files. The result is always bit-identical to the result of a single
-//! process, or a clear error. The long version is `just faults`.
+//! Tests of datasets that are solved by many processes, some of which are killed, race each other
+//! or find damaged files. The result must be bit-identical to the result of a single process, or a
+//! clear error must be reported. The long version of these tests is `just faults`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ fn drive() -> String {
     format!("{ROOT}/examples/feed_drive.json")
 }
 
-/// Returns all files below a folder except unfinished files.
+/// Returns all files in a folder and its subfolders except temporary files.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -42,15 +42,16 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// Runs the program, checks its exit code, and returns the output of both streams.
-fn told(folder: &Path, code: i32, args: &[&str]) -> String {
+/// Runs the program, checks its exit code, and returns standard output followed by standard error.
+fn run_checked(folder: &Path, code: i32, args: &[&str]) -> String {
     let output = bsm(folder, args, "");
     let words = stdout(&output) + &stderr(&output);
     assert_eq!(output.status.code(), Some(code), "{args:?}: {words}");
     words
 }
 
-/// Returns the arguments of a sweep over loads in 100 parts. A quarter of the rows has no result.
+/// Returns the arguments of a sweep over loads that is divided into 100 parts. A quarter of the
+/// rows have no result.
 fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> Vec<&'a str> {
     let vary = ["--vary", loads, "--vary=friction_coefficient=0.05,0.1,0.15,12"];
     let how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part", rows];
@@ -58,7 +59,7 @@ fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> 
 }
 
 fn spawn(folder: &Path, args: &[&str]) -> Child {
-    // The parent process may ignore signals, so the default handlers are restored.
+    // The parent process may ignore signals, so the default signal handlers are restored.
     let mut command = Command::new("env");
     command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
     let null = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -68,7 +69,7 @@ fn spawn(folder: &Path, args: &[&str]) -> Child {
 #[test]
 fn a_plan_is_solved_by_several_processes_and_verified() {
     let dir = folder();
-    let run = |code, args: &[&str]| told(dir.path(), code, args);
+    let run = |code, args: &[&str]| run_checked(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     run(3, &sweep(&drive, loads, "whole/", "40"));
     let expected = files(&dir.path().join("whole"));
@@ -117,11 +118,12 @@ fn a_plan_is_solved_by_several_processes_and_verified() {
     assert!(run(1, &["parts", "check", "nowhere/"]).contains("nowhere/plan.json"));
 }
 
-/// A foreign or damaged file with the name of a part is reported, kept, and replaced on request.
+/// An unrelated or damaged file with the name of a part must be reported and kept. It is replaced
+/// only on request.
 #[test]
 fn damaged_files_are_found_and_repaired() {
     let dir = folder();
-    let run = |code, args: &[&str]| told(dir.path(), code, args);
+    let run = |code, args: &[&str]| run_checked(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     run(3, &sweep(&drive, loads, "map/", "40"));
     run(3, &[&sweep(&drive, loads, "other/", "40")[..], &["--set=density_kg_m3=7000"]].concat());
@@ -134,7 +136,7 @@ fn damaged_files_are_found_and_repaired() {
     let foreign = fs::read(dir.path().join("other/data/part-000003.parquet")).expect("a part");
     let copy = fs::read(map.join("data/part-000004.parquet")).expect("a part");
     for (bytes, is_shallow, words) in [
-        (flipped, false, "has been changed, because its bytes do not match the SHA-256"),
+        (flipped, false, "has been changed: its bytes do not match the SHA-256"),
         (good[..good.len() / 2].to_vec(), true, "its footer is invalid"),
         (Vec::new(), true, "is empty"),
         (foreign, true, "is a part of another plan"),
@@ -164,7 +166,7 @@ fn damaged_files_are_found_and_repaired() {
         run(0, &["parts", "check", "map/", "--deep"]);
         assert!(files(&map) == expected, "{words}");
     }
-    // The folder gets one part too many and a foreign file.
+    // Adds a part that is not in the plan, and an unrelated file.
     fs::write(map.join("data/part-000010.parquet"), "").expect("writable");
     fs::write(map.join("data/notes.txt"), "").expect("writable");
     let said = run(3, &["parts", "check", "map/"]);
@@ -182,15 +184,15 @@ fn damaged_files_are_found_and_repaired() {
     assert!(run(2, &["parts", "run", "map/"]).contains("is not the plan"));
 }
 
-/// Lets several processes solve all parts. They are killed at random moments and restarted until
-/// all parts exist.
+/// Starts several processes that solve all parts, kills them at random moments and restarts them
+/// until all parts exist.
 ///
-/// Returns the number of killed processes and the number of unfinished files that they left.
+/// Returns the number of killed processes and the number of temporary files that they left behind.
 fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:2500");
-    told(dir.path(), 3, &sweep(&drive, loads, "whole/", "100"));
+    run_checked(dir.path(), 3, &sweep(&drive, loads, "whole/", "100"));
     let expected = files(&dir.path().join("whole"));
     let map = dir.path().join("map");
     let plan = [&sweep(&drive, loads, "map/", "100")[..], &["--plan"]].concat();
@@ -198,25 +200,25 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         let args = ["parts", "run", "map/", "--threads=1", "--quiet"];
         (0..processes).map(|_| spawn(dir.path(), &args)).collect::<Vec<_>>()
     };
-    // Measures how long the plan takes in an empty folder.
-    told(dir.path(), 0, &plan);
+    // Measures how long the processes take to solve all parts in an empty folder.
+    run_checked(dir.path(), 0, &plan);
     let begin = Instant::now();
     for mut child in start() {
         assert!(child.wait().expect("ends").success());
     }
     let time = begin.elapsed();
     assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "none was killed");
-    told(dir.path(), 0, &["parts", "check", "map/"]);
+    run_checked(dir.path(), 0, &["parts", "check", "map/"]);
     assert!(files(&map) == expected, "a race changes bytes");
     fs::remove_dir_all(&map).expect("removable");
-    told(dir.path(), 0, &plan);
+    run_checked(dir.path(), 0, &plan);
 
     let (mut killed, mut left) = (0, 0);
     while killed < kills {
         let mut children = start();
         sleep(time.mul_f64(rng.random_range(0.0..0.3)));
         for child in &mut children {
-            // A process that has already ended is not killed.
+            // Only a process that is still running is killed.
             if child.try_wait().expect("a child").is_none() {
                 child.kill().expect("killed");
                 killed += usize::from(child.wait().expect("ends").code().is_none());
@@ -228,14 +230,14 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         }
         left = left.max(fs::read_dir(map.join("tmp")).expect("folder").count());
         if fs::read_dir(map.join("data")).expect("folder").count() == 100 {
-            told(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
+            run_checked(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
             assert!(files(&map) == expected);
             fs::remove_dir_all(&map).expect("removable");
-            told(dir.path(), 0, &plan);
+            run_checked(dir.path(), 0, &plan);
         }
     }
-    told(dir.path(), 0, &["parts", "run", "map/", "--quiet"]);
-    told(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
+    run_checked(dir.path(), 0, &["parts", "run", "map/", "--quiet"]);
+    run_checked(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
     assert!(files(&map) == expected, "not the bytes of one run");
     assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "verify tidies up");
     (killed, left)
@@ -258,10 +260,11 @@ fn parts_are_bit_identical_after_150_kills() {
     );
 }
 
-/// A modification of a finished folder.
-struct Tampering {
+/// A modification of a complete dataset.
+struct Modification {
     what: String,
-    /// True if only bytes before a footer change, which a check of the footers alone cannot detect.
+    /// True if the modification changes only bytes before a footer, which cannot be detected by
+    /// checking only the footers.
     is_hidden: bool,
     does: Box<dyn Fn(&Path)>,
 }
@@ -270,16 +273,16 @@ fn name(number: usize) -> String {
     format!("data/part-{number:06}.parquet")
 }
 
-/// Returns sixty different modifications of a finished folder. The seed determines their positions
+/// Returns sixty different modifications of a complete dataset. The seed determines their positions
 /// and contents.
 #[expect(clippy::too_many_lines, reason = "sixty kinds, one after the other")]
-fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
+fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut all = Vec::new();
     let mut add = |what: String, is_hidden, does: Box<dyn Fn(&Path)>| {
-        all.push(Tampering { what, is_hidden, does });
+        all.push(Modification { what, is_hidden, does });
     };
-    // The positions in a part are fractions of the data before the footer or of the footer.
+    // Positions in a part are given as fractions of the length of the data or of the footer.
     for round in 0..2 {
         for (region, begin, is_hidden) in [
             ("magic", 0.0, true),
@@ -312,7 +315,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
                     place => ((place * data as f64) as usize).min(data - 1),
                 };
                 if zeros {
-                    // The overwritten bytes must not already be zero.
+                    // The bytes to be overwritten must not already be zero.
                     let end = (at + 512).min(data);
                     assert!(bytes[at..end].iter().any(|byte| *byte != 0));
                     bytes[at..end].fill(0);
@@ -523,9 +526,9 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     all
 }
 
-/// Applies every `step`th modification and runs every command. Exit code 0 must mean that the bytes
-/// equal the bytes of an undisturbed run, except for changes that a check of the footers cannot
-/// detect. No command may change an intact part.
+/// Applies every `step`th modification and runs every command. If a command exits with code 0, the
+/// dataset must be bit-identical to an undisturbed run, except for changes that cannot be detected
+/// by checking only the footers. No command may change an intact part.
 fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
     let dir = folder();
     let drive = drive();
@@ -533,11 +536,11 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
         let how = [model, "--columns=efficiency", "--rows-per-part=10", "-o", output];
         [&["sweep", &drive, "--vary=axial_load_N=500:9000:100"][..], &how].concat()
     };
-    told(dir.path(), 0, &sweep("--model=closed-form", "whole/"));
-    told(dir.path(), 0, &sweep("--model=quasi-static", "other/"));
+    run_checked(dir.path(), 0, &sweep("--model=closed-form", "whole/"));
+    run_checked(dir.path(), 0, &sweep("--model=quasi-static", "other/"));
     let [whole, other, map] = ["whole", "other", "map"].map(|name| dir.path().join(name));
     let expected = files(&whole);
-    let kinds = tamperings(seed, &other);
+    let kinds = modifications(seed, &other);
     assert!(kinds.len() >= 60, "{}", kinds.len());
     let resume = [&sweep("--model=closed-form", "map/")[..], &["--resume"]].concat();
     let commands: [(&str, &[&str]); 5] = [
@@ -548,7 +551,7 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
         ("sweep --resume", &resume),
     ];
     let (mut runs, mut mended) = (0, 0);
-    for Tampering { what, is_hidden, does } in kinds.iter().step_by(step) {
+    for Modification { what, is_hidden, does } in kinds.iter().step_by(step) {
         for (command, args) in commands {
             let _ = fs::remove_file(dir.path().join("away"));
             if map.exists() {
@@ -570,7 +573,7 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
             let after = files(&map);
             let is_part = |name: &PathBuf| name.starts_with("data");
             for (name, bytes) in expected.iter().filter(|(name, _)| is_part(name)) {
-                // Intact files are unchanged.
+                // Files that were intact must be unchanged.
                 assert!(before.get(name) != Some(bytes) || after.get(name) == Some(bytes), "{at}");
             }
             mended += usize::from(code == 0 && before != after);
@@ -581,7 +584,7 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
             let list = Path::new("parts.parquet");
             if code == 0 && command != "run" {
                 let (after, expected) = (after.get(list), expected.get(list));
-                // A repair does not create a missing list; `parts check` does.
+                // A repair does not create a missing list of parts; `parts check` does.
                 let is_left = command == "run --repair" && after.is_none();
                 assert!(is_left || *is_hidden || after == expected, "silent: {at}");
             }
@@ -612,16 +615,17 @@ fn no_command_accepts_any_of_sixty_modifications() {
     println!("0 silent, 0 false: {runs} runs over {} kinds, {mended} mended", runs / 5);
 }
 
-/// SIGTERM and Ctrl-C end the program at once and leave no unfinished files.
+/// SIGTERM and Ctrl-C must end the program immediately and leave no temporary files.
 #[test]
-fn a_stopped_part_leaves_nothing_unfinished() {
+fn stopped_run_leaves_no_temporary_files() {
     let dir = folder();
     let drive = drive();
     let loads = "axial_load_N=500:9000:1000000";
     let plan = [&sweep(&drive, loads, "map/", "4000000")[..], &["--plan"]].concat();
-    told(dir.path(), 0, &plan);
+    run_checked(dir.path(), 0, &plan);
     let tmp = dir.path().join("map/tmp");
-    // Signals that schedulers send before a time limit used to leave unfinished files behind.
+    // Regression test: the signals that job schedulers send before a time limit left temporary
+    // files behind.
     for (signal, code) in [
         ("-TERM", 143),
         ("-INT", 130),
@@ -639,36 +643,37 @@ fn a_stopped_part_leaves_nothing_unfinished() {
         let asked = Instant::now();
         assert!(killed.expect("kill").success());
         assert_eq!(child.wait().expect("ends").code(), Some(code));
-        // The program ends within milliseconds. The limit allows for a busy machine.
+        // The program ends within milliseconds. The limit leaves a margin for a busy machine.
         assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
         assert_eq!(fs::read_dir(&tmp).expect("folder").count(), 0);
     }
     assert_eq!(fs::read_dir(dir.path().join("map/data")).expect("folder").count(), 0);
 }
 
-/// A full disk gives exit code 1, and the work can continue elsewhere. A small file system is used
-/// where it can be mounted.
+/// If a folder cannot be written, the exit code is 1, and the work can be continued later. A full
+/// disk is tested on a small file system if one can be mounted.
 #[test]
 fn a_folder_without_write_access_is_reported() {
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
-    told(dir.path(), 0, &plan);
-    // File permissions do not stop root. A file in place of the folder stops every user.
+    run_checked(dir.path(), 0, &plan);
+    // File permissions do not restrict the root user, but a file in place of the folder stops every
+    // user.
     let tmp = dir.path().join("map/tmp");
     fs::remove_dir(&tmp).expect("removable");
     fs::write(&tmp, "").expect("writable");
-    assert!(told(dir.path(), 1, &["parts", "run", "map/"]).contains("map/tmp"));
+    assert!(run_checked(dir.path(), 1, &["parts", "run", "map/"]).contains("map/tmp"));
     fs::remove_file(&tmp).expect("removable");
-    told(dir.path(), 0, &["parts", "run", "map/"]);
-    told(dir.path(), 0, &["parts", "check", "map/"]);
+    run_checked(dir.path(), 0, &["parts", "run", "map/"]);
+    run_checked(dir.path(), 0, &["parts", "check", "map/"]);
 }
 
-/// A plan can use random points, or a table of points beside the folder.
+/// The points of a plan may be random points or a table in the parent folder.
 #[test]
 fn plans_accept_random_points_and_tables() {
     let dir = folder();
-    let run = |code, args: &[&str]| told(dir.path(), code, args);
+    let run = |code, args: &[&str]| run_checked(dir.path(), code, args);
     let drive = drive();
     let common = ["--model=closed-form", "--columns=efficiency"];
     let draw = ["--draw=friction_coefficient=uniform:0.01:0.1", "--samples=1e2", "--seed=5"];
@@ -680,7 +685,7 @@ fn plans_accept_random_points_and_tables() {
     run(0, &["parts", "check", "rows/", "--deep"]);
     run(0, &[&sweep[..], &["-o", "points.parquet"]].concat());
 
-    // The table contains the same points.
+    // The table contains the same points as the random plan.
     let batch = ["sweep", &drive, "--points", "points.parquet"];
     run(0, &[&batch[..], &common, &parts, &["-o", "table/", "--plan"]].concat());
     run(0, &["parts", "run", "table/", "--only=1/2"]);
@@ -693,7 +698,7 @@ fn plans_accept_random_points_and_tables() {
 
     for (args, words) in [
         (&["--plan", "-o", "x.csv"][..], "--plan applies only to folders"),
-        (&["-o", "x.csv", "-o", "x.svg"], "pictures and lookup tables need all points of a grid"),
+        (&["-o", "x.csv", "-o", "x.svg"], "plots and lookup tables need all points of a grid"),
         (&["--vary=lead_mm=5,10", "-o", "x/"], "cannot be used with"),
         (&["--draw=lead_mm=uniform:2:1", "-o", "x/"], "--draw: "),
     ] {
@@ -702,7 +707,7 @@ fn plans_accept_random_points_and_tables() {
     }
 }
 
-/// A plan of 1e12 points is written and read, and one of its parts is solved and verified.
+/// A plan with 1e12 points is written and read, and one of its parts is solved and verified.
 #[test]
 fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     let dir = folder();
@@ -712,27 +717,28 @@ fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     let vary =
         ["--vary=axial_load_N=500:9000:244137985", "--vary=friction_coefficient=0.01:0.1:4096"];
     let how = ["--model=closed-form", "--columns=efficiency", "-o", "map/", "--plan"];
-    let said = told(dir.path(), 0, &[&["sweep", &drive][..], &vary, &how].concat());
+    let said = run_checked(dir.path(), 0, &[&["sweep", &drive][..], &vary, &how].concat());
     assert!(
         said.contains("rows        999989186560\nparts       59605 of 16777216 rows\n"),
         "{said}"
     );
     assert!(said.contains("solves parts of this plan in memory"), "{said}");
-    let said = told(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
+    let said = run_checked(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
     assert!(said.contains("1 of 59605 parts were solved now and 0 before"), "{said}");
-    let said = told(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
+    let said = run_checked(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");
-    // The plan takes 0.1 s. The limit allows for a busy machine.
+    // The test takes 0.1 s. The limit leaves a margin for a busy machine.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
     let size: usize = files(&dir.path().join("map")).values().map(Vec::len).sum();
     assert!(size < 200_000, "{size} bytes");
 }
 
-/// Runs a plan to its end.
+/// A function that solves all parts of a plan.
 type Run<'a> = Box<dyn Fn() + 'a>;
 
-/// Runs the files of `examples/scale-out` as plain processes, with stand-ins for the schedulers.
+/// Runs the scripts in `examples/scale-out` as ordinary processes. The schedulers are replaced by
+/// simple scripts.
 #[test]
 fn scheduler_examples_solve_a_plan() {
     let dir = folder();
@@ -744,7 +750,7 @@ fn scheduler_examples_solve_a_plan() {
         fs::set_permissions(bin.join(name), fs::Permissions::from_mode(0o755)).expect("mode");
     };
     stand_in("srun", "#!/bin/sh\nexec \"$@\"\n");
-    // Runs the command before `:::` once for each word after it, as GNU parallel does.
+    // Like GNU parallel, this script runs the command before `:::` once for each word after it.
     stand_in(
         "parallel",
         "#!/bin/bash\nwhile [[ $1 == --* ]]; do shift 2; done\n\
@@ -753,7 +759,7 @@ fn scheduler_examples_solve_a_plan() {
     );
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("a path"));
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
-    told(dir.path(), 3, &sweep(&drive, loads, "whole/", "10"));
+    run_checked(dir.path(), 3, &sweep(&drive, loads, "whole/", "10"));
     let expected = files(&dir.path().join("whole"));
     let map = dir.path().join("map");
     let run = |program: &str, args: &[&str], variables: &[(&str, &str)]| {
@@ -780,7 +786,7 @@ fn scheduler_examples_solve_a_plan() {
         let args: Vec<_> = words[1..].iter().map(String::as_str).collect();
         run(&bin.join(&words[0]).display().to_string(), &args, &[]);
     };
-    // There are about 40 parts, so further tasks have nothing to do.
+    // There are only about 40 parts, so the remaining tasks have nothing to do.
 
     let runners: [(&str, Run<'_>); 3] = [
         ("slurm.sh", Box::new(|| (0..41).for_each(&slurm))),
@@ -788,29 +794,33 @@ fn scheduler_examples_solve_a_plan() {
         ("parallel.sh", Box::new(|| run("sh", &[&example("parallel.sh"), "map/"], &[]))),
     ];
     for (name, solve) in runners {
-        told(dir.path(), 0, &[&sweep(&drive, loads, "map/", "10")[..], &["--plan"]].concat());
+        run_checked(
+            dir.path(),
+            0,
+            &[&sweep(&drive, loads, "map/", "10")[..], &["--plan"]].concat(),
+        );
         solve();
-        told(dir.path(), 0, &["parts", "check", "map/"]);
+        run_checked(dir.path(), 0, &["parts", "check", "map/"]);
         assert!(files(&map) == expected, "{name}");
         fs::remove_dir_all(&map).expect("removable");
     }
 }
 
-/// Compares the table in the guide with the printed plans.
+/// Compares the table in the guide with the plans that the program prints.
 #[test]
-fn the_guide_has_the_numbers_of_the_plans() {
+fn guide_states_the_numbers_of_printed_plans() {
     let dir = folder();
     let drive = drive();
     let mut table = String::new();
     for model in ["closed-form", "traction"] {
         let what = format!("`{model}`");
-        // The numbers of points in the guide are 1000 times larger.
+        // The guide uses 1000 times as many points.
         for (rows, all) in [("1000000", "1e9"), ("1000000000", "1e12")] {
             let vary = format!("--vary=axial_load_N=2000:8000:{rows}");
             let model = format!("--model={model}");
             let args = ["sweep", &drive, &model, &vary, "--vary=screw_speed_rpm=100:1500:1000"];
             let how = ["--columns=efficiency", "-o", "map/", "--plan"];
-            let said = told(dir.path(), 0, &[&args[..], &how].concat());
+            let said = run_checked(dir.path(), 0, &[&args[..], &how].concat());
             fs::remove_dir_all(dir.path().join("map")).expect("removable");
             let line = |name: &str| {
                 let line = said.lines().find_map(|line| line.strip_prefix(name));

@@ -1,4 +1,4 @@
-//! Helpers that run the program.
+//! Helper functions that run the program.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Runs the program in `folder` and returns its output.
+/// Runs the program in `folder` with the given standard input and returns its output.
 pub(crate) fn bsm(folder: &Path, args: &[&str], stdin: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_bsm"))
         .args(args)
@@ -17,7 +17,7 @@ pub(crate) fn bsm(folder: &Path, args: &[&str], stdin: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
-    // A program that does not read its input closes the pipe early.
+    // Errors are ignored, because a program that does not read its input closes the pipe early.
     let _ = child.stdin.take().expect("piped").write_all(stdin.as_bytes());
     child.wait_with_output().expect("the program ends")
 }
@@ -43,7 +43,7 @@ pub(crate) fn example(name: &str) -> String {
     root().join("examples").join(name).display().to_string()
 }
 
-/// Parses the JSON of an answer.
+/// Parses the JSON that a command has printed.
 pub(crate) fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON alone on stdout")
 }

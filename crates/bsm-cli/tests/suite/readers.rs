@@ -1,20 +1,20 @@
-//! Tests of inputs that are given twice, and of files that one run would both read and write.
+//! Tests of inputs that are given twice, and of files that a run would both read and overwrite.
 
 use std::fs;
 use std::path::Path;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// Runs a command that must fail with the given exit code and message.
-fn refused(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
+/// Runs a command that must fail with the given exit code and a message that contains `part`.
+fn assert_rejected(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
     let output = bsm(folder, args, stdin);
     let text = stderr(&output);
     assert_eq!(output.status.code(), Some(code), "{args:?}: {text}");
     assert!(text.contains(part), "{args:?}: {text}");
 }
 
-/// Returns the message about one input that is given under two names.
-fn same(one: &str, other: &str) -> String {
+/// Returns the error message for an input that is given under two names.
+fn duplicate_message(one: &str, other: &str) -> String {
     if one == other {
         format!("`{one}` is given twice")
     } else {
@@ -30,7 +30,7 @@ fn read(name: &str) -> String {
     fs::read_to_string(example(name)).expect("an example")
 }
 
-/// Returns the example of a manufacturer's table with an additional column of ones.
+/// Returns the example table of a manufacturer with an additional column of ones.
 fn nuts_with_column(head: &str) -> String {
     let nuts = read("manufacturer_table.csv");
     let (first, rows) = nuts.split_once('\n').expect("rows");
@@ -49,7 +49,7 @@ fn a_cycle_rejects_a_column_that_is_given_twice() {
     ] {
         write(dir.path(), "cycle.csv", &format!("{head}\n{row}\n"));
         let args = ["axis", &axis, "--cycle", "cycle.csv"];
-        refused(dir.path(), &args, "", 2, &same(one, other));
+        assert_rejected(dir.path(), &args, "", 2, &duplicate_message(one, other));
     }
 }
 
@@ -74,7 +74,7 @@ fn measured_points_reject_a_column_that_is_given_twice() {
     ] {
         write(dir.path(), "points.csv", &format!("{head}\n{row}\n"));
         let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
-        refused(dir.path(), &args, "", 2, &same(one, other));
+        assert_rejected(dir.path(), &args, "", 2, &duplicate_message(one, other));
     }
     write(
         dir.path(),
@@ -82,14 +82,14 @@ fn measured_points_reject_a_column_that_is_given_twice() {
         "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n",
     );
     let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
-    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit determines");
+    assert_rejected(dir.path(), &args, "", 2, "is replaced by an input that the fit determines");
     write(dir.path(), "points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
     for (one, other, part) in [
         ("friction_coefficient", "friction_coefficient", "is given twice"),
         ("lead_mm", "lead_angle_deg=1:20", "both are given"),
     ] {
         let args = [&args[..], &["--input", one, "--input", other]].concat();
-        refused(dir.path(), &args, "", 2, part);
+        assert_rejected(dir.path(), &args, "", 2, part);
     }
 }
 
@@ -97,17 +97,20 @@ fn measured_points_reject_a_column_that_is_given_twice() {
 fn a_list_of_nuts_rejects_a_column_that_is_given_twice() {
     let dir = folder();
     for (head, part) in [
-        ("lead_inch", same("lead_mm", "lead_inch")),
-        ("lead_mm", same("lead_mm", "lead_mm")),
-        ("rated_dynamic_load_N", same("dynamic_load_rating_N", "rated_dynamic_load_N")),
+        ("lead_inch", duplicate_message("lead_mm", "lead_inch")),
+        ("lead_mm", duplicate_message("lead_mm", "lead_mm")),
+        (
+            "rated_dynamic_load_N",
+            duplicate_message("dynamic_load_rating_N", "rated_dynamic_load_N"),
+        ),
     ] {
         write(dir.path(), "nuts.csv", &nuts_with_column(head));
-        refused(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
+        assert_rejected(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
     }
     write(dir.path(), "nuts.csv", &nuts_with_column("P"));
     write(dir.path(), "names.json", r#"{"P": "lead_mm"}"#);
     let args = ["select", "--from", "nuts.csv", "--names", "names.json"];
-    refused(dir.path(), &args, "", 2, &same("lead_mm", "P"));
+    assert_rejected(dir.path(), &args, "", 2, &duplicate_message("lead_mm", "P"));
 }
 
 #[test]
@@ -117,7 +120,13 @@ fn a_list_of_sizes_rejects_a_column_that_is_given_twice() {
     let (first, rows) = sizes.split_once('\n').expect("rows");
     let rows: Vec<_> = rows.lines().map(|row| format!("{row},1\n")).collect();
     write(dir.path(), "sizes.csv", &format!("{first},lead_inch\n{}", rows.concat()));
-    refused(dir.path(), &["select", "--from", "sizes.csv"], "", 2, &same("lead_mm", "lead_inch"));
+    assert_rejected(
+        dir.path(),
+        &["select", "--from", "sizes.csv"],
+        "",
+        2,
+        &duplicate_message("lead_mm", "lead_inch"),
+    );
 }
 
 #[test]
@@ -127,11 +136,29 @@ fn a_requirement_rejects_an_input_that_is_given_twice() {
     let load = "\"axial_load_kN\": 10,";
     assert!(requirement.contains(load), "{requirement}");
     let twice = requirement.replace(load, &format!("{load} \"axial_load_N\": 5000,"));
-    refused(dir.path(), &["select", "-"], &twice, 2, &same("axial_load_kN", "axial_load_N"));
+    assert_rejected(
+        dir.path(),
+        &["select", "-"],
+        &twice,
+        2,
+        &duplicate_message("axial_load_kN", "axial_load_N"),
+    );
     let set = ["select", "-", "--set", "axial_load_N=1", "--set", "load_kN=2"];
-    refused(dir.path(), &set, &requirement, 2, &same("axial_load_N", "load_kN"));
+    assert_rejected(
+        dir.path(),
+        &set,
+        &requirement,
+        2,
+        &duplicate_message("axial_load_N", "load_kN"),
+    );
     let set = ["select", "-", "--set", "objective=mass", "--set", "objective=power"];
-    refused(dir.path(), &set, &requirement, 2, &same("objective", "objective"));
+    assert_rejected(
+        dir.path(),
+        &set,
+        &requirement,
+        2,
+        &duplicate_message("objective", "objective"),
+    );
 }
 
 #[test]
@@ -155,23 +182,29 @@ fn a_case_rejects_a_member_that_is_given_twice() {
         (r#""preload_N": "auto", "preload_class": "Z0""#, "preload_N", "preload_class"),
         (r#""axial_load_kN": 1, "axial_load_N": 1"#, "axial_load_kN", "axial_load_N"),
     ] {
-        refused(dir.path(), &["nut", "-"], &format!("{{{entry}}}"), 2, &same(one, other));
+        assert_rejected(
+            dir.path(),
+            &["nut", "-"],
+            &format!("{{{entry}}}"),
+            2,
+            &duplicate_message(one, other),
+        );
     }
     for (one, other) in
         [("load_kN=1", "axial_load_N=1"), ("support=fixed-free", "support=fixed-free")]
     {
         let name = |setting: &'static str| setting.split('=').next().unwrap_or_default();
         let args = ["axis", &axis, "--set", one, "--set", other];
-        refused(dir.path(), &args, "", 2, &same(name(one), name(other)));
+        assert_rejected(dir.path(), &args, "", 2, &duplicate_message(name(one), name(other)));
     }
 }
 
 #[test]
-fn an_option_is_given_at_most_once() {
+fn an_option_that_is_given_twice_is_rejected() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--model=traction", "--accuracy", "1e-6", "--accuracy", "1e-10"];
-    refused(
+    assert_rejected(
         dir.path(),
         &args,
         "",
@@ -180,7 +213,7 @@ fn an_option_is_given_at_most_once() {
     );
     write(dir.path(), "nuts.csv", &read("manufacturer_table.csv"));
     let args = ["select", "--from", "nuts.csv", "--decimal", "point", "--decimal", "comma"];
-    refused(
+    assert_rejected(
         dir.path(),
         &args,
         "",
@@ -190,7 +223,7 @@ fn an_option_is_given_at_most_once() {
 }
 
 #[test]
-fn description_is_an_input_of_set() {
+fn set_accepts_a_description() {
     let dir = folder();
     let args = ["solve", &example("feed_drive.json"), "--set", "description=my screw", "--json"];
     let output = bsm(dir.path(), &args, "");
@@ -198,7 +231,7 @@ fn description_is_an_input_of_set() {
 }
 
 #[test]
-fn fit_fails_at_the_end_of_its_range_and_says_what_is_reachable() {
+fn fit_fails_outside_its_range_and_states_reachable_values() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let fit = |torques: [&str; 2], more: &[&str]| {
@@ -272,12 +305,12 @@ fn no_command_overwrites_a_file_that_it_reads() {
     ] {
         let before = read(kept);
         let args: Vec<_> = args.split(' ').collect();
-        refused(dir.path(), &args, "", 2, "is an input file, which would be lost");
+        assert_rejected(dir.path(), &args, "", 2, "is an input file and would be overwritten");
         assert_eq!(read(kept), before, "{args:?}");
     }
     assert!(!at("o.csv").exists() && !at("sheet/report.html").exists());
     let args = ["solve", "drive.json", "-o", "one.json", "-o", "./one.json"];
-    refused(dir.path(), &args, "", 2, "would be written twice");
+    assert_rejected(dir.path(), &args, "", 2, "would be written twice");
 }
 
 #[test]
@@ -287,15 +320,15 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
         fs::create_dir(dir.path().join(name)).expect("a folder");
         let args =
             ["sweep", &example("feed_drive.json"), "--vary=axial_load_N=1000,2000", "-o", name];
-        refused(dir.path(), &args, "", 1, "the path is a folder");
+        assert_rejected(dir.path(), &args, "", 1, "the path is a folder");
         assert_eq!(fs::read_dir(dir.path().join(name)).expect("a folder").count(), 0);
     }
 }
 
 /// A load of 1e6 N on 70 balls causes pressures above 4200 MPa and contact ellipses that extend
-/// beyond the flanks.
+/// beyond the flanks, so that warnings are expected.
 #[test]
-fn rows_have_the_warnings_of_single_solves() {
+fn table_rows_report_the_warnings_of_single_solves() {
     let dir = folder();
     let drive = example("feed_drive.json");
     for model in ["auto", "raceway-control", "rigid", "traction"] {
@@ -318,7 +351,7 @@ fn rows_have_the_warnings_of_single_solves() {
             }
             counts.push(texts.len());
         }
-        // `rigid` calculates neither pressures nor ellipses.
+        // Model `rigid` calculates neither pressures nor contact ellipses.
         assert!(model == "rigid" || counts[1] > counts[0], "{model}: {counts:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Tests of the reports of `validate` and `tradeoff`.
+//! Tests of the reports that `validate` and `tradeoff` write.
 
 use crate::data;
 use std::fs;
@@ -20,7 +20,7 @@ fn validate_passes_and_writes_its_report() {
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
     assert!(stdout(&output).contains(" 0 failed"));
     let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
-    // The figure has three models at three loads and 61 speeds.
+    // The figure shows three models at three loads and 61 speeds.
     assert_eq!(read("figures/transition.csv").lines().count(), 1 + 9 * 61);
     let transition = read("figures/transition.svg");
     assert!(transition.contains(">traction<") && transition.contains(">20 N<"), "a legend");
@@ -28,7 +28,7 @@ fn validate_passes_and_writes_its_report() {
     let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
     assert_eq!(results["passed"], true);
     assert!(results["checks"].as_array().expect("list").len() >= 25);
-    // Runs some of the checks and writes their page alone.
+    // Runs only some of the checks and writes only their page.
     let some = ["validate", "--only", "elastic/", "--json", "-o", "some.html", "-o", "some.json"];
     let output = bsm(dir.path(), &some, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -43,10 +43,10 @@ fn validate_passes_and_writes_its_report() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// A reference value with a changed fifth digit makes its check fail, on the screen and in the
+/// If the fifth digit of a reference value is changed, its check must fail on the screen and on the
 /// page.
 #[test]
-fn a_perturbed_reference_fails() {
+fn check_fails_if_its_reference_value_is_changed() {
     let dir = folder();
     let data = copy_published(dir.path());
     let args = ["validate", "--from", "data", "--figures", "report"];
@@ -56,7 +56,7 @@ fn a_perturbed_reference_fails() {
     let file = data.join("checks.csv");
     let table = fs::read_to_string(&file).expect("a table");
     let row = table.lines().find(|row| row.starts_with("elastic/hertz-nut-ratio,")).expect("a row");
-    // The value precedes the tolerance.
+    // In a row, the reference value precedes the tolerance.
     let value = row.rsplit(',').filter_map(|cell| cell.parse::<f64>().ok()).nth(1);
     let value = value.expect("a number");
     let perturbed =
@@ -103,7 +103,7 @@ fn tradeoff_measures_a_table() {
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
-    // No model solves this point, so no reference exists for the measurement.
+    // No model solves this point, so there is no reference value for measuring errors.
     let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
     fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
     let output = bsm(dir.path(), &["tradeoff", "--points", "hopeless.csv"], "");

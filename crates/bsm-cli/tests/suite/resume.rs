@@ -1,6 +1,6 @@
-//! Tests runs that are killed at random moments, and folders that are damaged. The results are
-//! never wrong, damage is never accepted silently, and only SIGKILL leaves unfinished files. The
-//! long version is `just kills`.
+//! Tests of runs that are killed at random moments, and of damaged datasets. Results must never be
+//! wrong, damage must never be accepted silently, and only SIGKILL may leave temporary files
+//! behind. The long version of these tests is `just kills`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ use crate::program::{example, folder, stderr};
 const SIGNALS: [&str; 4] = ["-KILL", "-TERM", "-INT", "-HUP"];
 
 fn program(args: &[String], folder: &Path) -> Command {
-    // The parent process may ignore signals, so the default handlers are restored.
+    // The parent process may ignore signals, so the default signal handlers are restored.
     let mut command = Command::new("env");
     command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -35,8 +35,8 @@ fn strings(args: &[&str]) -> Vec<String> {
     args.iter().map(|arg| (*arg).to_owned()).collect()
 }
 
-/// Returns everything below a folder: files with their bytes, and `None` for entries that are not
-/// files.
+/// Returns all entries in a folder and its subfolders: files with their bytes, and `None` for
+/// entries that are not files.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -63,14 +63,14 @@ fn unfinished_files(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf>
     files.keys().filter(temporary).collect()
 }
 
-/// Points of a grid, of which some have no result, and the same points as tables.
+/// Points of a grid, some of which have no result, and the same points as tables.
 struct Points {
     vary: Vec<String>,
     rows: usize,
 }
 
 impl Points {
-    /// Creates the points. With the last friction coefficient the screw is self-locking.
+    /// Creates the points. At the last friction coefficient, the screw is self-locking.
     fn new(loads: usize) -> Self {
         let vary = vec![
             format!("--vary=axial_load_N=500:9000:{loads}"),
@@ -79,7 +79,8 @@ impl Points {
         Self { vary, rows: 4 * loads }
     }
 
-    /// Returns the arguments that solve the points from a source into an output.
+    /// Returns the command-line arguments that solve the points of `source` and write the results
+    /// to `output`.
     fn args(&self, source: &str, output: &str) -> Vec<String> {
         let drive = example("feed_drive.json");
         let mut args = match source {
@@ -105,7 +106,7 @@ impl Points {
     }
 }
 
-/// Counts of a campaign.
+/// Counts of a test campaign.
 #[derive(Debug, Default)]
 struct Tally {
     kills: usize,
@@ -114,8 +115,8 @@ struct Tally {
     left_by_sigkill: usize,
 }
 
-/// Kills `kills` runs of one source into a folder, and the same number of runs into a file. The
-/// function compares the files with the files of an undisturbed run after each kill and at the end.
+/// Kills `kills` runs that write a dataset and as many runs that write a single file. After each
+/// kill and at the end, the files are compared with those of an undisturbed run.
 fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());
@@ -132,17 +133,17 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
         sleep(time.mul_f64(rng.random_range(0.0..1.0)));
         let over = child.try_wait().expect("a child").is_some();
         if !over {
-            // The process may end between the two calls. Then no process is killed.
+            // If the process ends between the two calls, no process is killed.
             let _ = Command::new("kill").args([signal, &child.id().to_string()]).output();
         }
         let output = child.wait_with_output().expect("ends");
-        // The process was killed, or finished in the meantime. It may neither panic nor fail.
+        // The process was killed or has finished in the meantime. It must neither panic nor fail.
         let code = output.status.code();
         assert!(!matches!(code, Some(1 | 2 | 101)), "{code:?} {}", stderr(&output));
         code == Some(3)
     };
 
-    // The first part tests runs into a folder.
+    // First, the runs write a dataset.
     let resume = [points.args(source, "map/"), strings(&["--resume"])].concat();
     let map = dir.path().join("map");
     let mut left = 0;
@@ -161,7 +162,8 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
             (left, tally.late) = (0, tally.late + 1);
             continue;
         }
-        // One part was being solved, and the previous part was about to be renamed.
+        // A killed process may leave two temporary files: the part that was being solved, and the
+        // previous part, which had not been renamed yet.
         let more = if signal == "-KILL" { 2 } else { 0 };
         let names = found.keys();
         assert!((left..=left + more).contains(&now), "{source} {signal}: {left}, {names:?}");
@@ -176,7 +178,7 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
     assert_eq!(told(&resumed), told(&undisturbed));
     assert!(files(&map) == expected, "{source}: not the same folder");
 
-    // The second part tests runs into a file.
+    // Then, the runs write a single file.
     let args = points.args(source, "out.csv");
     let out = dir.path().join("out.csv");
     killed = 0;
@@ -221,26 +223,26 @@ fn a_resumed_run_is_bit_identical() {
 #[test]
 #[ignore = "minutes: `just kills`"]
 fn resumed_runs_are_bit_identical_after_104_kills() {
-    // There are 13 kills of folders and 13 of files for each of four sources.
+    // For each of four sources, 13 runs with a dataset and 13 runs with a single file are killed.
     let tally = campaign(4_000, 13, 2026);
     assert_eq!(tally.kills, 104);
     println!("0 wrong bytes: {tally:?}");
 }
 
-/// Corrupts one file of the dataset.
+/// A function that damages a dataset.
 type Harm<'a> = Box<dyn Fn() + 'a>;
 
-/// Expected reaction of `--resume` to a damaged folder.
+/// Expected reaction of `--resume` to a damaged dataset.
 enum Reaction {
-    /// The run fails with this exit code and message, and keeps the damaged file.
+    /// The run fails with this exit code and message, and the damaged file is kept.
     Refused(i32, &'static str),
-    /// The damaged part is solved again, and the result equals the result of an undisturbed run.
+    /// The damaged part is solved again, and the dataset equals that of an undisturbed run.
     Healed,
 }
 
 use Reaction::{Healed, Refused};
 
-/// An audit found that `--resume` only checked whether a path exists.
+/// Regression test: `--resume` only checked whether a path exists.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a list of kinds of damage")]
 fn resume_verifies_finished_parts() {
@@ -251,7 +253,8 @@ fn resume_verifies_finished_parts() {
     assert_eq!(undisturbed.status.code(), Some(3));
     let map = dir.path().join("map");
     let expected = files(&map);
-    // The folder contains 16 parts, the plan and the list. `data/` contains parts only.
+    // The folder contains 16 parts, the plan and the list of parts. The subfolder `data/` contains
+    // only parts.
     assert_eq!(expected.len(), 18);
     let parts = expected.keys().filter(|name| name.starts_with("data"));
     assert!(
@@ -290,13 +293,9 @@ fn resume_verifies_finished_parts() {
         (
             "a bit of the data",
             put(flipped(500)),
-            Refused(3, "has been changed, because its bytes do not match"),
+            Refused(3, "has been changed: its bytes do not match"),
         ),
-        (
-            "a bit of the first letters",
-            put(flipped(0)),
-            Refused(3, "has been changed, because its bytes"),
-        ),
+        ("a bit of the first letters", put(flipped(0)), Refused(3, "has been changed: its bytes")),
         ("a bit of the footer", put(flipped(end - 1500)), Refused(3, broken)),
         ("a bit of the length of the footer", put(flipped(end - 8)), Refused(3, broken)),
         ("a bit of the last letters", put(flipped(end - 1)), Refused(3, broken)),
@@ -390,7 +389,7 @@ fn resume_verifies_finished_parts() {
         (
             "no plan",
             Box::new(|| fs::remove_file(&plan).expect("removable")),
-            Refused(2, "map/ is a folder with other content"),
+            Refused(2, "map/ is a folder that contains other files"),
         ),
         (
             "a damaged list",
@@ -428,8 +427,7 @@ fn resume_verifies_finished_parts() {
                 assert!(files(&map) == expected, "{what}");
             }
         }
-        // The loop follows the advice of the message: it removes changed files and restores the
-        // plan.
+        // As the message advises, changed files are removed and the plan is restored.
         for name in files(&map).keys() {
             let path = map.join(name);
             if !path.is_file()
@@ -451,7 +449,8 @@ fn resume_verifies_finished_parts() {
     println!("0 silent acceptances: {} kinds of damage", damages.len());
 }
 
-/// An audit found that an emptied manifest and another grid led to a mixture of two tasks.
+/// Regression test: with an emptied plan file and a different grid, the results of two tasks were
+/// mixed.
 #[test]
 fn resume_rejects_a_different_grid() {
     let dir = folder();
@@ -492,8 +491,8 @@ fn resume_rejects_a_different_grid() {
     );
 }
 
-/// An audit found that a resumed run ignored rows without a result in finished parts, both in its
-/// exit code and in its note.
+/// Regression test: a resumed run ignored rows without a result in parts that had been finished
+/// earlier, both in its exit code and in its note.
 #[test]
 fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     let dir = folder();
@@ -511,9 +510,9 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     assert_eq!((asked.status.code(), stderr(&asked)), (Some(0), stderr(&first)));
 }
 
-/// An audit found that `--resume` deleted a user's own `.bsm-*` files.
+/// Regression test: `--resume` deleted the user's own `.bsm-*` files.
 #[test]
-fn foreign_files_are_kept() {
+fn files_of_the_user_are_kept() {
     let dir = folder();
     let args = Points::new(20).args("grid", "map/");
     assert_eq!(run(&args, dir.path()).status.code(), Some(3));
@@ -540,8 +539,8 @@ fn foreign_files_are_kept() {
     assert!(dir.path().join("map/.bsm-notes").exists());
 }
 
-/// An audit found that the program waited forever for a pipe in place of a manifest or of a table
-/// of points.
+/// Regression test: the program waited forever if a pipe replaced the plan file or the table of
+/// points.
 #[test]
 fn the_program_does_not_wait_for_pipes() {
     let dir = folder();
@@ -588,7 +587,7 @@ fn a_run_that_cannot_be_resumed_says_what_to_do() {
         assert_eq!(said.status.code(), Some(2));
         assert!(stderr(&said).contains(words), "{}", stderr(&said));
     }
-    // The folder comes from an earlier version.
+    // This folder imitates a dataset of an earlier version.
     fs::create_dir(dir.path().join("old")).expect("folder");
     fs::write(dir.path().join("old/parts.json"), "{}").expect("writable");
     fs::write(dir.path().join("old/part-000000.parquet"), "PAR1").expect("writable");

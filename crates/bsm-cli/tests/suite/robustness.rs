@@ -1,6 +1,6 @@
-//! Tests the behavior when the operating system refuses an operation: full disks, closed pipes,
-//! protected files, unusual names and interrupts. Each case gives a clear message and the right
-//! exit code, and no file is lost.
+//! Tests of the behavior when the operating system refuses an operation: full disks, closed pipes,
+//! protected files, unusual file names and interrupts. Each case must cause a clear message and the
+//! right exit code, and no file may be lost.
 #![cfg(unix)]
 
 use std::ffi::OsStr;
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{bsm, example, folder, stderr, stdout};
 
-/// Returns all commands that print, each with an example.
+/// Returns an example of every command that prints to standard output.
 fn printing_commands() -> Vec<Vec<String>> {
     let (drive, lin, nut) =
         (example("feed_drive.json"), example("lin1994.json"), example("nut.json"));
@@ -48,7 +48,7 @@ fn printing_commands() -> Vec<Vec<String>> {
 }
 
 fn program(args: &[impl AsRef<OsStr>], folder: &Path) -> Command {
-    // The parent process may ignore signals, so the default handlers are restored.
+    // The parent process may ignore signals, so the default signal handlers are restored.
     let mut command = Command::new("env");
     command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -59,16 +59,16 @@ fn run(args: &[impl AsRef<OsStr>], folder: &Path) -> Output {
     program(args, folder).output().expect("the program runs")
 }
 
-/// Checks the exit code. Apart from warnings, standard error must contain one sentence with `part`
-/// and no panic message.
-fn assert_told(output: &Output, code: i32, part: &str) {
+/// Checks the exit code. Apart from warnings, standard error must contain one sentence with the
+/// text `part` and no panic message.
+fn assert_exit_and_message(output: &Output, code: i32, part: &str) {
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{text}");
     assert!(text.contains(part) && !text.contains("panicked"), "{text}");
     assert!(lines_without_warnings(&text).count() <= 1, "{text}");
 }
 
-/// Returns the lines that are not warnings.
+/// Returns all lines except empty lines and warnings.
 fn lines_without_warnings(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter(|line| !line.is_empty() && !line.starts_with("warning: "))
 }
@@ -86,18 +86,22 @@ fn a_full_disk_is_reported() {
     for args in printing_commands() {
         let full = File::options().write(true).open("/dev/full").expect("Linux has it");
         let output = program(&args, dir.path()).stdout(full).output().expect("the program runs");
-        assert_told(&output, 1, "cannot write to standard output: No space left on device");
+        assert_exit_and_message(
+            &output,
+            1,
+            "cannot write to standard output: No space left on device",
+        );
     }
     let drive = example("feed_drive.json");
     symlink("/dev/full", dir.path().join("full.csv")).expect("link");
     symlink("/dev/full", dir.path().join("full.parquet")).expect("link");
     for table in ["full.csv", "full.parquet"] {
         let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", table];
-        assert_told(&run(&args, dir.path()), 1, &format!("cannot write {table}: "));
+        assert_exit_and_message(&run(&args, dir.path()), 1, &format!("cannot write {table}: "));
     }
 }
 
-/// A reader may stop early, as in `bsm ... | head -1`.
+/// The program that reads the output may stop early, as in `bsm ... | head -1`.
 #[test]
 fn a_closed_pipe_is_not_a_failure() {
     let dir = folder();
@@ -105,13 +109,13 @@ fn a_closed_pipe_is_not_a_failure() {
         let (reader, writer) = io::pipe().expect("a pipe");
         drop(reader);
         let output = program(&args, dir.path()).stdout(writer).output().expect("the program runs");
-        assert_told(&output, 0, "");
+        assert_exit_and_message(&output, 0, "");
         assert_eq!(lines_without_warnings(&stderr(&output)).next(), None, "{args:?}");
     }
 }
 
-/// Without standard output the answer is discarded, as with /dev/null. Without standard error only
-/// messages are lost.
+/// If standard output is closed, the answer is discarded as with /dev/null. If standard error is
+/// closed, only messages are lost.
 #[test]
 fn closed_standard_streams_are_tolerated() {
     let dir = folder();
@@ -126,13 +130,13 @@ fn closed_standard_streams_are_tolerated() {
     assert_eq!(stdout(&sh(r#""$0" solve "$1" 2>&-"#)), stdout(&whole));
     assert_eq!(stdout(&sh(r#""$0" solve "$1" 2>/dev/full"#)), stdout(&whole));
     assert_eq!(stdout(&sh(r#""$0" solve "$1" <&-"#)), stdout(&whole));
-    assert_told(&sh(r#""$0" solve "$1" >&-"#), 0, "");
+    assert_exit_and_message(&sh(r#""$0" solve "$1" >&-"#), 0, "");
     assert_eq!(sh(r#""$0" solve nothing 2>&-"#).status.code(), Some(1));
     assert_eq!(sh(r#""$0" sovle 2>/dev/full"#).status.code(), Some(2));
-    assert_told(&sh(r#""$0" solve - <&-"#), 2, "standard input: is empty");
+    assert_exit_and_message(&sh(r#""$0" solve - <&-"#), 2, "standard input: is empty");
 }
 
-/// A pipe or a device under the name of the output used to be replaced by a file.
+/// Regression test: an existing pipe or device with the name of the output was replaced by a file.
 #[test]
 fn pipes_are_written_to_and_stay_pipes() {
     let dir = folder();
@@ -144,13 +148,13 @@ fn pipes_are_written_to_and_stay_pipes() {
     let child = program(&sweep, dir.path()).spawn().expect("the program starts");
     let text = fs::read_to_string(&fifo).expect("a table");
     assert_eq!(text.lines().count(), 4);
-    assert_told(&child.wait_with_output().expect("ends"), 0, "");
+    assert_exit_and_message(&child.wait_with_output().expect("ends"), 0, "");
     assert!(fs::metadata(&fifo).expect("there").file_type().is_fifo());
     // A table can also be read from a pipe.
     let batch = ["sweep", &drive, "--points", "pipe.csv", "--model=closed-form", "-o", "out.csv"];
     let child = program(&batch, dir.path()).spawn().expect("the program starts");
     fs::write(&fifo, "axial_load_N\n1\n").expect("pipe");
-    assert_told(&child.wait_with_output().expect("ends"), 0, "");
+    assert_exit_and_message(&child.wait_with_output().expect("ends"), 0, "");
     assert_eq!(names(dir.path()), ["out.csv", "pipe.csv"]);
 }
 
@@ -164,12 +168,12 @@ fn links_and_protected_files_are_kept() {
     };
     fs::write(at("real.csv"), "old").expect("file");
     symlink("real.csv", at("link.csv")).expect("link");
-    assert_told(&sweep("link.csv"), 0, "");
+    assert_exit_and_message(&sweep("link.csv"), 0, "");
     assert!(at("link.csv").is_symlink());
     assert_eq!(fs::read_to_string(at("real.csv")).expect("table").lines().count(), 4);
 
     symlink("nothing.csv", at("astray.csv")).expect("link");
-    assert_told(
+    assert_exit_and_message(
         &sweep("astray.csv"),
         1,
         "astray.csv: the path is a broken link; remove the link or",
@@ -181,20 +185,32 @@ fn links_and_protected_files_are_kept() {
     protected.set_readonly(true);
     fs::write(at("kept.csv"), "old").expect("file");
     fs::set_permissions(at("kept.csv"), protected).expect("mine");
-    assert_told(
+    assert_exit_and_message(
         &sweep("kept.csv"),
         1,
         "cannot write kept.csv: the file is read-only; make it writable or",
     );
     assert_eq!(fs::read_to_string(at("kept.csv")).expect("there"), "old");
 
-    // No user can create files here, not even root.
-    assert_told(&sweep("/proc/x.csv"), 1, "cannot write in folder /proc: ");
-    assert_told(&sweep("no/such/x.csv"), 1, "cannot write in folder no/such: No such file");
-    assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
+    // No user can create files in these folders, not even root.
+    assert_exit_and_message(&sweep("/proc/x.csv"), 1, "cannot write in folder /proc: ");
+    assert_exit_and_message(
+        &sweep("no/such/x.csv"),
+        1,
+        "cannot write in folder no/such: No such file",
+    );
+    assert_exit_and_message(
+        &sweep("real.csv/x.csv"),
+        1,
+        "cannot write in folder real.csv: Not a directory",
+    );
     fs::create_dir(at("folder.svg")).expect("folder");
     let plot = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "x.csv", "-o", "folder.svg"];
-    assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: the path is a folder");
+    assert_exit_and_message(
+        &run(&plot, dir.path()),
+        1,
+        "cannot write folder.svg: the path is a folder",
+    );
     for args in [&["solve", "folder.svg"][..], &["sweep", "--points", "folder.svg/../.csv", "-o-"]]
     {
         assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
@@ -203,7 +219,7 @@ fn links_and_protected_files_are_kept() {
     assert_eq!(names(dir.path()), left);
 }
 
-/// The output never replaces the case or the requirement that the command reads.
+/// The output must never replace the case or the requirement that the command reads.
 #[test]
 fn input_files_are_not_overwritten() {
     let dir = folder();
@@ -221,22 +237,22 @@ fn input_files_are_not_overwritten() {
         &["select", "--from", "lists.json", "-o", "nuts.csv", "-o", "lists.json"],
         &["select", "requirement.json", "--from", "lists.json", "-o", "requirement.json"],
     ] {
-        assert_told(
+        assert_exit_and_message(
             &run(args, dir.path()),
             2,
-            "is an input file, which would be lost; use another name",
+            "is an input file and would be overwritten; use another name",
         );
     }
-    // The output may replace the table of points, which is read completely before the output is
-    // written.
+    // The output may replace the table of points, because the table is read completely before the
+    // output gets its final name.
     let args =
         ["sweep", "case.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
-    assert_told(&run(&args, dir.path()), 0, "");
+    assert_exit_and_message(&run(&args, dir.path()), 0, "");
     let table = fs::read_to_string(dir.path().join("points.csv")).expect("table");
     assert!(table.lines().nth(1).expect("a row").starts_with("5,closed-form,converged"));
 }
 
-/// Starts a sweep that takes hours, and waits until it writes its table.
+/// Starts a sweep that would take hours, and waits until it has started to write its table.
 fn long_sweep(folder: &Path, output: &str) -> Child {
     let drive = example("feed_drive.json");
     let vary = "--vary=axial_load_N=100:9000:100000000";
@@ -262,7 +278,7 @@ fn signal(child: &Child, name: &str) {
 }
 
 #[test]
-fn an_interrupt_leaves_the_former_file_and_nothing_else() {
+fn an_interrupt_keeps_the_existing_file_and_leaves_nothing_else() {
     for (name, code) in [
         ("-HUP", Some(129)),
         ("-INT", Some(130)),
@@ -281,14 +297,14 @@ fn an_interrupt_leaves_the_former_file_and_nothing_else() {
         assert_eq!(output.status.code(), code);
         assert_eq!(fs::read_to_string(&table).expect("there"), "old");
         if let Some(code) = code {
-            assert_told(&output, code, "interrupted; unfinished files were removed");
+            assert_exit_and_message(&output, code, "interrupted; unfinished files were removed");
             assert_eq!(names(dir.path()), ["out.csv"]);
         }
     }
 }
 
-/// Under `nohup`, which ignores SIGHUP, and in background jobs of scripts, where SIGINT is ignored,
-/// the program used to miss all signals and leave a temporary file.
+/// Regression test: if SIGHUP was ignored (under `nohup`) or SIGINT was ignored (in background jobs
+/// of scripts), the program missed all other signals and left a temporary file behind.
 #[test]
 fn signals_are_handled_under_nohup_and_in_the_background() {
     for ignored in ["HUP", "INT"] {
@@ -306,15 +322,15 @@ fn signals_are_handled_under_nohup_and_in_the_background() {
         sleep(Duration::from_millis(300));
         assert!(child.try_wait().expect("a child").is_none(), "{ignored} must stay ignored");
         signal(&child, "-TERM");
-        assert_told(&child.wait_with_output().expect("ends"), 143, "interrupted");
+        assert_exit_and_message(&child.wait_with_output().expect("ends"), 143, "interrupted");
         assert!(names(dir.path()).is_empty());
     }
 }
 
-/// Runs the program in a shell with limits. Returns `None` and prints the reason if the shell does
-/// not support the limits.
+/// Runs the program in a shell with resource limits. If the shell does not support the limits,
+/// prints the reason and returns `None`.
 #[expect(clippy::print_stdout, reason = "a test that was skipped says so")]
-fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
+fn run_with_limits(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
     let script = format!("{limits} || exit 99; exec \"$0\" \"$@\"");
     let mut sh = Command::new("bash");
     sh.args(["-c", &script, env!("CARGO_BIN_EXE_bsm")]).args(args).current_dir(folder);
@@ -326,28 +342,33 @@ fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
     Some(output)
 }
 
-/// A thread that could not be started used to cause a panic.
+/// Regression test: a thread that could not be started caused a panic.
 #[test]
 fn a_failed_thread_start_does_not_panic() {
     let dir = folder();
     let drive = example("feed_drive.json");
-    // Stacks take 2 MiB each, so there is room for only some of the 1024 threads.
+    // Each stack takes 2 MiB, so that the memory limit allows only some of the 1024 threads.
     let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
-    if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
-        assert_told(&output, 0, "of 1024 threads, because the system does not start more");
+    if let Some(output) = run_with_limits("ulimit -v 1000000", &many, dir.path()) {
+        assert_exit_and_message(
+            &output,
+            0,
+            "of 1024 threads, because the operating system does not start more",
+        );
     }
     let catalog = ["select", "--first=3", "--where=lead_mm=20"];
     let usual = run(&catalog, dir.path());
     let limits = "export RAYON_NUM_THREADS=1024; ulimit -v 1000000";
-    if let Some(output) = limited(limits, &catalog, dir.path()) {
+    if let Some(output) = run_with_limits(limits, &catalog, dir.path()) {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
         assert!(
-            stderr(&output).contains("of 1024 threads, because the system does not start more")
+            stderr(&output)
+                .contains("of 1024 threads, because the operating system does not start more")
         );
     }
-    // Root may start any number of threads. Other users get an error.
+    // The root user may start any number of threads. Other users get an error.
     for args in [&many[..], &catalog] {
-        let Some(output) = limited("ulimit -u 1", args, dir.path()) else { continue };
+        let Some(output) = run_with_limits("ulimit -u 1", args, dir.path()) else { continue };
         let text = stderr(&output);
         match output.status.code() {
             Some(0) => {}
@@ -357,16 +378,17 @@ fn a_failed_thread_start_does_not_panic() {
     }
 }
 
-/// Returns the maximum size of the program in the address space \[kB\]. A test build is larger than
-/// a release build. The limits add the memory of a run: stacks, which take 16 MiB each if debug
-/// assertions are enabled, and arenas of the allocator.
+/// Returns the maximum address space \[kB\] that the program file itself takes up. A test build is
+/// larger than a release build. The memory limits in the tests add the memory of a run: thread
+/// stacks, which take 16 MiB each if debug assertions are enabled, and allocator arenas.
 fn program_size_in_kb() -> u64 {
     fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
 }
 
-/// At every memory limit the program either succeeds or exits with 1. Below some limit no process
-/// starts at all, which the shell and the loader report as 126 and 127. Just above that limit the
-/// runtime of Rust aborts before `main`, because it cannot map the stack for signal handlers.
+/// At every memory limit, the program must succeed or exit with code 1. Below a certain limit, no
+/// process can be started, which the shell and the loader report with codes 126 and 127. Just above
+/// this limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
+/// handlers.
 #[test]
 fn low_memory_does_not_panic() {
     let dir = folder();
@@ -376,7 +398,8 @@ fn low_memory_does_not_panic() {
     let mut codes = Vec::new();
     let mapped = program_size_in_kb();
     for kilobytes in [1, 20, 30, 40, 60, 90, mapped / 1000 + 96].map(|n| 1000 * n) {
-        let Some(output) = limited(&format!("ulimit -v {kilobytes}"), &sweep, dir.path()) else {
+        let Some(output) = run_with_limits(&format!("ulimit -v {kilobytes}"), &sweep, dir.path())
+        else {
             return;
         };
         let text = stderr(&output);
@@ -389,7 +412,8 @@ fn low_memory_does_not_panic() {
     assert!(codes.iter().all(|c| matches!(c, Some(0 | 1 | 126 | 127) | None)), "{codes:?}");
 }
 
-/// SIGXFSZ used to end the program when a file exceeded `ulimit -f`, and the temporary file stayed.
+/// Regression test: if a file exceeded the limit of `ulimit -f`, the signal SIGXFSZ ended the
+/// program, and the temporary file was left behind.
 #[test]
 fn a_file_above_the_size_limit_is_reported() {
     let dir = folder();
@@ -406,14 +430,14 @@ fn a_file_above_the_size_limit_is_reported() {
     ] {
         let args = sweep(output);
         let args: Vec<_> = args.iter().map(String::as_str).collect();
-        if let Some(output) = limited(limits, &args, dir.path()) {
-            assert_told(&output, 1, part);
+        if let Some(output) = run_with_limits(limits, &args, dir.path()) {
+            assert_exit_and_message(&output, 1, part);
         }
     }
     assert!(names(dir.path()).iter().all(|name| name == "y.csv"), "{:?}", names(dir.path()));
 }
 
-/// If the limit of open files is too low, the program reports an error or succeeds.
+/// If too few files may be open at the same time, the program must report an error or succeed.
 #[test]
 fn a_limit_of_open_files_is_reported() {
     let dir = folder();
@@ -421,7 +445,7 @@ fn a_limit_of_open_files_is_reported() {
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--model=closed-form", "-o", "x.csv"];
     let mut codes = Vec::new();
     for files in 4..16 {
-        let Some(output) = limited(&format!("ulimit -n {files}"), &args, dir.path()) else {
+        let Some(output) = run_with_limits(&format!("ulimit -n {files}"), &args, dir.path()) else {
             return;
         };
         let text = stderr(&output);
@@ -434,51 +458,51 @@ fn a_limit_of_open_files_is_reported() {
     assert_eq!(names(dir.path()), ["x.csv"]);
 }
 
-/// A private output used to become readable by all users, and its owner could change.
+/// Regression test: a private output file became readable by all users, and its owner could change.
 #[test]
-fn an_output_keeps_its_mode_and_owner() {
+fn a_replaced_output_keeps_its_permissions_and_owner() {
     let dir = folder();
     let (table, drive) = (dir.path().join("out.csv"), example("feed_drive.json"));
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "out.csv"];
     for mode in [0o600, 0o640, 0o664, 0o777] {
         fs::write(&table, "old").expect("file");
         fs::set_permissions(&table, fs::Permissions::from_mode(mode)).expect("mine");
-        // Root may change the owner of files.
+        // Only root can change the owner of a file.
         let given = chown(&table, Some(4321), Some(1234)).is_ok();
         let before = fs::metadata(&table).expect("there");
-        assert_told(&run(&args, dir.path()), 0, "");
+        assert_exit_and_message(&run(&args, dir.path()), 0, "");
         let after = fs::metadata(&table).expect("there");
         assert_ne!(after.ino(), before.ino(), "a new file took its name");
         assert_eq!(after.mode() & 0o7777, mode);
         assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()), "given: {given}");
         fs::remove_file(&table).expect("mine");
     }
-    // The umask applies to a new file.
+    // A new file gets the permissions that the umask specifies.
     let output = Command::new("sh")
         .args(["-c", "umask 027; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_bsm")])
         .args(args)
         .current_dir(dir.path())
         .output();
-    assert_told(&output.expect("sh"), 0, "");
+    assert_exit_and_message(&output.expect("sh"), 0, "");
     assert_eq!(fs::metadata(&table).expect("there").mode() & 0o7777, 0o640);
-    // A hard link to the file keeps the former content.
+    // A hard link to the replaced file keeps the old contents.
     fs::write(&table, "old").expect("file");
     fs::hard_link(&table, dir.path().join("other.csv")).expect("link");
-    assert_told(&run(&args, dir.path()), 0, "");
+    assert_exit_and_message(&run(&args, dir.path()), 0, "");
     assert_eq!(fs::read_to_string(dir.path().join("other.csv")).expect("there"), "old");
     assert_ne!(fs::read_to_string(&table).expect("there"), "old");
 }
 
-/// `--resume` used to remove every file whose name began with `.bsm-`.
+/// Regression test: `--resume` removed every file whose name began with `.bsm-`.
 #[test]
-fn resume_keeps_foreign_files() {
+fn resume_keeps_files_of_the_user() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep = |more: &[&str]| {
         let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "parts/"];
         run(&[&args[..], more].concat(), dir.path())
     };
-    assert_told(&sweep(&[]), 0, "");
+    assert_exit_and_message(&sweep(&[]), 0, "");
     let parts = dir.path().join("parts");
     let others = [
         ".bsm-notes",
@@ -492,7 +516,7 @@ fn resume_keeps_foreign_files() {
             fs::write(folder.join(name), "mine").expect("file");
         }
     }
-    assert_told(&sweep(&["--resume"]), 0, "");
+    assert_exit_and_message(&sweep(&["--resume"]), 0, "");
     let mut expected = others.map(str::to_owned).to_vec();
     assert_eq!(names(&parts.join("tmp")), {
         expected.sort();
@@ -502,7 +526,7 @@ fn resume_keeps_foreign_files() {
     assert_eq!(names(&parts), expected);
 }
 
-/// `solve /dev/zero` used to read without end.
+/// Regression test: `solve /dev/zero` never stopped reading.
 #[test]
 fn endless_devices_are_read_up_to_a_limit() {
     let dir = folder();
@@ -515,16 +539,17 @@ fn endless_devices_are_read_up_to_a_limit() {
         &["sweep", "/dev/zero", "--vary=axial_load_N=1:9:3", "-o-"],
         &["sweep", "/dev/zero", "--points", "-", "-o-"],
     ] {
-        assert_told(&run(args, dir.path()), 2, "/dev/zero: is larger than 1 MiB");
+        assert_exit_and_message(&run(args, dir.path()), 2, "/dev/zero: is larger than 1 MiB");
     }
     let cycle = ["axis", &axis, "--cycle", "/dev/zero"];
-    assert_told(&run(&cycle, dir.path()), 2, "/dev/zero: is larger than 16 MiB");
+    assert_exit_and_message(&run(&cycle, dir.path()), 2, "/dev/zero: is larger than 16 MiB");
     let zero = File::open("/dev/zero").expect("Linux has it");
     let output = program(&["solve", "-"], dir.path()).stdin(zero).output().expect("runs");
-    assert_told(&output, 2, "standard input: is larger than 1 MiB");
+    assert_exit_and_message(&output, 2, "standard input: is larger than 1 MiB");
 }
 
-/// Every nut of a catalog used to be held in memory several times: 2.7 GB for five million nuts.
+/// Regression test: every nut of a catalog was held in memory several times, which took 2.7 GB for
+/// five million nuts.
 #[test]
 fn a_large_catalog_takes_little_memory() {
     let dir = folder();
@@ -541,13 +566,13 @@ fn a_large_catalog_takes_little_memory() {
         list(0.51, 0.01, 6),
     );
     fs::write(dir.path().join("lists.json"), lists).expect("lists");
-    // 180 000 nuts took at least 100 MB for each copy and its table. The program alone takes about
-    // 20 MB in addition to its own size.
+    // Each copy of 180 000 nuts with their table would take at least 100 MB. The program itself
+    // needs only about 20 MB in addition to its own size.
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", program_size_in_kb() + 46_000);
     let limits = limits.as_str();
     let args = ["select", "--from", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
-    let Some(output) = limited(limits, &args, dir.path()) else { return };
-    assert_told(&output, 0, "180000 nuts within the limits");
+    let Some(output) = run_with_limits(limits, &args, dir.path()) else { return };
+    assert_exit_and_message(&output, 0, "180000 nuts within the limits");
     let table = fs::read_to_string(dir.path().join("nuts.csv")).expect("table");
     assert_eq!(table.lines().count(), 180_001);
     let column = table.lines().next().expect("names").split(',').position(|n| n == "mass_kg");
@@ -556,19 +581,23 @@ fn a_large_catalog_takes_little_memory() {
     assert!(masses.is_sorted());
 }
 
-/// Earlier versions printed "thrust of NaN N" for jamming, gave a life of 0 for a spectrum of 1e300
-/// N, and began a grid over the whole range of doubles with NaN.
+/// Regression test: earlier versions printed "thrust of NaN N" for jamming, calculated a life of 0
+/// for a load spectrum of 1e300 N, and began a grid over the whole range of doubles with NaN.
 #[test]
 fn no_message_contains_nan() {
     let dir = folder();
     fs::write(dir.path().join("loads.csv"), "force_N,feed_m_min,share\n1e300,1,1\n")
         .expect("cycle");
     let axis = ["axis", &example("axis.json"), "--cycle", "loads.csv"];
-    assert_told(&run(&axis, dir.path()), 2, "the forces of the balls do not balance");
+    assert_exit_and_message(&run(&axis, dir.path()), 2, "the forces of the balls do not balance");
     let loads = ["--set=axial_load_N=1e300", "--set=screw_speed_rpm=100", "--show=ratings"];
     let nut = example("nut.json");
     let ratings = [&["solve", &nut], &loads[..]].concat();
-    assert_told(&run(&ratings, dir.path()), 2, "is outside the range of double precision");
+    assert_exit_and_message(
+        &run(&ratings, dir.path()),
+        2,
+        "is outside the range of double precision",
+    );
     let dong = example("dong2020.json");
     for setting in [
         "return_stiffness_N_um15=1e308",
@@ -590,7 +619,8 @@ fn no_message_contains_nan() {
     assert_eq!(first, [Some("-1e+308"), Some("0"), Some("1e+308")], "{table}");
 }
 
-/// A control character in a description used to reach the terminal and make the plot unreadable.
+/// Regression test: a control character in a description was printed on the terminal and made the
+/// plot invalid.
 #[test]
 fn control_characters_reach_neither_terminal_nor_plot() {
     let dir = folder();
@@ -607,17 +637,17 @@ fn control_characters_reach_neither_terminal_nor_plot() {
         assert!(!text.contains(|c: char| c == '\u{202e}' || (c.is_control() && c != '\n')));
     }
     let named = run(&["solve", "no\u{1b}[31m.json"], dir.path());
-    assert_told(&named, 1, "cannot read no\\u{1b}[31m.json: No such file");
+    assert_exit_and_message(&named, 1, "cannot read no\\u{1b}[31m.json: No such file");
     let args = ["sweep", "evil.json", "--vary=axial_load_N=100:9000:9", "-o", "x.csv"];
     let output = run(&[&args[..], &["-o", "x.svg"]].concat(), dir.path());
-    assert_told(&output, 0, "");
+    assert_exit_and_message(&output, 0, "");
     let svg = fs::read_to_string(dir.path().join("x.svg")).expect("plot");
     let svg = roxmltree::Document::parse(&svg).expect("well-formed XML");
     let texts: String = svg.descendants().filter_map(|node| node.text()).collect();
     assert!(texts.contains("<b>&") && texts.contains("[31m"), "{texts}");
 }
 
-/// One row used to contain both 10000000000000000000000 and 3.18e19.
+/// Regression test: one row contained both 10000000000000000000000 and 3.18e19.
 #[test]
 fn numbers_in_a_row_have_the_same_format() {
     let dir = folder();
@@ -641,8 +671,8 @@ fn numbers_in_a_row_have_the_same_format() {
     }
 }
 
-/// The program used to print a direction of friction of 3.3562e-13 deg and a spin of 3.5594e-14
-/// rad/s.
+/// Regression test: the program printed a friction direction of 3.3562e-13 deg and a spin of
+/// 3.5594e-14 rad/s.
 #[test]
 fn rounding_errors_are_not_printed_as_results() {
     let dir = folder();
@@ -651,7 +681,8 @@ fn rounding_errors_are_not_printed_as_results() {
         let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
-            // A residual and differences of powers consist of rounding error by nature.
+            // The residual and differences of powers are permitted, because they always consist of
+            // rounding errors.
             value > 0.0 && value < 1e-11
         });
         let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");
@@ -659,14 +690,14 @@ fn rounding_errors_are_not_printed_as_results() {
         let tiny: Vec<_> = tiny.filter(|word| !by_nature.contains(word)).collect();
         assert!(tiny.is_empty(), "{show}: {tiny:?} in\n{text}");
     }
-    // Files contain all digits.
+    // Numbers in files must have all digits.
     let json = stdout(&run(&["solve", &example("feed_drive.json"), "--json"], dir.path()));
     let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\":")).expect("there");
     assert!(spin.contains("e-"), "{spin}");
 }
 
-/// While the program waited for its input, it used to handle the first interrupt only when more
-/// input arrived, and left its temporary file at the second interrupt.
+/// Regression test: while the program waited for standard input, it handled the first interrupt
+/// only after more input arrived. At the second interrupt, it left its temporary file behind.
 #[test]
 fn an_interrupt_is_handled_while_waiting_for_input() {
     let dir = folder();
@@ -685,12 +716,12 @@ fn an_interrupt_is_handled_while_waiting_for_input() {
     stdin.write_all(rows.as_bytes()).expect("it reads");
     wait_for(|| count_unfinished_files(dir.path()) == 1);
     signal(&child, "-INT");
-    assert_told(&child.wait_with_output().expect("ends"), 130, "interrupted");
+    assert_exit_and_message(&child.wait_with_output().expect("ends"), 130, "interrupted");
     assert!(names(dir.path()).is_empty());
 }
 
 #[test]
-fn concurrent_writers_do_not_mix() {
+fn concurrent_runs_do_not_mix_their_output() {
     let dir = folder();
     let first = long_sweep(dir.path(), "parts/");
     let parts = dir.path().join("parts");
@@ -703,22 +734,23 @@ fn concurrent_writers_do_not_mix() {
         ("--quiet", "parts/ holds the parts of another task; continue with --resume"),
     ] {
         let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", more, "-o", "parts/"];
-        assert_told(&run(&args, dir.path()), 2, part);
+        assert_exit_and_message(&run(&args, dir.path()), 2, part);
     }
     assert_eq!(names(&tmp).len(), 1, "the file of the first is still there");
     signal(&first, "-INT");
-    assert_told(&first.wait_with_output().expect("ends"), 130, "interrupted");
+    assert_exit_and_message(&first.wait_with_output().expect("ends"), 130, "interrupted");
     assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
     assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
 
-    // If several processes write the same file, the last process wins, with a complete table.
+    // If several processes write the same file, the file must contain the complete table of the
+    // process that finishes last.
     let sweep = |count: &str| {
         let vary = format!("--vary=axial_load_N=100:9000:{count}");
         let args = ["sweep", &drive, &vary, "--model=rigid", "-o", "both.csv"];
         program(&args, dir.path()).spawn().expect("the program starts")
     };
     for child in [sweep("3000"), sweep("3001")] {
-        assert_told(&child.wait_with_output().expect("ends"), 0, "");
+        assert_exit_and_message(&child.wait_with_output().expect("ends"), 0, "");
     }
     let text = fs::read_to_string(dir.path().join("both.csv")).expect("table");
     let last = text.lines().last().expect("a row");
@@ -727,7 +759,7 @@ fn concurrent_writers_do_not_mix() {
 }
 
 #[test]
-fn names_need_not_be_utf8() {
+fn file_names_need_not_be_utf8() {
     let dir = folder();
     let name = |ending: &str| {
         let mut name = b"caf\xe9".to_vec();
@@ -739,14 +771,14 @@ fn names_need_not_be_utf8() {
     fs::write(dir.path().join(name(".csv")), "axial_load_N\n2000\n").expect("points");
     let (case, points, out, parts) = (name(".json"), name(".csv"), name("2.parquet"), name("/"));
     let os = OsStr::new;
-    assert_told(&run(&[os("solve"), case.as_os_str()]), 0, "");
+    assert_exit_and_message(&run(&[os("solve"), case.as_os_str()]), 0, "");
     for output in [&out, &parts] {
         let args =
             [case.as_os_str(), os("--points"), points.as_os_str(), os("-o"), output.as_os_str()];
-        assert_told(&run(&[&[os("sweep")][..], &args].concat()), 0, "");
+        assert_exit_and_message(&run(&[&[os("sweep")][..], &args].concat()), 0, "");
     }
     let missing = run(&[os("solve"), name(".gone").as_os_str()]);
-    assert_told(&missing, 1, "cannot read caf\u{fffd}.gone: No such file");
+    assert_exit_and_message(&missing, 1, "cannot read caf\u{fffd}.gone: No such file");
     assert_eq!(
         run(&[os("solve"), case.as_os_str(), os("--set"), out.as_os_str()]).status.code(),
         Some(2)
@@ -754,7 +786,7 @@ fn names_need_not_be_utf8() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);
 }
 
-/// Files of other programs are solved, or rejected with the reason.
+/// Tables written by other programs must be solved, or rejected with the reason.
 #[test]
 fn tables_of_other_programs_are_solved_or_rejected() {
     let dir = folder();
@@ -826,19 +858,20 @@ fn tables_of_other_programs_are_solved_or_rejected() {
         let args = ["sweep", &drive, "--points", name, "--model=closed-form", "-o-"];
         let keep = if name == "quote.csv" { "--keep=id" } else { "--quiet" };
         let output = run(&[&args[..], &[keep]].concat(), dir.path());
-        assert_told(&output, code, part);
+        assert_exit_and_message(&output, code, part);
         assert!(code == 0 || output.stderr.starts_with(format!("error: {name}: ").as_bytes()));
         let rows =
             stdout(&output).lines().filter(|row| row.starts_with("2000,closed-form")).count();
         assert_eq!(rows, usize::from(code == 0 && name != "header.csv"), "{name}");
     }
-    // A decimal comma in quotes gives one cell, which the row reports as invalid.
+    // A number with a decimal comma in quotes is a single cell, and its row reports that the cell
+    // is invalid.
     let args = ["sweep", &example("feed_drive.json"), "--points", "-", "-o-"];
     let output = bsm(dir.path(), &args, "axial_load_N\n\"2000,5\"\n");
     assert!(stdout(&output).contains("is `2000,5`, but must be a number"), "{}", stdout(&output));
 }
 
-/// Locale, terminal, home folder and temporary folder do not affect answers.
+/// Locale, terminal, home folder and temporary folder must not affect answers.
 #[test]
 fn answers_do_not_depend_on_the_environment() {
     let dir = folder();
@@ -864,14 +897,14 @@ fn answers_do_not_depend_on_the_environment() {
         let mut command = program(&["--help"], dir.path());
         command.env("COLUMNS", columns).output().expect("the program runs")
     };
-    assert_told(&help("1"), 0, "");
+    assert_exit_and_message(&help("1"), 0, "");
     let vary = "--vary=axial_load_N=1:9:3";
     let sweep = |more: &[&str]| {
         let args =
             [&["sweep", &drive, vary, "-o", "x.csv", "--model=closed-form"][..], more].concat();
         program(&args, dir.path()).env_clear().env("TMPDIR", "/no/such").output().expect("runs")
     };
-    assert_told(&sweep(&["--threads=1024"]), 0, "");
+    assert_exit_and_message(&sweep(&["--threads=1024"]), 0, "");
     for threads in ["0", "-1", "1025", "99999999999999999999", "many"] {
         let output = sweep(&[&format!("--threads={threads}")]);
         assert_eq!(output.status.code(), Some(2), "{threads}");
@@ -879,5 +912,5 @@ fn answers_do_not_depend_on_the_environment() {
     }
     let mut command = program(&["solve", &drive], dir.path());
     let output = command.env("RAYON_NUM_THREADS", "100000").output().expect("the program runs");
-    assert_told(&output, 2, "RAYON_NUM_THREADS must be a whole number from 1 to 1024");
+    assert_exit_and_message(&output, 2, "RAYON_NUM_THREADS must be a whole number from 1 to 1024");
 }

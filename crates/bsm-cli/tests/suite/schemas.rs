@@ -1,4 +1,4 @@
-//! Compares the JSON output of every command with its schema.
+//! Tests that the JSON output of every command conforms to its schema.
 
 use std::fs;
 use std::path::Path;
@@ -26,8 +26,8 @@ fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
     assert!(errors.is_empty(), "{what:?}:\n{}", errors.join("\n"));
 }
 
-/// Real results, with and without a solution and with every option, are valid under their schemas.
-/// A result with an unknown key is invalid.
+/// Real results, with and without a solution and with all options, must be valid under their
+/// schemas. A result with an unknown key must be invalid.
 #[test]
 fn results_are_valid_under_their_schemas() {
     let dir = folder();
@@ -54,7 +54,7 @@ fn results_are_valid_under_their_schemas() {
     .map(example);
     let lines = "nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N\na,40,20,51300,144400\n";
     fs::write(dir.path().join("lines.csv"), lines).expect("a table");
-    // The folder is planned, and no part is solved.
+    // Only the plan of the dataset is written; no part is solved.
     let plan = ["--vary=axial_load_N=1:9:3", "-o", "map/", "--plan"];
     assert!(bsm(dir.path(), &[&["sweep", &drive][..], &plan].concat(), "").status.success());
     let runs: &[&[&str]] = &[
@@ -108,7 +108,7 @@ fn results_are_valid_under_their_schemas() {
             let place = args.iter().position(|arg| *arg == word)?;
             args.get(place + 1).copied()
         };
-        // `solve` gives several answers, each with its own schema.
+        // `solve` can print different answers, each with its own schema.
         let name = match (after("--show"), after("--model")) {
             (Some(show), _) if show != "sensitivities" => show,
             (_, Some("all")) => "models",
@@ -126,7 +126,7 @@ fn results_are_valid_under_their_schemas() {
     for (member, name) in [("motion", "solve"), ("slip", "slip"), ("ratings", "ratings")] {
         assert_valid(&schema(dir.path(), name), &several[member], &[member]);
     }
-    // Cases follow the schema of inputs, and rows of tables follow the schema of outputs.
+    // Cases must be valid under the schema `input`, and table rows under the schema `output`.
     let input = schema(dir.path(), "input");
     for name in ["feed_drive.json", "nut_double.json", "axis.json", "feed_drive_oil.json"] {
         let case = fs::read(example(name)).expect("an example");

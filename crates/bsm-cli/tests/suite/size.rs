@@ -1,4 +1,4 @@
-//! Tests of `bsm axis` and of inputs in other units at the command line.
+//! Tests of `bsm axis`, and of inputs in other units, on the command line.
 
 use std::fs;
 
@@ -10,14 +10,14 @@ fn number(results: &Value, name: &str) -> f64 {
     results[name].as_f64().unwrap_or_else(|| panic!("{name} in {results}"))
 }
 
-/// The design task of an audit leads from a requirement to a sheet in three commands, for a
-/// horizontal and a vertical axis. The sheet contains everything that the audit had to calculate by
-/// hand, and its numbers equal hand calculations with the rules of the theory.
+/// Three commands lead from a requirement to an axis sheet, for a horizontal and a vertical axis.
+/// The sheet must contain everything that a user previously had to calculate by hand, and its
+/// numbers must agree with hand calculations based on the rules in the theory chapters.
 #[test]
 fn three_commands_lead_from_a_requirement_to_a_sheet() {
     let requirement = example("requirements/axis.json");
     for (way, set, load) in [
-        // The guide friction is 1 % of the weight of 500 kg.
+        // The guide friction is 1 % of the weight of a 500 kg mass.
         ("level", "inclination_deg=0", 10_000.0 + 0.01 * 500.0 * 9.806_65),
         ("upright", "inclination_deg=90", 10_000.0 + 500.0 * 9.806_65),
     ] {
@@ -33,7 +33,8 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
             );
             stdout(&output)
         };
-        // Only the process force is given. Weight and guide friction follow from the mass.
+        // Only the process force is given. The weight and the guide friction are calculated from
+        // the mass.
         run(&["select", &requirement, "--from", "standard", "--set", set, "-o", "screw.json"]);
         run(&["nut", "screw.json"]);
         let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
@@ -49,14 +50,14 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         };
         let lead = number(screw, "lead_mm");
         let rpm = 30_000.0 / lead;
-        // The tolerance allows for rounding of a few products.
+        // The tolerances allow for rounding errors of a few products.
         close("largest_speed_rpm", rpm, 1e-12);
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
         close("unsupported_length_mm", length, 1e-9);
-        // The factor 15.1 of catalogs has three digits. The buckling load of the section clamped by
-        // bearing and nut is within 1.5 % of the load for the flexural rigidity E I that
-        // corresponds to the factor.
+        // The catalog factor 15.1 has three digits. The buckling load of the section that is
+        // clamped by bearing and nut is within 1.5 % of the load for the flexural rigidity E I on
+        // which the catalog factor is based.
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
         close("critical_speed_rpm", permitted / 0.8, 6e-3);
@@ -64,19 +65,19 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         let hours = 1e6 / (60.0 * rpm) * (number(screw, "dynamic_load_rating_N") / load).powi(3);
         close("cycle_life_h", hours, 1e-9);
         close("equivalent_load_N", load, 1e-9);
-        // The groove removes material between the lands, which are outside the radius of a solid
-        // rod of the same length and mass. The moment of inertia of this rod is up to 5 % smaller.
+        // The material between the grooves lies outside the radius of a solid rod with the same
+        // length and mass, so the moment of inertia of the rod is up to 5 % smaller.
         let mass = number(results, "screw_mass_kg");
         let square = 4.0 * mass / (std::f64::consts::PI * 7850.0 * length * 1e-3);
         let over_rod = number(results, "inertia_of_screw_kg_m2") / (mass * square / 8.0);
         assert!((1.0..1.05).contains(&over_rod), "{way}: {over_rod}");
         assert!(square.sqrt() * 1e3 < number(screw, "screw_outer_diameter_mm"), "{way}");
-        // The efficiency is 0.95 to 1, and bearings and seals take 0.8 N m.
+        // The efficiency of the balls is 0.95 to 1. Bearings and seals add 0.8 N m to the torque.
         let ideal = load * lead * 1e-3 / std::f64::consts::TAU;
         let torque = number(results, "peak_motor_torque_Nm") - 0.8;
         assert!((0.95..1.0).contains(&(ideal / torque)), "{way}: {ideal} {torque}");
 
-        // The sheet contains every number of the JSON that has a limit.
+        // The sheet must contain every number of the JSON that has a limit.
         let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
         for rule in sheet["rules"].as_array().expect("rules") {
             assert!(page.contains(rule["rule"].as_str().expect("a title")), "{rule}");
@@ -84,7 +85,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         assert!(page.contains("<li>Not modeled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
-        // The foot states the file of the case.
+        // The footer of the page names the case file.
         let foot = page.split("screw.json, SHA-256 ").nth(1).expect("a foot");
         assert!(foot[..64].bytes().all(|digit| digit.is_ascii_hexdigit()), "{foot}");
         // The rules are also available as a table.
@@ -100,9 +101,9 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
     }
 }
 
-/// An audit found efficiencies of 0.879, 0.98750, 0.98774 and 0.99131 for one screw on four pages,
-/// none of which included the preload. One case has one efficiency, with the same parts on every
-/// page.
+/// Regression test: four outputs stated the efficiencies 0.879, 0.98750, 0.98774 and 0.99131 for
+/// the same screw, and none of them included the preload. Every output must state the same
+/// efficiency with the same contributions.
 #[test]
 fn one_screw_has_one_efficiency() {
     let dir = folder();
@@ -113,7 +114,8 @@ fn one_screw_has_one_efficiency() {
         assert!(matches!(code, Some(0 | 3)), "{args:?}: {}", stderr(&output));
         stdout(&output)
     };
-    // Only the balls cause losses: there is no mass on guides, and there are no seals or bearings.
+    // Only the balls cause losses in this case: there is no moved mass on guides, and there are no
+    // seals or bearings.
     let requirement: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
     let mut requirement = requirement.as_object().expect("an object").clone();
     requirement.retain(|name, _| {
@@ -145,12 +147,14 @@ fn one_screw_has_one_efficiency() {
             "{what}: {other}, solve {efficiency}"
         );
     };
-    // The same model solves the same point, so only unit conversions differ by rounding.
+    // Both commands solve the same point with the same model, so they differ only by rounding
+    // errors of unit conversions.
     close("select", step("screw_efficiency"), 1e-9);
     let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
     close("axis", number(&sheet["results"], "screw_efficiency"), 1e-9);
     close("phase", number(&sheet["phases"][0], "screw_efficiency"), 1e-9);
-    // Each ball of the nut has its own balance, but in this case all balls carry the same load.
+    // Each ball of the nut has its own force balance, but in this case, all balls carry the same
+    // load.
     let nut = json(&run(&["nut", "screw.json", "--json"]));
     close("nut", number(&nut, "nut_efficiency"), 1e-9);
     let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
@@ -176,7 +180,8 @@ fn one_screw_has_one_efficiency() {
     assert_eq!(rows.as_array().map(Vec::len), Some(1), "{rows}");
     close("select", number(&rows[0], "screw_efficiency"), 1e-9);
 
-    // With preload, seals and bearings, the pages of solve, axis and nut have the same parts.
+    // With preload, seals and bearings, the outputs of `solve`, `axis` and `nut` must contain the
+    // same torque contributions.
     let sets = ["preload_N=2000", "seal_torque_Nm=0.3", "support_bearing_torque_Nm=0.5"];
     let sets: Vec<_> = sets.iter().flat_map(|set| ["--set", *set]).collect();
     let with =
@@ -191,9 +196,9 @@ fn one_screw_has_one_efficiency() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // The manufacturers' rule is 0.05/sqrt(tan a) F l/(2 pi), reduced by the friction of the
-    // contacts under preload at 100 rpm, the speed at which manufacturers measure. The friction of
-    // balls that differ in load alone is interpolated with an error of 1e-9.
+    // The preload drag is the manufacturers' rule 0.05/sqrt(tan a) F l/(2 pi) minus the contact
+    // friction under preload at 100 rpm, the speed at which manufacturers measure. Contact friction
+    // is interpolated between ball loads with an error of 1e-9.
     let whole = number(&sheet["results"], "preload_torque_measured_Nm");
     let slow = [&["nut", "screw.json", "--json"], &sets[..], &["--set", "screw_speed_rpm=100"]];
     let slow = json(&run(&slow.concat()));
@@ -205,7 +210,7 @@ fn one_screw_has_one_efficiency() {
     assert!(table.contains("contacts by model") && table.contains("support bearings"), "{table}");
 }
 
-/// Returns every number of an answer with its name, except for the repeated inputs.
+/// Returns all numbers of an answer with their names, without the repeated inputs.
 fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     let mut found = Vec::new();
     let mut take = |map: &Value| {
@@ -218,7 +223,7 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
         take(&answer[part]);
     }
     take(&answer["phases"][0]);
-    // Iterations of a solver are not a physical quantity.
+    // The number of solver iterations is not a physical quantity.
     found.retain(|(name, _)| name != "iterations");
     for list in ["steps", "rules"] {
         for row in answer[list].as_array().into_iter().flatten() {
@@ -229,11 +234,12 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     found
 }
 
-/// An audit found the torques 32.3, 34.9 and 35.0 N m for one screw, and two efficiencies in one
-/// answer. One name has one value, within an answer and across commands: for a horizontal and a
-/// vertical axis, for a warm preloaded pair, and for a feed drive with and without oil.
+/// Regression test: outputs for the same screw stated the torques 32.3, 34.9 and 35.0 N m, and one
+/// answer contained two efficiencies. Each name must have only one value, within an answer and
+/// across commands. The test covers a horizontal and a vertical axis, a warm preloaded pair, and a
+/// feed drive with and without oil.
 #[test]
-fn one_name_has_one_value_in_every_command() {
+fn same_name_has_the_same_value_in_every_command() {
     let dir = folder();
     let run = |args: &[&str]| {
         let output = bsm(dir.path(), args, "");
@@ -247,8 +253,8 @@ fn one_name_has_one_value_in_every_command() {
         for (command, answer) in answers {
             for (name, value) in named_numbers(answer) {
                 if let Some((_, other, old)) = known.iter().find(|(own, ..)| *own == name) {
-                    // The tolerance allows for rounding of unit conversions, and for a search that
-                    // ends at 1e-9.
+                    // The tolerance allows for rounding errors of unit conversions and for a search
+                    // that stops at 1e-9.
                     let apart = (value - old).abs();
                     assert!(
                         apart <= 1e-8 * old.abs(),
@@ -295,7 +301,7 @@ fn one_name_has_one_value_in_every_command() {
         let args = ["select", "requirement.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        // All commands use the model of the requirement.
+        // All commands use the model with which the screw was chosen.
         let model = ["--model", "raceway-control"];
         let of = |command: &str| run(&[&[command, "screw.json", "--json"], &model[..]].concat());
         let answers = [
@@ -315,7 +321,7 @@ fn one_name_has_one_value_in_every_command() {
         same(case, &[of("solve"), of("nut"), of("axis")])
     };
     both(&example("axis.json"), &["screw_temperature_rise_K=5"]);
-    // The feed drive is solved as a nut with a seal, without and with oil.
+    // The feed drive is solved as a nut with a seal, with and without oil.
     for name in ["feed_drive.json", "feed_drive_oil.json"] {
         let drive: Value = json(&fs::read_to_string(example(name)).expect("an example"));
         let mut drive = drive.as_object().expect("an object").clone();
@@ -325,15 +331,15 @@ fn one_name_has_one_value_in_every_command() {
         drive.insert("seal_torque_Nm".to_owned(), 0.3.into());
         fs::write(dir.path().join(name), Value::Object(drive).to_string()).expect("written");
         let [torque, whole, efficiency, of_screw] = both(name, &[]);
-        // With or without oil, the seal only contributes to the torque of the screw.
+        // With or without oil, the seal contributes only to the screw torque.
         assert!((whole - torque - 0.3).abs() < 1e-9 * whole, "{name}: {torque} {whole}");
         let output = efficiency * torque;
         assert!((of_screw * whole / output - 1.0).abs() < 1e-9, "{name}: {efficiency} {of_screw}");
     }
 }
 
-/// Every lubricated solve used to print a warning that could not be resolved. Such information is
-/// now a note.
+/// Regression test: every solve with a lubricant printed a warning that the user could not act on.
+/// This information is now a note.
 #[test]
 fn a_lubricated_solve_has_a_note_and_no_warning() {
     let dir = folder();
@@ -346,9 +352,10 @@ fn a_lubricated_solve_has_a_note_and_no_warning() {
     assert!(answer["notes"][0].as_str().is_some_and(|note| note.contains("lubricant")), "{answer}");
 }
 
-/// A sheet with a failed rule names remedies and exits with 3. Each remedy works.
+/// If a rule fails, the sheet must suggest remedies and the exit code must be 3. Each suggested
+/// remedy must work.
 #[test]
-fn a_failing_rule_names_its_remedies() {
+fn failing_rule_suggests_remedies() {
     let dir = folder();
     let sheet = |settings: &[&str]| {
         let axis = example("axis.json");
@@ -377,8 +384,8 @@ fn a_failing_rule_names_its_remedies() {
     }
 }
 
-/// The cycle comes from a user's table with semicolons, decimal commas and kilonewtons. The case
-/// contains the same cycle.
+/// The cycle is read from a user's table with semicolons, decimal commas and kilonewtons. It must
+/// have the same effect as the same cycle in the case.
 #[test]
 fn a_cycle_is_read_from_a_users_table() {
     let dir = folder();
@@ -408,15 +415,16 @@ fn a_cycle_is_read_from_a_users_table() {
         assert_eq!(from_table[part], in_case[part]);
     }
     assert_eq!(in_case["phases"].as_array().map(Vec::len), Some(3));
-    // The load is the acceleration of 500 kg at 2.5 m/s², plus 49 N of guide friction.
+    // The load consists of the force that accelerates 500 kg at 2.5 m/s² and 49 N of guide
+    // friction.
     let first = number(&in_case["phases"][0], "screw_load_N");
     assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
     let args = ["axis", &axis, "--cycle", "cycle.csv"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
-/// Names in other units are accepted in cases, settings, sweeps and tables. A feed rate is accepted
-/// as a speed.
+/// Cases, settings, sweeps and tables must accept input names with other units, and a feed rate in
+/// place of a speed.
 #[test]
 fn inputs_may_have_any_unit() {
     let dir = folder();
@@ -437,7 +445,7 @@ fn inputs_may_have_any_unit() {
         &["lead_inch=0.7874015748031496"],
     ] {
         let sets: Vec<_> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
-        // The pounds are given with ten digits.
+        // The values in pounds have ten digits.
         assert!((torque(&sets) / own - 1.0).abs() < 1e-9, "{settings:?}");
     }
     let points = "axial_load_kN,feed_m_min\n8,30\n4,15\n";
@@ -461,7 +469,7 @@ fn inputs_may_have_any_unit() {
     assert!(stderr(&output).contains("did you mean `axial_load_N`"), "{}", stderr(&output));
 }
 
-/// The names `eff` and `speed` used to get no suggestion or a wrong suggestion.
+/// Regression test: the names `eff` and `speed` got no suggestion or a wrong suggestion.
 #[test]
 fn short_names_are_suggested() {
     let dir = folder();
@@ -472,8 +480,8 @@ fn short_names_are_suggested() {
     };
     for (typed, meant) in [
         ("eff", "did you mean `efficiency`? `bsm schema output` lists all outputs"),
-        // One word is missing from this name. The program formerly suggested a name that is spelled
-        // more similarly but has another meaning.
+        // One word is missing in this name. Earlier versions suggested a name with more similar
+        // spelling but a different meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
         // All unknown names are reported in one message.
         (
@@ -487,7 +495,8 @@ fn short_names_are_suggested() {
     assert!(stderr(&output).contains("`screw_speed_rpm`"), "{}", stderr(&output));
 }
 
-/// A nut picked from the catalog and a designed screw used to be rejected by other commands.
+/// Regression test: other commands rejected nuts that were picked from the catalog and screws that
+/// were designed by `bsm select`.
 #[test]
 fn every_command_accepts_a_picked_nut() {
     let dir = folder();
@@ -509,14 +518,15 @@ fn every_command_accepts_a_picked_nut() {
     ] {
         let args = [&command[..1], &["nut.json"], &command[1..], &sets].concat();
         let output = bsm(dir.path(), &args, "");
-        // The sheet may contain a failed rule.
+        // The exit code of `axis` is 3 if a rule on the sheet fails.
         let codes = if command[0] == "axis" { vec![0, 3] } else { vec![0] };
         let code = output.status.code().expect("a code");
         assert!(codes.contains(&code), "{command:?} {code}: {}", stderr(&output));
     }
 }
 
-/// `axis` used to report one ellipse by three different rules, and `--show ellipses` reported none.
+/// Regression test: `axis` checked the same contact ellipse with three different rules, and `--show
+/// ellipses` with none.
 #[test]
 fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
     let dir = folder();
@@ -535,14 +545,15 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
             assert_eq!(count, if load == "axial_load_N=8000" { 0 } else { 2 }, "{args:?}: {told}");
         }
     }
-    // The ratings use equal loads on all balls and the contact angle without load.
+    // The ratings assume equal loads on all balls and the contact angle without load.
     let narrow = ["--set", "screw_outer_diameter_mm=38", "--set", "axial_load_N=200000"];
     let args = [&["solve", &drive, "--show", "ratings"], &narrow[..]].concat();
     let told = stderr(&bsm(dir.path(), &args, ""));
     assert_eq!(told.matches("The contact ellipse extends").count(), 1, "{told}");
 }
 
-/// `solve` used to omit the note on churning losses in cold oil that `axis` gave.
+/// Regression test: `solve` omitted the note about missing churning losses in cold oil, which
+/// `axis` printed.
 #[test]
 fn missing_churning_losses_are_noted_in_every_command() {
     let dir = folder();
@@ -563,10 +574,10 @@ fn missing_churning_losses_are_noted_in_every_command() {
     }
 }
 
-/// For two catalog screws for the same axis, each rule names the better offer, and the inputs that
-/// differ are listed.
+/// For two catalog screws for the same axis, each rule must name the better offer, and the
+/// differing inputs must be listed.
 #[test]
-fn two_offers_stand_side_by_side() {
+fn two_offers_are_compared_side_by_side() {
     let dir = folder();
     let offer = |rating: f64, mass: f64| {
         format!(
@@ -588,7 +599,7 @@ fn two_offers_stand_side_by_side() {
     };
     let life = row("rules", "rule", "life");
     let ratio = number(&life, "second") / number(&life, "first");
-    // The ratio of the lives is the cube of the ratio of the ratings.
+    // The ratio of the lives is the third power of the ratio of the load ratings.
     assert!((ratio - (4.0_f64 / 3.0).powi(3)).abs() < 1e-9, "{ratio}");
     assert_eq!((&life["better"], number(&life, "limit")), (&Value::from("second"), 1000.0));
     assert_eq!(row("numbers", "number", "screw_mass_kg")["better"], "first");

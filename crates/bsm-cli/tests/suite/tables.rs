@@ -1,5 +1,5 @@
-//! Tests of user tables, of the origin stated in tables, of workbooks and of maps at the command
-//! line.
+//! Tests of user tables, of the origin stored in tables, of workbooks and of map plots on the
+//! command line.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -19,10 +19,10 @@ fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
     (stdout(&output), stderr(&output))
 }
 
-/// There used to be no options for semicolons, decimal commas and other names, and `1.500` was
-/// silently read as 1.5.
+/// Regression test: there were no options for semicolons, decimal commas and other column names,
+/// and `1.500` was silently read as 1.5.
 #[test]
-fn a_user_table_is_read() {
+fn a_user_table_with_its_own_format_is_read() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     fs::write(at("own.csv"), "Kraft;Hub;note;Drehzahl\n2,5;20;\"a;b\";1500\n8,0;10;c;3000\n")
@@ -43,13 +43,13 @@ fn a_user_table_is_read() {
     run(dir.path(), &[&["sweep", "--points", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
     let read = |name: &str| fs::read_to_string(at(name)).expect("a table");
     assert_eq!(read("a.csv"), read("b.csv"));
-    // A kept column keeps its own name. A folder also supports the dialect.
+    // A copied column keeps its own name. The format options also work for datasets.
     let keep = ["sweep", "--points", "own.csv", "-o", "map/", "--keep", "note"];
     run(dir.path(), &[&keep[..], &common, &dialect].concat(), 0);
     assert!(read("map/plan.json").contains("\"delimiter\":\";\""));
     run(dir.path(), &[&keep[..], &["--resume"], &common, &dialect].concat(), 0);
 
-    // Names are mapped in JSON Lines as well.
+    // Column names can also be mapped in JSON Lines tables.
     fs::write(at("own.jsonl"), "{\"Kraft\": 2.5, \"note\": [1]}\n{\"Kraft\": 8, \"note\": {}}\n")
         .expect("table");
     let names = "{\"Kraft\": \"axial_load_kN\", \"note\": null}";
@@ -69,7 +69,7 @@ fn a_user_table_is_read() {
             &[],
             "copy it to the output with --keep Kraft, or map names with --names MAP.json",
         ),
-        // Only one unknown name used to be reported per run.
+        // Regression test: each run reported only one unknown name.
         (
             "Kraft,lead,id\n1,2,3\n",
             &[],
@@ -79,12 +79,12 @@ fn a_user_table_is_read() {
         (
             "axial_load_N;lead_mm\n1;2\n",
             &[],
-            "separated by `;`, but cells are expected to be separated by `,`; add --delimiter semicolon",
+            "separated by `;`, but the expected separator is `,`; add --delimiter semicolon",
         ),
         (
             "axial_load_N,lead_mm\n1,2\n",
             &["--delimiter", "tab"],
-            "separated by `,`, but cells are expected to be separated by `\\t`",
+            "separated by `,`, but the expected separator is `\\t`",
         ),
     ] {
         fs::write(at("bad.csv"), table).expect("table");
@@ -93,14 +93,16 @@ fn a_user_table_is_read() {
         let (_, told) = run(dir.path(), &args, 2);
         assert!(told.contains(part), "{told}");
     }
-    // A decimal point where a comma is required is not a number, and the row says so.
+    // If decimal commas are expected, a value with a decimal point is not a number, and its row
+    // reports this error.
     fs::write(at("mixed.csv"), "axial_load_N\n1.500\n").expect("table");
     let mixed = ["sweep", "--points", "mixed.csv", "-o", "x.csv", "--decimal", "comma"];
     run(dir.path(), &[&mixed[..], &common].concat(), 3);
     assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
 }
 
-/// Tables used to lack information about their origin. The recorded case reproduces the table.
+/// Regression test: tables contained no information about their origin. The stored case must
+/// reproduce the table.
 #[test]
 fn tables_state_their_origin() {
     let dir = folder();
@@ -134,18 +136,18 @@ fn tables_state_their_origin() {
         );
         assert_eq!(about["columns"]["ball_torque_Nm"]["unit"], "N m");
     }
-    // The hash (FIPS 180) is verified with another program.
+    // The SHA-256 hash is verified with another program.
     let hash =
         std::process::Command::new("sha256sum").arg(at("map.csv")).output().expect("sha256sum");
     let hash = String::from_utf8(hash.stdout).expect("text");
     assert_eq!(beside["table"]["sha256"], hash.split_whitespace().next().expect("a hash"));
-    // The recorded case reproduces the table.
+    // The stored case must reproduce the table.
     fs::write(at("again.json"), about["case"].to_string()).expect("case");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
     run(dir.path(), &[&again[..], &["--tolerance", "1e-3", "-o", "again.csv"]].concat(), 0);
     assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
-    // A table of points is identified by its hash.
+    // If the points come from a table, its hash is stored.
     fs::copy(at("map.csv"), at("points.csv")).expect("copy");
     let batch = [
         "sweep",
@@ -164,7 +166,7 @@ fn tables_state_their_origin() {
     assert_eq!(about["points"]["table"]["sha256"], beside["table"]["sha256"]);
 }
 
-/// Reads one file of a workbook, which is a ZIP archive of XML files.
+/// Reads one file from a workbook, which is a ZIP archive of XML files.
 fn sheet(path: &Path, name: &str) -> String {
     let mut book = ZipArchive::new(File::open(path).expect("file")).expect("a workbook");
     let mut text = String::new();
@@ -172,7 +174,7 @@ fn sheet(path: &Path, name: &str) -> String {
     text
 }
 
-/// Returns the cells of a sheet with their references.
+/// Returns the cells of a worksheet as pairs of reference and value.
 fn cells(xml: &str) -> Vec<(String, String)> {
     let document = roxmltree::Document::parse(xml).expect("XML");
     let cells = document.descendants().filter(|node| node.has_tag_name("c"));
@@ -186,7 +188,8 @@ fn cells(xml: &str) -> Vec<(String, String)> {
     cells.map(|cell| (cell.attribute("r").expect("a place").to_owned(), text(cell))).collect()
 }
 
-/// Spreadsheets store numbers as doubles, which represent every integer up to 9007199254740992.
+/// Spreadsheets store numbers as doubles, which represent every integer exactly only up to
+/// 9007199254740992. Larger integers must be written as text.
 #[test]
 fn workbooks_keep_all_digits_of_64_bit_integers() {
     let dir = folder();
@@ -197,7 +200,7 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
     run(dir.path(), &[&draw[..], &to].concat(), 0);
     let texts = sheet(&dir.path().join("out.xlsx"), "xl/sharedStrings.xml");
     assert!(texts.contains(seed), "{texts}");
-    // An id in an integer column of Parquet is not parsed from text.
+    // An id in an integer column of a Parquet table is not parsed from text.
     let (path, id) = (dir.path().join("ids.parquet"), 9_007_199_254_740_993);
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![id, 5]));
     let loads: ArrayRef = Arc::new(Float64Array::from(vec![1000.0, 2000.0]));
@@ -219,7 +222,8 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
     }
 }
 
-/// A workbook has names, units and the numbers of the CSV table, and states its origin.
+/// A workbook must contain the names, the units, the numbers of the CSV table and a description of
+/// their origin.
 #[test]
 fn workbooks_have_units_and_the_same_numbers() {
     let dir = folder();
@@ -253,7 +257,7 @@ fn workbooks_have_units_and_the_same_numbers() {
             let found: f64 =
                 cell(&format!("{place}{row}")).expect("a cell").parse().expect("a number");
             let other: f64 = record[column].parse().expect("a number");
-            // A workbook stores sixteen of seventeen digits.
+            // A workbook stores sixteen digits, but the table has seventeen.
             assert!((found - other).abs() <= 1e-15 * other.abs(), "{found} {other}");
         }
     }
@@ -263,7 +267,7 @@ fn workbooks_have_units_and_the_same_numbers() {
         "{about}"
     );
 
-    // Ratings, steps of a design, and nuts of the catalog are written as workbooks, too.
+    // Ratings, design steps and catalog nuts can also be written as workbooks.
     run(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "-o", "ratings.xlsx"], 0);
     assert!(
         sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
@@ -276,7 +280,7 @@ fn workbooks_have_units_and_the_same_numbers() {
     run(dir.path(), &["select", "--from", "lists.json", "-o", "nuts.xlsx"], 0);
     assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("mass_kg"));
 
-    // A table with more rows than a sheet can hold is rejected before any work.
+    // A table with more rows than a worksheet can hold is rejected before any row is solved.
     let many = ["sweep", &drive, "--vary", "lead_mm=5:20:1048575", "-o", "many.xlsx"];
     let (_, told) = run(dir.path(), &many, 1);
     assert!(
@@ -286,8 +290,8 @@ fn workbooks_have_units_and_the_same_numbers() {
     assert!(!at("many.xlsx").exists());
 }
 
-/// In earlier versions, a grid of 30 x 40 could not be drawn, axes were labeled with column names,
-/// and a change of model was not marked.
+/// Regression test: in earlier versions, a grid of 30 x 40 points could not be plotted, axes were
+/// labeled with column names, and model changes were not marked.
 #[test]
 fn a_map_plot_shows_axis_labels_and_model_names() {
     let dir = folder();
@@ -309,7 +313,7 @@ fn a_map_plot_shows_axis_labels_and_model_names() {
     let svg = fs::read_to_string(at("x.map.svg")).expect("a map");
     let document = roxmltree::Document::parse(&svg).expect("an SVG");
     let texts: Vec<_> = document.descendants().filter_map(|node| node.text()).collect();
-    // The title is broken into lines.
+    // The title is wrapped over several lines.
     for part in ["axial load, N", "screw speed, rpm", "Machine-tool feed drive: efficiency"] {
         assert!(texts.iter().any(|text| text.contains(part)), "{part}: {texts:?}");
     }
@@ -318,10 +322,10 @@ fn a_map_plot_shows_axis_labels_and_model_names() {
     }
     let mut head = [0; 24];
     File::open(at("x.map.png")).expect("a picture").read_exact(&mut head).expect("a head");
-    // The PNG header states twice the size of the SVG.
+    // The image size in the PNG header is twice the size of the SVG.
     let size = |at: usize| u32::from_be_bytes(head[at..at + 4].try_into().expect("four"));
     assert!(head.starts_with(b"\x89PNG") && (size(16), size(20)) == (1280, 800), "{head:?}");
-    // Curves have a mark where the model changes.
+    // Curves have a mark at each point where the model changes.
     let line =
         ["sweep", &drive, "--vary", "axial_load_N=100:20000:30:log", "--columns", "efficiency"];
     run(dir.path(), &[&line[..], &["--keep-going", "-o", "x.csv", "-o", "line.svg"]].concat(), 0);
@@ -332,8 +336,8 @@ fn a_map_plot_shows_axis_labels_and_model_names() {
     assert!(told.contains("a map needs two varied inputs"), "{told}");
 }
 
-/// A curve of torque or heat used to jump by 2 to 13 % without a message where `auto` changed the
-/// model.
+/// Regression test: a curve of torque or heat jumped by 2 to 13 % where `auto` changed the model,
+/// without a message.
 #[test]
 fn a_sweep_notes_where_auto_changes_the_model() {
     let dir = folder();
@@ -348,7 +352,8 @@ fn a_sweep_notes_where_auto_changes_the_model() {
     let change = "between screw_speed_rpm 7000 and 8000 (raceway-control, traction)";
     assert!(note.contains(change), "{note}");
     assert!(!sweep("--model=traction").1.contains("changes the model"));
-    // The same change in every line of a grid used to be listed four times.
+    // Regression test: if the model changed at the same point in several lines of a grid, the
+    // change was listed several times.
     let lines = ["--vary=axial_load_N=8000,8001", "--vary=screw_speed_rpm=6000,7000,8000"];
     let args = [&["sweep", &drive], &lines[..], &["--columns=efficiency", "-o-"]].concat();
     let (_, note) = run(dir.path(), &args, 0);

@@ -1,4 +1,4 @@
-//! The figures of Sobolewski (2002) for any lists of sizes.
+//! The figures of Sobolewski (2002) for arbitrary lists of sizes.
 
 use bsm_case::Catalog;
 use bsm_case::units::{DEG, MM, UM};
@@ -6,10 +6,10 @@ use bsm_design::{Candidate, LIMIT_LOAD, Size};
 
 use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
 
-/// Number of nuts that are processed at a time.
+/// Number of nuts that are calculated at a time.
 const PART: usize = 1 << 14;
 
-/// An entry of a size.
+/// A dimension of a nut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
     Diameter,
@@ -20,7 +20,7 @@ enum Entry {
     ContactAngle,
 }
 
-/// Returns name, unit as text and in SI units, and value of an entry.
+/// Name, unit as text and in SI units, and function that returns the value of a dimension.
 type EntryRow = (&'static str, (&'static str, f64), fn(&Size) -> f64);
 
 use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
@@ -47,12 +47,12 @@ impl Entry {
         (self.row().2)(size)
     }
 
-    /// Returns the value of a size as printed, rounded to a thousandth.
+    /// Returns the dimension of a nut in its printed unit, rounded to a thousandth.
     fn printed(self, size: &Size) -> f64 {
         (1e3 * self.of(size) / self.row().1.1).round() * 1e-3
     }
 
-    /// Returns name and value.
+    /// Returns the name and the value of the dimension as text.
     fn text(self, size: &Size) -> String {
         let value = format!("{:.3}", self.printed(size));
         let value = value.trim_end_matches('0').trim_end_matches('.');
@@ -60,11 +60,11 @@ impl Entry {
     }
 }
 
-/// A quantity of a nut: the label of its axis, and a function that reads it.
+/// A quantity of a nut: its axis label, and a function that returns its value.
 type Quantity = (&'static str, fn(&Candidate) -> f64);
 
-/// A figure of the paper: a quantity over one entry, with a curve for each value of another entry.
-/// The remaining entries have the values of the caption.
+/// A figure of the paper: a quantity against one dimension, with a curve for each value of another
+/// dimension. The remaining dimensions have the values stated in the caption.
 struct Drawing {
     key: &'static str,
     /// Number of the figure in the paper.
@@ -75,9 +75,9 @@ struct Drawing {
     near: Size,
 }
 
-/// Figs 3 to 10 with the numbers of captions and text. Figs 4 to 6 do not state lead and ball
-/// diameter. We use a lead of 10 mm and the ball of Figs 3, 7 and 9, which is possible for all
-/// diameters.
+/// Returns Figs 3 to 10 with the dimensions stated in the captions and the text. Figs 4 to 6 do not
+/// state the lead and the ball diameter. A lead of 10 mm and the ball of Figs 3, 7 and 9 are used
+/// for them, because this combination is possible for all diameters.
 fn drawings() -> [Drawing; 12] {
     let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
     let stiffness: Quantity = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
@@ -115,25 +115,26 @@ fn drawings() -> [Drawing; 12] {
 }
 
 impl Drawing {
-    /// Returns the entries that all nuts of the figure share.
+    /// Returns the dimensions that are the same for all nuts of the figure.
     fn fixed(&self) -> impl Iterator<Item = Entry> {
         let drawn = [self.x, self.series];
         Entry::ALL.into_iter().filter(move |entry| !drawn.contains(entry))
     }
 
-    /// Returns the distance of a size from the caption, on a logarithmic scale.
+    /// Returns the logarithmic distance between the dimensions of a nut and the dimensions in the
+    /// caption.
     fn distance(&self, size: &Size) -> f64 {
         self.fixed().map(|entry| (entry.of(size) / entry.of(&self.near)).ln().abs()).sum()
     }
 
-    /// Returns true if a nut has the fixed entries.
+    /// Returns true if the fixed dimensions of a nut are equal to those of `size`.
     fn has(&self, size: &Size, nut: &Candidate) -> bool {
-        // Both values are copies of the same entry of a list.
+        // Exact comparison is possible, because both values are copied from the same list entry.
         self.fixed().all(|entry| entry.of(size).to_bits() == entry.of(&nut.size).to_bits())
     }
 
-    /// Returns the figure of the nuts that share the entries of `size`, or `None` if no two of them
-    /// form a curve.
+    /// Draws the figure for the nuts that have the fixed dimensions of `size`. Returns `None` if no
+    /// two of these nuts form a curve.
     fn figure(&self, size: &Size, nuts: &[Candidate]) -> Option<Figure> {
         let (label, read) = self.quantity;
         let mut series: Vec<_> = nuts.iter().map(|nut| self.series.of(&nut.size)).collect();
@@ -186,8 +187,8 @@ impl Drawing {
     }
 }
 
-/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog, with the numbers of the
-/// captions or the nearest numbers that these nuts have. A figure with fewer than two nuts is
+/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog. The dimensions are those of
+/// the captions or the nearest ones that these nuts have. A figure with fewer than two nuts is
 /// omitted.
 pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     let drawings = drawings();
@@ -213,7 +214,7 @@ pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     };
     let mut figures: Vec<Figure> = Vec::new();
     for figure in drawn.iter().filter_map(figure) {
-        // Two captions may have the same nearest nut.
+        // The same nuts may be nearest to two captions, so duplicate figures are left out.
         let same = |other: &Figure| {
             (&other.caption, &other.x, &other.y) == (&figure.caption, &figure.x, &figure.y)
         };
@@ -225,7 +226,7 @@ pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     diagram.map(preload_diagram).into_iter().chain(figures).collect()
 }
 
-/// Returns the forces of a preloaded pair against its displacement, as sketched in Fig 2 of the
+/// Plots the forces in a preloaded pair against its displacement, as sketched in Fig 2 of the
 /// paper.
 fn preload_diagram(nut: &Candidate) -> Figure {
     let Candidate { elasticity, preload, size, .. } = nut;

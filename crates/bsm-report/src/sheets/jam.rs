@@ -1,5 +1,5 @@
-//! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust
-//! against speed, load, return angle and step height. `jam.json` lists the curves.
+//! Sweeps of Dong et al. (2020), Figs 13-19: contact results, wedge angle, friction, drag and
+//! thrust against speed, load, return angle and step height. `jam.json` defines the figures.
 
 use bsm_case::{Case, OutputName, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
@@ -8,46 +8,47 @@ use serde::Deserialize;
 use super::study::{Rows, Study, analyzed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Factors of load and speed relative to the case, which is in the middle: 8 to 24 kN around 16 kN,
-/// and up to 5000 rpm around 2500 rpm. A speed of zero is omitted.
+/// Factors by which the load and the speed of the case are multiplied. In the paper, loads of 8 to
+/// 24 kN surround 16 kN, and speeds of up to 5000 rpm surround 2500 rpm. A speed of zero is
+/// omitted.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
 
-/// Rounding error of a curve relative to its largest value, which is also the smallest value that a
-/// logarithmic axis shows, in the unit of the axis.
+/// Rounding error of a curve divided by its largest value. It is also the smallest value that is
+/// shown on a logarithmic axis, in the unit of the axis.
 const ROUNDING: f64 = 1e-9;
 
-/// A figure of `jam.json`.
+/// Definition of a figure in `jam.json`.
 #[derive(Deserialize)]
 struct Drawing {
     key: String,
     title: String,
     caption: String,
-    /// Name of the sweeps. Each sweep has every curve.
+    /// Name of the sweeps. Every curve is drawn for each of these sweeps.
     sweeps: String,
     y: String,
     log: bool,
-    /// Sets of curves. Each set contains the curves of one sweep after another.
+    /// Sets of curves. The curves of each set are drawn for one sweep after another.
     curves: Vec<Vec<PlotLine>>,
 }
 
-/// Name of the curve, label, color, stroke, and quantity of the analyses. If there are several
+/// Name, label, color and stroke of a curve, and the quantity that it shows. If there are several
 /// sweeps, each sweep has its own color, and its label precedes the label of the curve.
 type PlotLine = (String, String, usize, Stroke, OutputName);
 
-/// Returns all figures.
+/// Returns the definitions of all figures.
 fn drawings() -> Vec<Drawing> {
     serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined")
 }
 
-/// Sweeps along one axis, with their labels.
+/// Sweeps along the same axis, with their labels.
 struct Sweeps {
     name: &'static str,
     axis: &'static str,
     each: Vec<(String, Rows)>,
 }
 
-/// Returns the case with factors of load and speed.
+/// Returns the case with its load and speed multiplied by factors.
 fn scaled(case: &Case, load: f64, speed: f64) -> Case {
     Case {
         axial_load_N: case.axial_load_N.map(|n| n * load),
@@ -57,7 +58,7 @@ fn scaled(case: &Case, load: f64, speed: f64) -> Case {
     }
 }
 
-/// Returns the axial load \[kN\].
+/// Returns the axial load of a case \[kN\].
 fn load(case: &Case) -> f64 {
     1e-3 * case.axial_load_N.unwrap_or(f64::NAN)
 }
@@ -67,8 +68,9 @@ fn relative_rpm(case: &Case) -> f64 {
     (case.screw_speed_rpm.unwrap_or(f64::NAN) - case.nut_speed_rpm.unwrap_or(0.0)).abs()
 }
 
-/// Returns all sweeps around a case, from half to one and a half of its load and up to twice its
-/// speed, and the sweeps of the ball return if the case has one.
+/// Performs all sweeps around a case: over loads from half to one and a half times its load, over
+/// speeds of up to twice its speed and, if the case describes a ball return, over the return
+/// geometry.
 fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
     let mut work = ModelWorkspace::default();
     let mut run = |cases| analyzed(cases, settings, &mut work);
@@ -97,7 +99,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let angle = f64::from(i);
             (angle, Case { return_angle_deg: Some(angle), ..case.clone() })
         };
-        // For a step above half of the ball, no thrust can lift the ball.
+        // If the step is higher than half of the ball, no thrust can lift the ball over it.
         let height = |i| {
             let part = f64::from(i) / 200.0;
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
@@ -114,7 +116,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
 }
 
 impl Study {
-    /// Returns sweeps over load, speed and return angle around a case, all with the model of
+    /// Performs sweeps over load, speed and return angle around a case, all with the model of
     /// `solution`.
     ///
     /// # Errors
@@ -131,7 +133,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Adds a figure, and the curves that have a name.
+    /// Adds a figure and its named curves.
     fn add(&mut self, drawing: &Drawing, sweeps: &Sweeps) {
         let Drawing { key, title, caption, y, log, .. } = drawing;
         let single = sweeps.each.len() == 1;
@@ -151,8 +153,8 @@ impl Study {
                         let label = format!("{quantity}, {label}");
                         self.course(name.clone(), label, &points, ROUNDING * size);
                     }
-                    // A logarithmic axis has no zero, and values at the level of rounding errors
-                    // are omitted.
+                    // On a logarithmic axis, zero and values at the level of rounding errors are
+                    // omitted.
                     let least = if *log { ROUNDING } else { f64::NEG_INFINITY };
                     curves.extend(line(&label, color, *stroke, points, least));
                 }

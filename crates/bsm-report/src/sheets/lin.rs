@@ -1,4 +1,4 @@
-//! The figures of Lin, Velinsky and Ravani (1994) around a case.
+//! The figures of Lin, Velinsky and Ravani (1994), drawn for a case.
 
 use std::f64::consts::PI;
 
@@ -20,14 +20,15 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
     (Direction::LinearToRotary, "linear to rotary", Stroke::Dashed),
 ];
 
-/// Returns an output of a solution. A missing output is a gap in the curve.
+/// A function that returns an output of a solution. `None` leaves a gap in the curve.
 pub type Read = fn(&Solution) -> Option<f64>;
 
-/// Returns an output as a function of an input. Each point is a pair of input and output.
+/// Calculates an output as a function of an input. Each returned point contains the input and the
+/// output.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if the case is incomplete or a value violates its rule.
+/// [`ReportError::Case`] if the case is incomplete or a value is not permitted.
 pub fn points(
     case: &Case,
     settings: &Settings,
@@ -45,24 +46,23 @@ pub fn points(
     values.iter().map(point).collect()
 }
 
-/// Returns Figs 3 to 7 of Lin, Velinsky and Ravani (1994) around a case: efficiency against both
-/// angles, normal loads, efficiency against the direction of slip, optimum contact angle, and
-/// limits of self-locking. Figures for which the case lacks an input are omitted, and so are the
-/// exact equations.
+/// Draws Figs 3 to 7 of Lin, Velinsky and Ravani (1994) for a case: efficiency against both angles,
+/// normal loads, efficiency against the slip direction, optimum contact angle, and self-locking
+/// limits. Figures and exact solutions are omitted if the case lacks an input for them.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of the case violates its rule.
+/// [`ReportError::Case`] if a value of the case is not permitted.
 pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     around_cases(case, case)
 }
 
-/// Works like [`lin_figures`], but uses another case for Fig 5, for which the paper uses a smaller
+/// Same as [`lin_figures`], but with a separate case for Fig 5, for which the paper uses a smaller
 /// ball.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of a case violates its rule.
+/// [`ReportError::Case`] if a value of a case is not permitted.
 pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
     let case = &forward(case);
     let mut figures = Vec::new();
@@ -82,7 +82,7 @@ pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportEr
     Ok(figures)
 }
 
-/// Returns the case in which the drive works against the load.
+/// Returns the case with the direction of rotation in which the drive works against the load.
 fn forward(case: &Case) -> Case {
     let mut case = case.clone();
     if case.speeds_rpm().is_some_and(|(screw, nut)| screw < nut) {
@@ -92,12 +92,12 @@ fn forward(case: &Case) -> Case {
     case
 }
 
-/// Returns the caption for the exact equations.
+/// Returns the caption that describes the operating point of the exact solution.
 fn operating_point(case: &Case) -> String {
     let friction = case.friction_coefficient.unwrap_or(f64::NAN);
     match (case.axial_load_N, case.loaded_balls, case.speeds_rpm()) {
         (Some(load), Some(balls), Some((screw, nut))) if case.suits(Model::Rigid) => format!(
-            "f = {friction}; the circles are exact equations at {} rpm and {} N per ball.",
+            "f = {friction}; the circles are exact solutions at {} rpm and {} N per ball.",
             screw - nut,
             load / balls
         ),
@@ -105,14 +105,14 @@ fn operating_point(case: &Case) -> String {
     }
 }
 
-/// Returns the integers of a range of degrees.
+/// Returns the whole degrees of a range.
 fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
     range.map(f64::from).collect()
 }
 
-/// Draws the closed form as lines and every third point of the exact equations as circles, with one
-/// color for each value of `other`. For the value of the case, which is the first, the other
-/// direction is also drawn.
+/// Draws the closed-form solution as lines and the exact solution at every third point as circles,
+/// with one color for each value in `others`. For the first value, which is the value of the case,
+/// the other drive direction is also drawn.
 fn exact_and_closed(
     case: &Case,
     (input, values): (&str, &[f64]),
@@ -141,12 +141,12 @@ fn exact_and_closed(
     Ok(curves)
 }
 
-/// Returns the efficiency if the screw moves, or `None` if it is self-locking.
+/// Returns the efficiency, or `None` if the screw is self-locking.
 fn moving(solution: &Solution) -> Option<f64> {
     solution.efficiency().filter(|eta| *eta > 0.0)
 }
 
-/// Returns a value and other values around it within a range.
+/// Returns the value `own` and the values at the given distances from it that are within the range.
 fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
     let others = others.into_iter().map(|off| own + off).filter(|x| (low..=high).contains(x));
     std::iter::once(own).chain(others).collect()
@@ -172,7 +172,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
 }
 
 fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
-    // Removes the rounding error of the conversion to radians and back.
+    // Rounding removes the error of the conversion to radians and back.
     let own = case.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
     let leads = around(own, [10.0, 20.0], (0.1, 60.0));
     let over = (CONTACT.0, &degrees(5..=85)[..]);
@@ -206,7 +206,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
-        // Marks that would coincide are drawn alternately.
+        // The curves would coincide, so their marks are drawn at alternating points.
         let values: Vec<_> = match stroke {
             Stroke::Solid => degrees(5..=85),
             _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
@@ -238,7 +238,8 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
-    // The values of the other direction are equal except for a rotation by half a turn.
+    // The curves of the other direction are removed, because they are equal except for a rotation
+    // by 180 degrees.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
         [
@@ -255,7 +256,7 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     ))
 }
 
-/// Returns Eq 11 as corrected and as printed, or `None` if inputs are missing.
+/// Draws Eq 11 as corrected and as printed. Returns `None` if inputs are missing.
 fn slip_direction(case: &Case) -> Option<Figure> {
     let (lead, contact) = (case.lead_angle()?, case.contact_angle_deg?.to_radians());
     let (friction, pitch) = (case.friction_coefficient?, case.pitch_circle_diameter_mm?);
@@ -292,7 +293,8 @@ fn slip_direction(case: &Case) -> Option<Figure> {
     ))
 }
 
-/// Returns Eq 11 of the paper as printed, with the slip angle at the nut of Eq 10.
+/// Calculates the efficiency with Eq 11 of the paper as printed and the slip angle at the nut from
+/// Eq 10.
 pub fn efficiency_as_printed(angles: &Angles<f64>, friction: f64, size: f64, psi: f64) -> f64 {
     let (tan_a, (sin_b, cos_b)) = (angles.lead.tan(), angles.contact.sin_cos());
     let (at_nut, at_screw) = ((psi + PI).sin_cos(), psi.sin_cos());
@@ -325,7 +327,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
     Ok(Figure::new(
         [
             "lin-optimum-angle",
-            "Contact angle of best efficiency against lead angle",
+            "Optimum contact angle against lead angle",
             &format!(
                 "Fig 6 of Lin et al. (1994) has f = {}. The lines are the closed form, and the marks are the maxima of the exact \
              efficiency. Curves end where no contact angle reaches the optimum.",
@@ -337,7 +339,8 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
     ))
 }
 
-/// Searches for the contact angle with the best efficiency by the exact equations.
+/// Searches for the contact angle with the highest efficiency of the exact solution, for several
+/// lead angles.
 fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, ReportError> {
     let mut points = Vec::new();
     for lead in degrees(12..=44).into_iter().step_by(4) {
@@ -350,12 +353,12 @@ fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, R
             let case = Case { contact_angle_deg: Some(contact), ..case.clone() };
             let solution =
                 case.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
-            // Without a root, the screw does not move, and the efficiency is zero.
+            // If there is no solution, the screw does not move, and the efficiency is zero.
             Ok::<_, ReportError>(1.0 - solution.efficiency().unwrap_or(0.0))
         };
         let (low, high) = (30.0, 85.0);
         let best = minimum_of(loss, low, high)?;
-        // The best value at an end of the range is not a maximum.
+        // If the best angle is at an end of the range, it is not a maximum.
         let inside = best > low + 0.1 && best < high - 0.1;
         points.push((lead, if inside { best } else { f64::NAN }));
     }

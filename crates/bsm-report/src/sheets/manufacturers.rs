@@ -1,11 +1,12 @@
-//! Table of a manufacturer's nuts.
+//! Tables of nuts from a manufacturer's list.
 
 use bsm_case::{ManufacturerRow, exact};
 
 use crate::ReportError;
 use crate::figure::text_of_table;
 
-/// Returns the rows of a manufacturer's list as CSV, with the ends of intervals as columns.
+/// Returns the rows of a manufacturer's list as CSV. Additional columns contain the bounds of the
+/// intervals.
 ///
 /// # Errors
 ///

@@ -4,7 +4,7 @@ use bsm_case::{Columns, NutReport, output};
 
 use crate::{Axis, Curve, Figure, Stroke};
 
-/// Load classes of the developed nut, as fractions of the largest load.
+/// Load classes in the figure of the developed nut, as fractions of the largest load.
 const CLASSES: [(f64, f64, &str); 4] = [
     (0.75, 1.0, "above 3/4 of the largest load"),
     (0.5, 0.75, "1/2 to 3/4"),
@@ -12,15 +12,15 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
-/// Needed gap below which the balls count as equal, one nanometer \[mm\]. The advance of equal balls
-/// is a rounding error far below this value.
+/// Needed gap below which all balls are considered equal \[mm\]. With equal balls, the calculated
+/// ball advance is a rounding error far below this value of one nanometer.
 const NO_GAP: f64 = 1e-6;
 
-/// Caption for quantities of the flanks.
+/// Caption for quantities that exist only at loaded flanks.
 const TOUCHED: &str = "Each mark is a ball; balls that do not touch the flank have no mark.";
 
-/// Returns loads and contact angles along the helix, the developed nut, and displacement and
-/// preload over the load.
+/// Returns the figures of a nut: loads and contact angles along the helix, the developed nut, and
+/// displacement and preload against the axial load.
 pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     let balls = report.balls();
     let curve = report.curve();
@@ -62,7 +62,8 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     figures
 }
 
-/// Returns the ball advance and, if a gap is given, the speeds and pushes of the balls.
+/// Returns the figure of the ball advance and, if a ball gap is given, the figures of ball speeds
+/// and pushes.
 fn train(balls: &Columns) -> Vec<Figure> {
     let figures = [
         along(
@@ -93,8 +94,8 @@ fn train(balls: &Columns) -> Vec<Figure> {
     figures.into_iter().filter(|figure| !figure.curves.is_empty()).collect()
 }
 
-/// Returns free and actual speeds of the balls divided by the mean free speed, and a line that
-/// connects touching balls.
+/// Plots the free and actual ball speeds, divided by the mean free speed. A line connects balls
+/// that touch each other.
 fn speeds(balls: &Columns) -> Figure {
     let at = |row: &Vec<f64>, name| balls.cell(row, name);
     let free: Vec<_> =
@@ -120,7 +121,7 @@ fn speeds(balls: &Columns) -> Figure {
         [
             "nut-ball-speeds",
             "Speeds of the balls along the helix",
-            "Free balls, and balls with the pushes of other balls; the line connects touching balls.",
+            "Speeds of free balls, and speeds with pushes between the balls; a line connects touching balls.",
         ],
         [
             Axis::linear("turns along the helix"),
@@ -130,7 +131,7 @@ fn speeds(balls: &Columns) -> Figure {
     )
 }
 
-/// Returns a quantity of the balls along the helix. Each column has its own marks.
+/// Plots quantities of the balls along the helix, with different marks for each column.
 fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -> Figure {
     let strokes = [Stroke::Circles, Stroke::Triangles];
     let curve = |(i, (name, label)): (usize, &(&str, &str))| {
@@ -149,7 +150,7 @@ fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -
     )
 }
 
-/// Returns the positions of the balls on the developed nut, in classes of their loads.
+/// Plots the positions of the balls on the developed nut, with different marks for each load class.
 fn developed(balls: &Columns) -> Figure {
     let load = |row: &Vec<f64>| {
         let at = |name| balls.cell(row, name);
@@ -184,7 +185,7 @@ fn developed(balls: &Columns) -> Figure {
     )
 }
 
-/// Returns a quantity over the axial load, and a point that marks the limit load.
+/// Plots quantities against the axial load, and marks the limit load.
 fn over_load(
     curve: &Columns,
     (key, title): (&str, &str),

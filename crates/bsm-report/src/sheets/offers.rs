@@ -1,25 +1,25 @@
-//! Two offers of a screw on one page.
+//! Comparison of two offers for a screw on one page.
 
 use bsm_case::{Answer, Column, Content, DisplayUnits, Table, digits, interval};
 use serde_json::{Value, json};
 
 use crate::{Page, ReportError};
 
-/// Significant digits of numbers.
+/// Number of significant digits.
 const DIGITS: u8 = 4;
 
-/// Sections of a comparison with their titles.
+/// Sections of the comparison, with their titles.
 const TABLES: [(&str, &str); 3] =
     [("rules", "Rules"), ("numbers", "Numbers"), ("inputs", "Inputs that differ")];
 
-/// Returns the comparison of two offers as a page.
+/// Returns the comparison of two offers as an HTML page.
 ///
-/// * `answer`: comparison of the offers.
-/// * `names`: names of the offers, such as their files.
+/// * `answer`: answer that contains the comparison.
+/// * `names`: names of the offers, such as their file names.
 ///
 /// # Errors
 ///
-/// [`ReportError::Page`] if the template is wrong.
+/// [`ReportError::Page`] if the template is invalid.
 pub fn offers_page(
     answer: &Answer,
     names: [&str; 2],
@@ -42,7 +42,7 @@ pub fn offers_page(
     }))
 }
 
-/// Returns the data of a table for the template. A row states which of its cells is the better one.
+/// Returns the data of a table for the template. Each row states which offer is better.
 fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
     let shown = (0..).zip(&table.columns).filter(|(_, column)| column.head.is_some());
     let shown: Vec<_> = shown.filter(|(_, column)| column.name != "better").collect();

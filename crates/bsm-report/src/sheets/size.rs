@@ -1,4 +1,4 @@
-//! The sheet of an axis: figures and page.
+//! The axis sheet: figures and HTML page.
 
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
@@ -14,20 +14,20 @@ use super::warm::warm_figures;
 use crate::figure::text_of_table;
 use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
 
-/// Number of points of a limit in the diagram of speed and force.
+/// Number of points of a limit curve in the speed-load diagram.
 const POINTS: u32 = 60;
 
-/// Numbers at the top of the page.
+/// Results that are highlighted at the top of the page.
 const HEADLINES: [&str; 4] =
     ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_stiffness_N_um"];
 
-/// Texts of a case in the head of its sheet.
+/// Text inputs of the case that appear in the header of the sheet.
 const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "customer", "remark"];
 
-/// Texts of a case that are on the sheet without their names.
+/// Text inputs of the case that appear on the sheet without their names.
 const UNNAMED: [&str; 4] = ["description", "display_units", "manufacturer", "order_code"];
 
-/// Meaning of the letters of the equation tags in sources.
+/// Meaning of the letters in equation tags, which the sources of rules refer to.
 const EQUATIONS: [(char, &str); 5] = [
     ('D', "load ratings and life, ISO 3408-5"),
     ('G', "thread and groove"),
@@ -36,12 +36,13 @@ const EQUATIONS: [(char, &str); 5] = [
     ('Z', "axis: manufacturers' catalogs, Euler, ISO 3408"),
 ];
 
-/// Significant digits of numbers that follow from friction, which is known only to a factor; of
-/// numbers from the formulas of catalogs; and of numbers from geometry and grades.
+/// Numbers of significant digits: for quantities that depend on friction, which is known only to
+/// within a factor; for quantities from catalog formulas; and for quantities from geometry and
+/// accuracy grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
-/// Numbers that are only in the JSON and not on the two pages of the sheet, because other numbers
-/// contain the same information or because few readers need them.
+/// Results that appear only in the JSON file and not on the two pages of the sheet, because other
+/// results contain the same information or few readers need them.
 const IN_FILES_ALONE: [&str; 28] = [
     "cycle_life_revolutions",
     "cycle_life_km",
@@ -73,7 +74,7 @@ const IN_FILES_ALONE: [&str; 28] = [
     "steady_temperature_time_s",
 ];
 
-/// Numbers in the table of phases.
+/// Quantities in the table of phases.
 const COLUMNS: [OutputName; 8] = [
     output!(time_share),
     output!(screw_load_N),
@@ -85,12 +86,12 @@ const COLUMNS: [OutputName; 8] = [
     output!(heat_W),
 ];
 
-/// Returns the JSON object of a sheet, including the name and version of the program.
+/// Returns the results of an axis sheet as JSON, including the name and version of the program.
 pub fn size_results(report: &AxisReport) -> Value {
     report.answer.clone().with("program", Content::Json(PROGRAM.into())).to_json()
 }
 
-/// Returns the rules of a sheet as CSV.
+/// Returns the rules of an axis sheet as CSV.
 ///
 /// # Errors
 ///
@@ -121,13 +122,13 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     text_of_table(table)
 }
 
-/// Returns the sheet of an axis as a page that prints on two sides of A4.
+/// Returns the axis sheet as an HTML page, which prints on two pages of A4.
 ///
-/// * `input`: name and hash of the file from which the case was read, if there is one.
+/// * `input`: name and hash of the case file, if there is one.
 ///
 /// # Errors
 ///
-/// [`ReportError::Page`] if the template is wrong.
+/// [`ReportError::Page`] if the template is invalid.
 pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, ReportError> {
     let mut figures = size_figures(report);
     for figure in &mut figures {
@@ -142,7 +143,7 @@ pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, Rep
     page.html(&sheet(&report.displayed(), input))
 }
 
-/// Returns the data for the template.
+/// Returns the data that the template needs.
 fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
     let rows = report.answer.to_json()["rules"].take();
@@ -192,14 +193,14 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     })
 }
 
-/// Returns the texts in the head, with their labels.
+/// Returns the labels and texts for the header of the sheet.
 fn head_of(report: &AxisReport) -> Vec<(&'static str, Value)> {
     let case = report.case.to_json();
     let text = |name: &&'static str| Some((*name, case.get(*name)?.clone()));
     HEAD.iter().filter_map(text).collect()
 }
 
-/// Returns the meaning of the letters of the equation tags in the sources of rules.
+/// Explains the letters of the equation tags that occur in the sources of the rules.
 fn equations(rules: &[Criterion]) -> String {
     let cited = |letter: char| {
         let is_tag = |part: &str| {
@@ -211,7 +212,8 @@ fn equations(rules: &[Criterion]) -> String {
     cited.map(|(letter, words)| format!("({letter}) {words}")).collect::<Vec<_>>().join("; ")
 }
 
-/// Returns the process force of a phase as text, at the start and, if it changes, at the end.
+/// Returns the process force of a phase as text: its value at the start and, if it changes, also at
+/// the end.
 fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
     let unit = report.case.display_units().of("N");
     let text = |force: f64| digits(unit.value(force), DIGITS[1]);
@@ -236,10 +238,10 @@ fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
     row
 }
 
-/// Returns a number with the digits that correspond to its uncertainty. A given number is
-/// printed as it was entered.
+/// Formats a number with as many digits as its uncertainty justifies. An input is printed as it was
+/// entered.
 ///
-/// * `inputs`: names of the given inputs.
+/// * `inputs`: given inputs, including the list of estimated inputs.
 fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     let estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
     let is_given = inputs.get(quantity.name).is_some()
@@ -247,11 +249,12 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
         _ if is_given => trimmed(value),
-        // The relative error of an efficiency is smaller than the relative error of the loss.
+        // Efficiencies are excluded, because the relative error of an efficiency is smaller than
+        // the relative error of the loss.
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
-        // These numbers are also accurate only to a factor.
+        // These quantities are also accurate only to within a factor.
         _ if quantity.name == "axis_heat_transfer_W_K"
             || quantity.name.starts_with("steady_temperature_rise") =>
         {
@@ -262,8 +265,8 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     }
 }
 
-/// Returns numbers, parts of the torque, and the shares of the heat of all parts except the first,
-/// which is the load \[%\].
+/// Returns a table row for a phase: its quantities, the torque contributions, and the share of each
+/// contribution except the load in the heat \[%\].
 fn phase_row(report: &AxisReport, place: usize) -> Value {
     let phase = &report.phases[place];
     let parts = ScrewTorque::PARTS.map(|name| phase.number(name));
@@ -286,10 +289,10 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
     })
 }
 
-/// Returns the row of a number with symbol, label, unit and text.
+/// Returns a table row with symbol, label, unit and formatted number.
 ///
-/// * `inputs`: contains the names of estimated inputs.
-/// * `answer`: contains the inputs that are missing for the number.
+/// * `inputs`: given inputs, including the list of estimated inputs.
+/// * `answer`: answer that lists the inputs that are missing for the number.
 fn number_row(
     Row { quantity, unit, values, bands }: &Row,
     inputs: &Value,
@@ -303,13 +306,13 @@ fn number_row(
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
 
-/// Returns a given number as it was entered, or with five digits in another unit.
+/// Formats an input as it was entered, or with five digits if it is displayed in another unit.
 fn number_text(value: f64, shown: DisplayUnit) -> String {
     let displayed = shown.value(value);
     if displayed.to_bits() == value.to_bits() { exact(value) } else { trimmed(displayed) }
 }
 
-/// Returns the given inputs, then the numbers of the answer below their titles.
+/// Returns the given inputs, followed by the results grouped by title.
 fn groups(report: &AxisReport) -> Vec<Value> {
     let used = match report.answer.section("screw") {
         Some(Content::Numbers { numbers, .. }) => numbers.all(),
@@ -349,18 +352,19 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
-/// Returns the figures: load and speed of the screw over the cycle, the cycle among its limits and,
-/// if requested, the warm states against the speed.
+/// Returns the figures of an axis sheet: load and speed over the cycle, the phases and their limits
+/// in a speed-load diagram, the groove section and, if requested, the warm states against the
+/// speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
-    // A single phase does not vary over time.
+    // If there is only one phase, nothing varies over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
     let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(report, &branch));
     [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().chain(warm).collect()
 }
 
-/// Returns the grooves of nut and screw around a ball, with the line through its contacts.
+/// Draws the groove profiles of nut and screw around a ball, with a line through the two contacts.
 fn section(report: &AxisReport) -> Option<Figure> {
-    /// Number of chords of the ball.
+    /// Number of chords with which the circle of the ball is drawn.
     const CHORDS: u32 = 72;
     let grooves = GrooveSection::of(&report.case).ok()?;
     let (radius, angle) = (grooves.ball_radius, grooves.contact_angle);
@@ -368,8 +372,8 @@ fn section(report: &AxisReport) -> Option<Figure> {
         let turned = TAU * f64::from(i) / f64::from(CHORDS);
         (radius * turned.cos(), radius * turned.sin())
     };
-    // Ball and grooves nearly coincide, so the ball is hatched: every fourth chord is drawn across
-    // it, alternately in both directions.
+    // The ball is hatched, because its outline nearly coincides with the grooves. The hatching is
+    // drawn as one continuous line that crosses the ball alternately in both directions.
     let hatch = (0..CHORDS / 4).flat_map(|i| {
         let mut ends = [2 * i, CHORDS - 2 * i].map(|step| around(CHORDS / 8 + step));
         if i % 2 == 1 {
@@ -393,7 +397,7 @@ fn section(report: &AxisReport) -> Option<Figure> {
     ))
 }
 
-/// Returns the axial load against the speed, with limits as lines and phases as points.
+/// Plots the axial load against the speed, with limits as lines and phases as points.
 fn among_limits(report: &AxisReport) -> Figure {
     let point = |phase: &ScrewTorque| {
         let [start, end] =
@@ -407,7 +411,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         let found = report.answer.rules.iter().find(|rule| rule.name == name);
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
-    // These are the speeds and loads at which a rule is just met.
+    // At these speeds and loads, a rule is just satisfied.
     let speeds = [
         (rule("critical_speed_ratio"), "permitted fraction of the critical speed"),
         (rule("largest_speed_number_mm_min"), "speed number"),
@@ -428,7 +432,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     let known = |limits: &[(Option<f64>, &str)], least: f64| {
         limits.iter().filter_map(|(limit, _)| *limit).fold(least, f64::max)
     };
-    // Limits that are far away would push the points into a corner.
+    // The axes are restricted, because distant limits would compress the points into a corner.
     let far = known(&speeds, 1.25 * fastest).min(4.0 * fastest);
     let high = known(&loads, 1.5 * largest).min(5.0 * largest);
     let mut curves = Vec::new();
@@ -465,7 +469,8 @@ fn among_limits(report: &AxisReport) -> Figure {
     )
 }
 
-/// Returns axial load, feed and motor torque over the cycle, each divided by its largest value.
+/// Plots the axial load, feed rate and motor torque over the cycle, each divided by its largest
+/// value.
 fn over_time(report: &AxisReport) -> Figure {
     let (time, label) = match report.number(output!(cycle_time_s)) {
         Some(time) => (time, "time, s"),

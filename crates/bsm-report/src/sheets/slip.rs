@@ -1,5 +1,5 @@
-//! The sweeps of Xu and Tang (2015), Figs 7-9: slips of a ball that rolls at given contact angles,
-//! or of the balls of a model.
+//! Sweeps of Xu and Tang (2015), Figs 7-9: slip of a ball that rolls at given contact angles, or of
+//! a ball whose motion a model calculates.
 
 use bsm_case::units::RPM;
 use bsm_case::{Answer, Case, CaseError, OutputName, Settings, output};
@@ -9,22 +9,22 @@ use bsm_kin::Site;
 use super::study::{Study, line};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Ratio of pitch circle diameter to ball diameter at the ends of its sweep: 7 and 90 mm divided by
-/// 6 mm.
+/// Smallest and largest ratio of pitch circle diameter to ball diameter in the sweep: 7 and 90 mm
+/// divided by 6 mm.
 const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
 
-/// One form of a slip: name, kind, origin of the formula, label, and the numbers of the analysis at
-/// nut and screw. The printed formulas of one contact use the angle of the other contact.
+/// One form of a slip: name, kind, stroke for the origin of the formula, label, and outputs at nut
+/// and screw. The printed formulas for one contact use the contact angle of the other contact.
 type Slip = (&'static str, usize, Stroke, &'static str, [OutputName; 2]);
 
 const PRINTED: Stroke = Stroke::Solid;
 const CORRECTED: Stroke = Stroke::Dotted;
 const EXACT: Stroke = Stroke::Dashed;
 
-/// The slip between balls, which does not belong to a contact.
+/// Index of the slip between neighboring balls, which does not belong to a contact.
 const BETWEEN_BALLS: usize = 1;
 
-/// The differential slip has only one form.
+/// All forms of slip. The differential slip has only one form.
 const SLIPS: [Slip; 9] = [
     (
         "differential",
@@ -91,7 +91,7 @@ const SLIPS: [Slip; 9] = [
     ),
 ];
 
-/// The varied quantity: its name in keys, and its axis.
+/// A varied quantity: its name in keys, and its axis label.
 type Sweep = (&'static str, &'static str);
 
 const LEAD_ANGLE: Sweep = ("lead-angle", "lead angle, deg");
@@ -104,8 +104,8 @@ const ROLLING: [Sweep; 4] = [
 ];
 const SOLVED: [Sweep; 3] = [("contact-angle", "contact angle, deg"), LEAD_ANGLE, PITCH_CIRCLE];
 
-/// Returns whole degrees without the ends of the range, where the formulas divide by zero; or
-/// diameters.
+/// Returns the values of a sweep: diameters for the pitch circle, and whole degrees for angles. The
+/// ends of the angle range are left out, because the formulas would divide by zero.
 fn values(sweep: Sweep, case: &Case) -> Vec<f64> {
     if sweep == PITCH_CIRCLE {
         let [low, high] = PITCH.map(|ratio| case.ball_diameter_mm.unwrap_or(f64::NAN) * ratio);
@@ -114,7 +114,7 @@ fn values(sweep: Sweep, case: &Case) -> Vec<f64> {
     (1..=89).map(f64::from).collect()
 }
 
-/// Returns the case at a value of a sweep.
+/// Returns the case with the varied quantity set to a value of the sweep.
 fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     let mut varied = case.clone();
     let own = case.contact_angle_deg;
@@ -126,7 +126,7 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
         "nut-angle" => running(Some(value), own),
         "screw-angle" => running(own, Some(value)),
         "pitch-circle" => {
-            // The lead angle is constant, not the lead.
+            // The lead angle is kept constant instead of the lead.
             let lead = case.lead_angle().map_or(f64::NAN, f64::to_degrees);
             varied.set("lead_angle_deg", lead)?;
             varied.set("pitch_circle_diameter_mm", value)?;
@@ -138,15 +138,15 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     Ok(varied)
 }
 
-/// Returns the slips at a point of a sweep and the efficiency. The efficiency comes from the
-/// model or, for a rolling ball, from Lin's closed form.
+/// Slips at a point of a sweep, and the efficiency. The efficiency comes from the model or, for a
+/// rolling ball, from the closed-form solution of Lin.
 type State = (Answer, f64);
 
-/// A point of a sweep: value, and state if there is a solution.
+/// A point of a sweep: value of the varied quantity, and results if there is a solution.
 type Point = (f64, Option<State>);
 
-/// Returns a rolling ball with the contact ellipses of `solution`, so that a curve shows the effect
-/// of the motion and not of the load.
+/// Calculates the slips of a rolling ball with the contact ellipses of `solution`. Because the
+/// ellipses are kept, a curve shows only the effect of the motion and not of the load.
 fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<State> {
     let report = bsm_case::slip(case, settings, solution).ok()?;
     let (screw, nut) = case.speeds_rpm()?;
@@ -155,8 +155,8 @@ fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<Stat
     Some((report, angles.efficiency(direction, case.friction_coefficient?)))
 }
 
-/// Returns the balls of a model. A value may violate a rule, such as the rule for the smallest
-/// circle.
+/// Solves a case with a model and calculates its slips. Returns `None` if there is no solution or
+/// if the value is not permitted, for example because the pitch circle is too small.
 fn solved(case: &Case, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
     let solution = case.problem(settings).ok()?.solve(work);
     let report = bsm_case::slip(case, settings, &solution).ok()?;
@@ -164,14 +164,15 @@ fn solved(case: &Case, settings: &Settings, work: &mut ModelWorkspace) -> Option
 }
 
 impl Study {
-    /// Returns sweeps over contact angle, lead angle, pitch circle and speed around a case.
+    /// Performs sweeps over contact angle, lead angle, pitch circle and speed around a case.
     ///
-    /// With raceway control, the ball rolls at given contact angles without a balance of forces,
-    /// and the nut controls unless the settings state otherwise. The contact angles at nut and
-    /// screw are varied one at a time; otherwise they are the contact angles of the case in motion.
-    /// Any other model is solved at each point. Its contact angle is varied, which is the unloaded
-    /// angle for elastic contacts. `solution` determines the model, which must give a motion of the
-    /// ball, and for raceway control the contact ellipses.
+    /// With raceway control, the ball rolls at given contact angles without a force balance, and
+    /// the nut is the controlling raceway unless the settings state otherwise. The contact angles
+    /// at nut and screw are varied one at a time; the other angle is the contact angle of the case
+    /// in motion. With any other model, each point is solved. In this case, the contact angle is
+    /// varied, which is the unloaded contact angle for models with elastic contacts. `solution`
+    /// determines the model, which must calculate the motion of the ball, and for raceway control
+    /// also the contact ellipses.
     ///
     /// # Errors
     ///
@@ -226,7 +227,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Returns the slips at a contact.
+    /// Plots the slips at the contacts.
     fn draw(
         &mut self,
         case: &Case,
@@ -235,7 +236,7 @@ impl Study {
         points: &[Point],
         place: &str,
     ) {
-        // Change of a slip by rounding errors.
+        // Rounding error of a slip.
         let (screw, nut) = case.speeds_rpm().unwrap_or_default();
         let rim = 0.5e-3 * case.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
         let rounding = 1e-9 * rim;
@@ -259,14 +260,15 @@ impl Study {
             } else if place == "nut" {
                 self.course(name, label.to_owned(), &points, rounding);
             }
-            // A logarithmic axis has no zero.
+            // Values that consist only of rounding errors are left out, because a logarithmic axis
+            // cannot show zero.
             curves.extend(line(label, kind, stroke, points, rounding));
         }
         let against = axis.split(',').next().unwrap_or_default();
         self.figures.push(Figure::new(
             [
                 &format!("slip-{prefix}{sweep}-{place}"),
-                &format!("Slips at the {place} against {against}"),
+                &format!("Slip at the {place} against {against}"),
                 &format!(
                     "Xu and Tang (2015), Figs 7 to 9: as printed (solid), with the angles of the contact itself \
                      (dotted), and exact (dashed) for {basis}. Slips that are zero have no line."
@@ -277,7 +279,7 @@ impl Study {
         ));
     }
 
-    /// Returns the contact angles against the speed. The paper assumes 50 deg at the nut and 40 deg
+    /// Plots the contact angles against the speed. The paper assumes 50 deg at the nut and 40 deg
     /// at the screw.
     fn speeds(
         &mut self,
@@ -287,7 +289,7 @@ impl Study {
     ) -> Result<(), ReportError> {
         let Some((screw, nut)) = case.speeds_rpm() else { return Ok(()) };
         let mut angles = [Vec::new(), Vec::new()];
-        // The speeds range from a fiftieth to twice the speed of the case.
+        // The speeds range from one fiftieth of the speed of the case to twice this speed.
         for i in 0..=40 {
             let factor = 0.02 * 100.0_f64.powf(f64::from(i) / 40.0);
             let case = Case {

@@ -1,35 +1,36 @@
-//! Sweeps of the analyses of a motion: figures, and the curves that published trends are compared
-//! with.
+//! Sweeps of analyses of the ball motion: figures, and curves with which published trends are
+//! checked.
 
 use bsm_case::{AnalysisKind, Case, MotionAnswer, Numbers, OutputName, Settings};
 use bsm_dyn::ModelWorkspace;
 
 use crate::{Curve, Figure, ReportError, Stroke};
 
-/// A named curve of a sweep, with all its points in the order of x.
+/// A named curve of a sweep, with all its points in ascending order of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
-    /// Name of the curve. Curves for other loads, speeds and settings have the same name.
+    /// Name of the curve. Curves of the same quantity for different loads, speeds or settings have
+    /// the same name.
     pub name: String,
     /// Text that distinguishes the curve from other curves with the same name.
     pub label: String,
-    /// The points. A value of y that is not finite is a gap.
+    /// Points of the curve. Points whose y value is NaN or infinite are gaps.
     pub points: Vec<(f64, f64)>,
     /// Rounding error of the curve.
     pub rounding: f64,
 }
 
-/// Figures of an analysis, and the curves that have a name.
+/// Figures of an analysis, and its named curves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Study {
-    /// The figures.
+    /// The figures of the analysis.
     pub figures: Vec<Figure>,
-    /// The curves.
+    /// The named curves.
     pub courses: Vec<Course>,
 }
 
 impl Study {
-    /// Adds a curve if it has points.
+    /// Adds a named curve if it has any points.
     pub(super) fn course(
         &mut self,
         name: String,
@@ -43,10 +44,11 @@ impl Study {
     }
 }
 
-/// Results of the analyses of a motion over x. Points without a solution have no results.
+/// For each x value of a sweep, the results of the analyses of the ball motion. Points without a
+/// solution have no results.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
-/// Returns the analyses of cases with their positions on the x axis.
+/// Analyzes cases, each of which is given with its x value.
 pub(super) fn analyzed(
     cases: Vec<(f64, Case)>,
     settings: &Settings,
@@ -54,7 +56,7 @@ pub(super) fn analyzed(
 ) -> Result<Rows, ReportError> {
     let mut row = |(x, case): (f64, Case)| {
         let moving = MotionAnswer::of(&case, settings, work)?;
-        // A point without a solution or without a contact state is a gap.
+        // A point without a solution or without contact results leaves a gap.
         let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
         let numbers =
             kinds.map(|kind| kind.numbers(&case, settings, Some(&moving), |_| true, work));
@@ -63,7 +65,8 @@ pub(super) fn analyzed(
     cases.into_iter().map(&mut row).collect()
 }
 
-/// Returns a quantity of the analyses of a sweep, or its absolute value if the sign is a direction.
+/// Returns the absolute values of a quantity over a sweep. The sign is dropped, because it only
+/// indicates a direction.
 pub(super) fn sizes(rows: &Rows, name: OutputName) -> Vec<(f64, f64)> {
     let read = |analyses: &Vec<Numbers>| {
         analyses.iter().find_map(|numbers| numbers.number(name)).map_or(f64::NAN, f64::abs)
@@ -71,8 +74,8 @@ pub(super) fn sizes(rows: &Rows, name: OutputName) -> Vec<(f64, f64)> {
     rows.iter().map(|(x, analyses)| (*x, read(analyses))).collect()
 }
 
-/// Returns a curve of the points above `least`, with gaps for other points. Returns `None` if the
-/// curve has no points.
+/// Returns a curve of the points whose y value is above `least`; all other points become gaps.
+/// Returns `None` if no points are left.
 pub(super) fn line(
     label: &str,
     color: usize,

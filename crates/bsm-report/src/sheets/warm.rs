@@ -1,21 +1,21 @@
-//! Warm steady states against the speed: temperatures, and the preload with its fold.
+//! Figures of the warm steady state against the speed: temperatures, and the preload with its fold.
 
 use bsm_case::{AxisReport, WarmBranch, WarmPoint, output};
 use bsm_design::least_preload;
 
 use crate::{Axis, Curve, Figure, Stroke};
 
-/// Returns the points of a branch up to its fold or, if `stable` is false, of the branch beyond the
-/// fold.
+/// Returns the stable points of a branch (up to its fold) or, if `stable` is false, the fold and
+/// the unstable points beyond it.
 fn part(branch: &WarmBranch, stable: bool, value: impl Fn(&WarmPoint) -> f64) -> Vec<(f64, f64)> {
     let points = branch.points.iter().filter(|point| point.stable == stable);
-    // Both parts meet at the fold.
+    // The stable and the unstable part meet at the fold.
     let fold = branch.fold().filter(|_| !stable);
     fold.into_iter().chain(points).map(|point| (point.speed_rpm, value(point))).collect()
 }
 
-/// Returns the preload against the speed of one or several axes: solid up to the fold, dashed
-/// beyond it, and a circle at the fold.
+/// Plots the preload of one or several axes against the speed. The line is solid up to the fold and
+/// dashed beyond it; a circle marks the fold.
 pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)]) -> Figure {
     let preload = |point: &WarmPoint| point.preload_N;
     let mut curves = Vec::new();
@@ -38,7 +38,7 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     )
 }
 
-/// Returns a vertical dotted line at the requested speed over the height of the curves.
+/// Returns a vertical dotted line at the requested speed. Its height is the range of the curves.
 fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
     let values = curves.iter().flat_map(|curve| &curve.points).map(|(_, value)| *value);
     let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), value| {
@@ -48,12 +48,12 @@ fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
     Curve::new("requested speed", 6, Stroke::Dotted, ends.into())
 }
 
-/// Returns temperatures and preload of an axis against its speed, with the uncertainty band at the
-/// requested speed.
+/// Returns figures of the temperatures and the preload of an axis against its speed, with the
+/// uncertainty band at the requested speed.
 pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
         Some(fold) => format!(
-            "Dashed lines are unstable states. Above {:.0} rpm, the preload runs away; the case has {:.0} rpm.",
+            "Dashed lines are unstable states. Above {:.0} rpm, no steady state exists; the case has {:.0} rpm.",
             fold.speed_rpm, branch.speed_rpm
         ),
         None => format!("The case has {:.0} rpm.", branch.speed_rpm),

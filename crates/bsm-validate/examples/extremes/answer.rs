@@ -1,4 +1,4 @@
-//! The solution at one point, together with its defects.
+//! Solves a single point and looks for defects in the result.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -10,21 +10,21 @@ use bsm_case::{
 };
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
-/// Largest permitted scaled residual of a solution.
+/// Maximum permitted scaled residual of a solution.
 const RESIDUAL: f64 = 1e-10;
-/// Largest permitted power balance of a solution.
+/// Maximum permitted error of the power balance of a solution.
 const BALANCE: f64 = 1e-9;
 
-/// Largest relative difference of an efficiency between the batch and the model. If inertia is far
-/// below the load, the efficiency is known to a few digits only, and both are accepted because of
-/// their residuals.
+/// Maximum relative difference between the efficiencies of the batch and of the model. If inertia
+/// forces are far smaller than the load, the efficiency is determined to only a few digits, and
+/// both results are accepted because of their residuals.
 const BATCH: f64 = 1e-7;
 
-/// The tolerance allows for rounding errors of an efficiency that is almost zero because friction
-/// holds the load.
+/// Additional absolute tolerance. It allows for rounding errors of efficiencies that are almost
+/// zero because friction nearly holds the load.
 const ROUNDING: f64 = 1e-14;
 
-/// Severity of an answer.
+/// Severity of an outcome, in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
     Converged,
@@ -45,15 +45,15 @@ impl From<Status> for Order {
     }
 }
 
-/// An answer and its defects.
+/// The outcome at a point.
 pub(crate) struct Answer {
     pub(crate) order: Order,
-    /// Status and regime, or status and reason.
+    /// Status followed by the slip regime or by the reason.
     pub(crate) kind: String,
-    /// Message of the program.
+    /// Message that the program gives for the point.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Number of other solutions; `None` without a search.
+    /// Number of other solutions; `None` if none were searched for.
     pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
@@ -76,7 +76,7 @@ impl Answer {
     }
 }
 
-/// Solves a case with a model and classifies the answer.
+/// Solves a case with a model and classifies the outcome.
 pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
     let problem = match case.problem(&settings(model)) {
         Ok(problem) => problem,
@@ -114,8 +114,8 @@ fn settings(model: ModelChoice) -> Settings {
     Settings { model, ..Settings::default() }
 }
 
-/// Calculates the sensitivities of a converged answer. They must be finite, or the reason why they
-/// are missing must be stated.
+/// Calculates the sensitivities of a converged solution. They must be finite, or the reason why
+/// they are missing must be stated.
 pub(crate) fn with_sensitivities(
     case: &Case,
     model: ModelChoice,
@@ -142,11 +142,12 @@ pub(crate) fn with_sensitivities(
     }
 }
 
-/// The only answer of the model that the batch may replace by a solution. The formulas of the batch
-/// have no terms that cancel, and the batch also rejects solutions with an unbalanced power.
+/// The only outcome of the model that the batch may replace with a solution. The formulas of the
+/// batch are free of cancellation, and the batch also rejects solutions whose power balance is not
+/// satisfied.
 const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 
-/// Compares the answers with the answers of the batch, which solves some models with kernels.
+/// Solves all cases as a batch, in which kernels solve some models, and compares the outcomes.
 pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
@@ -175,7 +176,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
     }
 }
 
-/// Returns the name of the reason, including how the iteration ended.
+/// Returns the name of the reason, including the way in which the iteration ended.
 fn name(reason: &Reason) -> String {
     let text = format!("{reason:?}");
     let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
@@ -188,7 +189,7 @@ fn name(reason: &Reason) -> String {
     }
 }
 
-/// Returns the ratio of the inertia forces `$m r_m W^2$` to the load.
+/// Returns the inertia ratio, which is the inertia force `$m r_m W^2$` divided by the load.
 pub(crate) fn inertia(case: &Case) -> f64 {
     let get = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5 * MM * get(InputKey::ball_diameter_mm);
@@ -198,7 +199,7 @@ pub(crate) fn inertia(case: &Case) -> f64 {
     mass * pitch * speed * speed / get(InputKey::axial_load_N)
 }
 
-/// Returns the first defect of a converged solution, or `None` if the solution has no defect.
+/// Returns the first defect of a converged solution, or `None` if there is no defect.
 fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)
@@ -219,7 +220,7 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
         output!(unloaded_flank_normal_load_N),
     ];
     for name in loads {
-        // Contacts cannot pull.
+        // Contact loads must be compressive.
         if record.number(name).is_some_and(|load| load <= 0.0) {
             return Some(format!("{} not positive", name.name()));
         }
@@ -229,7 +230,7 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
             return Some(format!("{} beyond 0 to 90", name.name()));
         }
     }
-    // Friction dissipates power. Rounding errors may hide a very small loss.
+    // Friction must dissipate power. The tolerance allows for rounding errors of a very small loss.
     let taken =
         record.number(output!(dissipated_power_W)).zip(record.number(output!(input_power_W)));
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {

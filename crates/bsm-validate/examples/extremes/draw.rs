@@ -6,8 +6,8 @@ use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Returns point `number` of a seed, independent of the number of threads. On request the point is
-/// moved close to an edge.
+/// Returns the point with a given number. The point depends on the seed, but not on the number of
+/// threads. If `edges` is true, the point is moved close to a value at which the behavior changes.
 pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -> Case {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number as u64);
@@ -18,7 +18,7 @@ pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -
     case
 }
 
-/// Moves one input close to a value at which a behavior begins or ends.
+/// Moves one input close to a value at which the behavior changes.
 fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let far = rng.log_uniform(1e-12, 0.1);
     let next = if rng.random_bool(0.5) { 1.0 + far } else { 1.0 - far };
@@ -27,12 +27,13 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let angles = Angles { lead, contact: radians(case.contact_angle_deg) };
     let turning = case.screw_speed_rpm.zip(case.nut_speed_rpm).map(|(screw, nut)| screw + nut);
     let together = rng.random_bool(0.5);
-    // Both speeds are almost equal, which model `quasi-static` does not cover.
+    // Make both speeds almost equal, which is not possible in model `quasi-static`.
     if together && model != Model::QuasiStatic.into() {
         case.screw_speed_rpm = turning;
         case.nut_speed_rpm = turning.map(|speed| speed * next);
     } else {
-        // Friction just holds the load if f D = sinβ (Lin's Eq 16), or if f tanα = 1 at 90 deg.
+        // Friction can just hold the load if f D = sinβ (Lin's Eq 16) or, at a contact angle of 90
+        // deg, if f tanα = 1.
         let holds = angles.contact.sin() / angles.slip_factor();
         let steep = lead.tan() > 1.0 && rng.random_bool(0.5);
         let friction = if steep { lead.tan().recip() } else { holds };
@@ -40,7 +41,7 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     }
 }
 
-/// Returns a random point in the ranges.
+/// Returns a random point within the ranges.
 fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let mut log = |low: f64, high: f64| {
         let x = rng.log_uniform(low, high);
@@ -56,12 +57,12 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let (screw_speed, nut_speed) = match rng.random_range(0..5) {
         0 | 1 => (speed, 0.0),
         2 | 3 => (0.0, speed),
-        // Model `quasi-static` covers only one moving part.
+        // In model `quasi-static`, only one part can turn.
         _ if model == Model::QuasiStatic.into() => (speed, 0.0),
         _ => (speed, other),
     };
-    // Models with friction in their balance reject zero friction, and so does `auto`, which may
-    // choose them.
+    // Models that include friction in the force balance reject a friction coefficient of zero, and
+    // so does `auto`, which may choose such a model.
     let fixed = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
     let needs = model == ModelChoice::Auto || fixed.contains(&model);
     let friction = if !needs && rng.random_ratio(1, 50) { 0.0 } else { friction };

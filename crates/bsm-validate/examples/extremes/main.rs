@@ -1,23 +1,25 @@
-//! Runs a seeded campaign over extreme ranges. Every model solves random points, every answer is
-//! checked, and each anomaly is written as a case that reproduces it:
+//! Runs a test campaign with extreme random points and a fixed seed. The points are solved with
+//! every model, every result is checked, and each anomaly is written as a case file that reproduces
+//! it:
 //!
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 100000
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 20000 --model elastic --seed 3
 //!     bsm solve target/extremes/elastic-not_converged-NoSkidAtInertia-17.json --model elastic
 //!
-//! Ranges: lead angle 0.05 to 85 deg, contact angle 1 to 89 deg, friction 0 and 1e-6 to 1, 1e-3 to
-//! 1e6 rpm in both directions with screw, nut or both turning, 1e-6 to 1e6 N per ball, balls of 0.1
-//! to 200 mm, 0.01 to 0.45 of the pitch radius, conformities 0.501 to 0.8, Young's modulus 0.01 to
-//! 1000 GPa, density 500 to 20 000 kg/m³. Speeds, loads, sizes and moduli are uniform in their
-//! logarithms. Every point depends only on seed and number, not on the number of threads.
+//! Ranges: lead angle 0.05 to 85 deg, contact angle 1 to 89 deg, friction coefficient 0 and 1e-6 to
+//! 1, speed 1e-3 to 1e6 rpm in both directions with screw, nut or both turning, load 1e-6 to 1e6 N
+//! per ball, ball diameter 0.1 to 200 mm and 0.01 to 0.45 of the pitch circle diameter, conformity
+//! 0.501 to 0.8, Young's modulus 0.01 to 1000 GPa, density 500 to 20 000 kg/m³. Speeds, loads,
+//! sizes and moduli have uniformly distributed logarithms. Every point depends only on the seed and
+//! its number, not on the number of threads.
 //!
-//! With `--edges`, one input of each point is close to a value at which a behavior begins or ends,
-//! at a relative distance of 1e-1 to 1e-12: both speeds are almost equal, or friction just holds
-//! the load.
+//! With `--edges`, one input of each point is close to a value at which the behavior changes, at a
+//! relative distance of 1e-12 to 1e-1: either both speeds are almost equal, or friction can just
+//! hold the load.
 //!
-//! The exit code is 1 if an answer is wrong: a panic, a converged row with a number that is not
-//! finite, a residual above 1e-10, a power balance above 1e-9, an implausible sign, or a different
-//! answer of the batch.
+//! The exit code is 1 if a result is wrong. Wrong results are a panic, a converged row with NaN or
+//! infinity, a residual above 1e-10, a power balance error above 1e-9, an implausible sign, or a
+//! different result of the batch.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "the report of a program")]
 
 mod answer;
@@ -37,29 +39,28 @@ use rayon::prelude::*;
 use answer::{ask, in_batch, with_sensitivities};
 use tally::Tally;
 
-/// Folder of the anomalies.
+/// Folder for the case files of anomalies.
 const FOLDER: &str = "target/extremes";
 
-/// Number of points that one thread takes at a time.
+/// Number of points that a thread solves at a time.
 const STRIDE: usize = 256;
 
-/// Interval between the points that are also solved for their sensitivities, which take several
-/// solves.
+/// Every `SENSITIVE`th point is also solved for its sensitivities, which requires several solves.
 const SENSITIVE: usize = 8;
 
-/// Command-line arguments.
+/// Parsed command-line arguments.
 struct Arguments {
     points: usize,
     seed: u64,
     model: Option<ModelChoice>,
-    /// True for points close to values at which a behavior begins or ends.
+    /// True to use points close to values at which the behavior changes.
     edges: bool,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let Arguments { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
-    // Panics are counted, and their messages are in the case.
+    // Panics print nothing, because they are counted as outcomes and their cases are kept.
     std::panic::set_hook(Box::new(|_| {}));
     let models = match model {
         Some(model) => vec![model],

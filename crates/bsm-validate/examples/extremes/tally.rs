@@ -1,4 +1,4 @@
-//! Counts of the answers, the worst numbers, and the anomalies.
+//! Counts the outcomes of a campaign, and keeps the worst numbers and the anomalies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -14,25 +14,26 @@ use crate::answer::{Answer, Order, inertia};
 /// Number of cases that are written for each kind of anomaly.
 const EACH: usize = 5;
 
-/// Upper limits of the bands of the inertia ratio `$m r_m W^2/F_a$`. The last band has no upper
-/// limit.
+/// Upper limits of the bands of the inertia ratio `$m r_m W^2/F_a$` in which outcomes are counted.
+/// The last band has no upper limit.
 const BANDS: [f64; 3] = [1e-6, 1e-2, 3.0];
 
-/// Points with one kind of answer. If it is an anomaly, the first points are kept as cases.
+/// All points with the same kind of outcome. If the outcome is an anomaly, the first points are
+/// kept as cases.
 #[derive(Default)]
 struct Kind {
-    /// Counts by band of the inertia ratio.
+    /// Number of points in each band of the inertia ratio.
     counts: [usize; BANDS.len() + 1],
     cases: Vec<(usize, Case)>,
 }
 
-/// Results of the campaign.
+/// Results of a campaign.
 #[derive(Default)]
 pub(crate) struct Tally {
     points: usize,
     kinds: BTreeMap<(Order, String), Kind>,
-    /// Number of converged points with other solutions, without other solutions, and without a
-    /// search.
+    /// Numbers of converged points with other solutions, without other solutions, and without a
+    /// search for other solutions.
     others: [usize; 3],
     residual: (f64, usize),
     balance: (f64, usize),
@@ -67,7 +68,7 @@ impl Tally {
         }
     }
 
-    /// Combines two tallies. `self` contains the earlier points.
+    /// Combines two tallies. The points of `self` precede those of `other`.
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.points += other.points;
         for (place, kind) in other.kinds {
@@ -85,12 +86,12 @@ impl Tally {
         self
     }
 
-    /// Returns true if no answer is wrong and no point is invalid.
+    /// Returns true if no outcome is wrong and no point is invalid.
     pub(crate) fn is_sound(&self) -> bool {
         self.kinds.keys().all(|(order, _)| !matches!(order, Order::False | Order::Invalid))
     }
 
-    /// Writes a case for each anomaly that was kept.
+    /// Writes a case file for each anomaly that was kept.
     pub(crate) fn write_anomalies(
         &self,
         folder: &Path,
@@ -108,7 +109,7 @@ impl Tally {
 }
 
 impl fmt::Display for Tally {
-    /// Writes a Markdown table and the worst numbers.
+    /// Writes a Markdown table of the outcomes, followed by the worst numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, middle, high] = BANDS;
         let points = self.points;

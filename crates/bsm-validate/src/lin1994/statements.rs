@@ -1,4 +1,5 @@
-//! Further statements of Lin, Velinsky and Ravani (1994), besides the comparison of both theories.
+//! Further statements of Lin, Velinsky and Ravani (1994), in addition to the comparison of the
+//! closed-form solution with the exact theory.
 
 use bsm_case::Case;
 use bsm_design::search::minimum_of;
@@ -13,12 +14,12 @@ use bsm_report::sheets::efficiency_as_printed;
 use super::{SOURCE, slender};
 use crate::{Check, ValidateError};
 
-/// Friction coefficient of the paper.
+/// Friction coefficient in the paper.
 const F: f64 = 0.075;
 
 const FORWARD: Direction = Direction::RotaryToLinear;
 
-/// Returns all checks of statements.
+/// Returns the checks of these statements.
 pub(super) fn checks(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let mut checks = vec![quotient(), driving_part(lin)?, driven_side()];
     checks.extend(direction_of_slip(lin)?);
@@ -34,7 +35,7 @@ fn angles(lead_deg: f64, contact_deg: f64) -> Angles<f64> {
     Angles { lead: lead_deg.to_radians(), contact: contact_deg.to_radians() }
 }
 
-/// Compares the efficiencies of Eqs 3 and 4 with the quotient of force and torque of Eq 1.
+/// Compares the efficiencies of Eqs 3 and 4 with the ratio of force to torque according to Eq 1.
 fn quotient() -> Check {
     let (size, mut worst) = (0.18, 0.0_f64);
     for lead in (4..=40).step_by(4).map(f64::from) {
@@ -53,8 +54,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // The expressions are Eq 2, and Eq 1 divided by its normal load. At the nut,
-                    // friction across the groove has the opposite sign.
+                    // The expressions are Eq 2 and Eq 1, divided by the normal load. At the nut,
+                    // the friction across the groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;
@@ -68,13 +69,13 @@ fn quotient() -> Check {
     check(
         "quasi-static-quotient",
         "Eqs 1-4",
-        "Eqs 3 and 4 equal output work divided by input work of Eqs 1 and 2",
+        "Eqs 3 and 4 are equal to output work divided by input work according to Eqs 1 and 2",
     )
     .measured(worst, "largest difference")
     .at_most(1e-13, "rounding")
 }
 
-/// "The driving component does not have an effect". The statement is not exact.
+/// Checks the statement "The driving component does not have an effect", which is not exactly true.
 fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let rpm = lin.screw_speed_rpm;
     let nut =
@@ -92,7 +93,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let mut worst = (0.0, 0.0);
     for lead in (8..=60).map(f64::from) {
         let [screw, nut] = pair(lead)?;
-        // If the nut drive has no root, there is nothing to compare.
+        // Without a solution for the nut drive, there is nothing to compare.
         if (screw - nut).abs() > worst.0 {
             worst = ((screw - nut).abs(), lead);
         }
@@ -102,13 +103,13 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     Ok(check("driving-part", "conclusions; Eqs 5-9", claim)
         .measured(worst.0, "difference of the efficiencies")
         .note(format!(
-            "at a lead angle of {} deg; at 10 deg {screw:.7} with the screw turning, {nut:.7} with the nut",
+            "at a lead angle of {} deg; at 10 deg, {screw:.7} if the screw turns and {nut:.7} if the nut turns",
             worst.1
         ))
         .at_most(1e-4, "a hundredth of a percentage point, the effect of inertia at 2000 rpm"))
 }
 
-/// Checks Eq 11 and Fig 5.
+/// Checks Eq 11 and the statements about Fig 5.
 fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let slender = slender(lin);
     let lin_angles = angles(10.0, 45.0);
@@ -144,7 +145,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         .measured(off, "largest difference")
         .note("lead angles of 2 to 60 deg, contact angles of 5 to 85 deg, r_b/r_m = 0.1")
         .at_most(1e-12, "rounding"),
-        check("eq-11-as-printed", "Eq 11 as printed", "one efficiency for each slip angle")
+        check("eq-11-as-printed", "Eq 11 as printed", "efficiency as a function of the slip angle")
             .measured(most, "largest efficiency")
             .note("above one: the sign of friction in the numerator contradicts Eq 9"),
         check(
@@ -162,7 +163,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         )
         .measured((1.0 - at(90.0)) / (1.0 - at(0.0)), "times the loss")
         .note(format!("efficiency {:.4} at 0 deg, {:.4} at 90 deg", at(0.0), at(90.0)))
-        .at_least(1.0, "more is more than once"),
+        .at_least(1.0, "the statement requires a ratio above one"),
         check(
             "fig-5-lower-limit",
             "Fig 5",
@@ -170,7 +171,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         )
         .measured(least, "deg")
         .note(format!(
-            "the least efficiency is {:.5}, at 90 deg it is {:.5}",
+            "the lowest efficiency is {:.5}; at 90 deg, it is {:.5}",
             at(least),
             at(90.0)
         )),
@@ -179,18 +180,19 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
             "Eq 11",
             "if friction acts only across the groove, the efficiency increases with the contact angle",
         )
-        .measured(f64::from(falling), "steps of a degree that do not")
+        .measured(f64::from(falling), "steps of one degree without an increase")
         .note("psi_B = 0, lead angles of 2 to 60 deg, contact angles of 5 to 86 deg")
         .at_most(0.0, "a strict statement"),
     ])
 }
 
-/// "The peak efficiency exists only at lower helix angles and higher contact angles."
+/// Checks the statement "The peak efficiency exists only at lower helix angles and higher contact
+/// angles."
 fn optimum_range() -> Vec<Check> {
     let range = |direction: Direction, suffix: &str| {
         let constant = Optimum::constant(direction, F);
         let (largest, least) = (constant.acos(), constant.asin());
-        // A numerical search is made on both sides of the largest lead angle.
+        // The maximum is searched numerically below and above the largest lead angle.
         let inside = |lead: f64| {
             let loss = |contact: f64| {
                 Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
@@ -206,16 +208,16 @@ fn optimum_range() -> Vec<Check> {
         )
         .measured(f64::from(wrong), "searches that differ")
         .note(format!(
-            "lead angles to {:.2} deg, contact angles from {:.2} deg; searched half a degree below and above",
+            "lead angles up to {:.2} deg, contact angles from {:.2} deg on; searched half a degree below and above the largest lead angle",
             largest.to_degrees(),
             least.to_degrees()
         ))
-        .at_most(0.0, "a peak below that lead angle, none above")
+        .at_most(0.0, "there is a peak below the largest lead angle and none above it")
     };
     vec![range(FORWARD, "rotary-to-linear"), range(Direction::LinearToRotary, "linear-to-rotary")]
 }
 
-/// "The self-braking condition always takes place at the driven side."
+/// Checks the statement "The self-braking condition always takes place at the driven side."
 fn driven_side() -> Check {
     let (mut wrong, mut points) = (0, 0);
     for friction in (1..=20).map(|i| 0.05 * f64::from(i)) {
@@ -229,14 +231,14 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // The tolerance is the rounding error of a sum of terms of the order of friction
-                // divided by the lead angle.
+                // The tolerance is the rounding error of a sum whose terms are as large as the
+                // friction coefficient divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }
     }
     check("driven-side", "Eqs 16, 19", "self-locking takes place at the driven side")
-        .measured(f64::from(wrong), "points of the limits that differ")
-        .note(format!("{points} points: the driven side transmits nothing, the driving side more than without friction"))
+        .measured(f64::from(wrong), "points on the limits that contradict the claim")
+        .note(format!("{points} points: the driven side transmits no power, and the driving side transmits more than without friction"))
         .at_most(0.0, "always")
 }

@@ -1,40 +1,40 @@
-//! The recommended setting for each tolerance.
+//! Recommends settings for each tolerance.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
 
-/// Share of the points that a setting must solve, and share of the solved points whose error must
-/// be within the tolerance.
+/// Minimum fraction of points that a recommended setting must solve. It is also the minimum
+/// fraction of solved points whose error must be within the tolerance.
 const SHARE: f64 = 0.99;
 
-/// The fastest settings within a tolerance.
+/// The fastest settings whose error is within a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Advice {
-    /// Efficiency error that 99 % of the points do not exceed.
+    /// Efficiency error that 99 % of the points must not exceed.
     pub tolerance: f64,
-    /// The group of points. A setting for all points is within the tolerance for each motion of the
-    /// balls.
+    /// Group of points. A setting that is recommended for all points is within the tolerance in
+    /// every regime.
     pub group: Group,
-    /// The fastest setting for single points.
+    /// Fastest setting for single solves.
     pub single: Option<Pick>,
-    /// The fastest setting in batches on one core.
+    /// Fastest setting for batches on one core.
     pub batch: Option<Pick>,
 }
 
 /// A recommended setting.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Pick {
-    /// Model and options.
+    /// Model and options of the setting.
     pub setting: String,
-    /// Time of a point \[ns\].
+    /// Time per point \[ns\].
     pub ns: f64,
-    /// The groups in which the setting is not within the tolerance.
+    /// Groups in which the error of the setting exceeds the tolerance.
     pub fails_where: Vec<Group>,
 }
 
-/// Returns the recommendations for every tolerance: over all points, and by motion of the balls.
+/// Returns the recommendations for every tolerance and every group of points.
 pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     let mut advice = Vec::new();
     for tolerance in TOLERANCES {
@@ -47,8 +47,9 @@ pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Returns the most accurate of the settings within a tolerance that take hardly longer than the
-/// fastest setting. Small differences are ignored because times vary from run to run.
+/// Returns the most accurate setting among those that are within a tolerance and take little more
+/// time than the fastest of them. Small time differences are ignored because times vary from run to
+/// run.
 fn pick(
     settings: &[SettingResult],
     group: Group,
@@ -73,7 +74,8 @@ fn pick(
     Some(Pick { setting: result.setting.name(), ns, fails_where })
 }
 
-/// Returns true if a setting is within a tolerance in a group; for all points, in every group.
+/// Returns true if the error of a setting is within a tolerance in a group of points. For the group
+/// of all points, this must be true in every group.
 fn is_within(result: &SettingResult, group: Group, tolerance: f64) -> bool {
     let counts = |errors: &&Errors| group == Group::All || errors.group == group;
     result.errors.iter().filter(counts).all(|errors| within(errors, tolerance))

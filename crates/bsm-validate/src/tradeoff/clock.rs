@@ -1,4 +1,4 @@
-//! Time of a point, one by one and in batches, and the parts of this time.
+//! Measures the computing time per point for single solves and for batches, and its breakdown.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -15,64 +15,64 @@ use super::errors::{Distribution, Group};
 use super::{Points, Setting};
 use crate::ValidateError;
 
-/// Times of a point \[ns\].
+/// Computing times per point \[ns\].
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Times {
-    /// Times one by one and in batches on one core: for all points, then by motion of the balls.
+    /// Times for single solves and for batches on one core, for each group. The group of all points
+    /// comes first.
     pub one_core: Vec<OneCore>,
-    /// Time in batches of all points on all cores.
+    /// Time for batches of all points on all cores.
     pub all_cores: f64,
-    /// Times in batches of all points on one core with each instruction set, for models with fast
-    /// batches.
+    /// Time for batches of all points on one core with each instruction set, for models with
+    /// kernels.
     pub instruction_sets: Vec<(&'static str, f64)>,
 }
 
-/// Times per point of a group on one core \[ns\], and their parts.
+/// Computing time per point of a group on one core \[ns\], and its breakdown.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct OneCore {
-    /// The group of points.
+    /// Group of points.
     pub group: Group,
-    /// Time from a case to its outputs, for points that are solved one after the other.
+    /// Time from a case to its outputs if points are solved one after the other.
     pub single: Distribution,
-    /// Time from columns of inputs to columns of outputs, with all points of the group in one
-    /// table.
+    /// Time from input columns to output columns if all points of the group are in one table.
     pub batch: f64,
-    /// Time from columns to columns, with each point in a table of identical rows.
+    /// Time from input columns to output columns for each point, measured with a table of identical
+    /// rows.
     pub row: Distribution,
-    /// Number of steps of Newton's method and along the curves of searches, for the points whose
+    /// Number of steps of Newton's method and of path-following searches, for the points whose
     /// solution requires steps.
     pub steps: Option<Distribution>,
-    /// Number of evaluations of the equations, for points that are solved one by one.
+    /// Number of evaluations of the equations in single solves.
     pub evaluations: Distribution,
-    /// Number of nodes of the contact ellipses at which friction was evaluated, for points that are
-    /// solved one by one.
+    /// Number of nodes on the contact ellipses at which friction was evaluated in single solves.
     pub nodes: Distribution,
-    /// Number of searches for a root or for other roots, for points that are solved one by one.
+    /// Number of searches for the solution or for other solutions in single solves.
     pub searches: Distribution,
-    /// Share of the points with a search.
+    /// Fraction of the points that required a search.
     pub searching: f64,
 }
 
 impl Times {
-    /// Returns the times of a group.
+    /// Returns the times of a group, or `None` if the group has no points.
     pub fn of(&self, group: Group) -> Option<&OneCore> {
         self.one_core.iter().find(|times| times.group == group)
     }
 }
 
-/// Number of rounds in which the settings take turns. With debug assertions, one round is
-/// sufficient.
+/// Number of rounds, in each of which all settings take turns. With debug assertions, one round is
+/// enough.
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
-/// Minimum duration of a measurement. The resolution of the clock would affect shorter
-/// measurements.
+/// Minimum duration of a measurement. Shorter measurements would be affected by the resolution of
+/// the clock.
 const MIN_DURATION: Duration = Duration::from_millis(8);
 
-/// Minimum number of rows of a fast batch. With fewer rows, the overhead of the batch would
+/// Minimum number of rows in a batch for fast models. With fewer rows, the overhead per batch would
 /// dominate.
 const BATCH: usize = if cfg!(debug_assertions) { 512 } else { 8192 };
 
-/// Outputs of the batches: the outputs whose errors are measured.
+/// Outputs that the batches calculate. The errors are measured for the same outputs.
 const OUTPUTS: [&str; 6] = [
     "efficiency",
     "ball_torque_Nm",
@@ -82,10 +82,10 @@ const OUTPUTS: [&str; 6] = [
     "screw_contact_angle_deg",
 ];
 
-/// Number of rows of the table of one point.
+/// Number of identical rows in the table for one point.
 const ROWS: usize = 64;
 
-/// The measured times of a setting, with groups by their index.
+/// The kinds of times that are measured for a setting. Groups are given by their index.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     Single,
@@ -168,12 +168,12 @@ fn ways(setting: &Setting, groups: usize) -> impl Iterator<Item = Way> {
     each.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
 
-/// Returns true if a batch takes nanoseconds per point.
+/// Returns true if a batch takes only nanoseconds per point.
 fn is_quick(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
-/// Returns the median of each time over the rounds.
+/// Returns, for each time, the median over the rounds.
 fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     let median = |place: usize| {
         let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
@@ -183,14 +183,14 @@ fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     (0..rounds[0].len()).map(median).collect()
 }
 
-/// Data that all measurements use.
+/// Data that all measurements share.
 struct Bench<'a> {
     points: &'a Points,
     /// One table for each group. The group of all points comes first.
     groups: Vec<Chunk>,
-    /// One longer table for each group.
+    /// For each group, one longer table for fast models.
     long_groups: Vec<Chunk>,
-    /// One table for each point.
+    /// For each point, one table of identical rows.
     rows: Vec<Chunk>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,
@@ -214,7 +214,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Returns steps and cost of each point.
+    /// Returns the number of steps and the solver counters for each point.
     #[expect(clippy::cast_precision_loss, reason = "counts are small")]
     fn work(
         &self,
@@ -230,7 +230,7 @@ impl<'a> Bench<'a> {
         self.points.cases.iter().map(count).collect()
     }
 
-    /// Returns the time of each point, or of a point of a table, in nanoseconds.
+    /// Measures the time for each point in single solves, or the time per point in tables \[ns\].
     fn time(
         &self,
         setting: &Setting,
@@ -242,7 +242,7 @@ impl<'a> Bench<'a> {
         let solve = |arch, chunk: &Chunk| {
             black_box(task.solve_on(arch, chunk, &self.points.columns));
         };
-        // Calculations that take microseconds per point need no more rows.
+        // Slower calculations, which take microseconds per point, do not need longer tables.
         let tables = if is_quick(settings) { &self.long_groups } else { &self.groups };
         let batch = |arch, chunk: &Chunk| {
             per_point(1, chunk.len, |_| {
@@ -271,8 +271,8 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Returns the time per point in nanoseconds for each of `tables` of `rows` points, over as many
-/// runs as [`MIN_DURATION`] requires.
+/// Measures the time per point \[ns\] for each of `tables` with `rows` points. Calculations are
+/// repeated until a measurement takes [`MIN_DURATION`].
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 fn per_point(
     tables: usize,

@@ -1,4 +1,4 @@
-//! Errors relative to the reference, by the motion of the balls.
+//! Errors relative to the reference solution, for each group of points.
 
 use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{ModelWorkspace, Solution, solution::SlipRegime};
@@ -9,19 +9,19 @@ use serde::Serialize;
 use super::reference_settings;
 use crate::ValidateError;
 
-/// A group of points.
+/// A group of points, in which the balls have the same kind of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(into = "&'static str")]
 pub enum Group {
     /// All points.
     All,
-    /// The points with one motion of the balls.
+    /// The points with one slip regime.
     #[schemars(skip)]
     Of(SlipRegime),
 }
 
 impl Group {
-    /// Returns the group of all points, then the groups by motion.
+    /// All groups: first the group of all points, then one group for each slip regime.
     pub const ALL: [Self; 4] = [
         Self::All,
         Self::Of(SlipRegime::Rolling),
@@ -29,7 +29,7 @@ impl Group {
         Self::Of(SlipRegime::GrossSkid),
     ];
 
-    /// Returns a short name.
+    /// Returns the name of the group.
     pub fn name(self) -> &'static str {
         match self {
             Self::All => "all",
@@ -48,32 +48,33 @@ impl From<Group> for &'static str {
     }
 }
 
-/// Distribution of an error or a cost over points.
+/// Distribution of an error or a computing cost over points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Distribution {
-    /// Mean over all points.
+    /// Mean value.
     pub mean: f64,
-    /// Median. Half of the points have a smaller value.
+    /// Median, which half of the points do not exceed.
     pub median: f64,
-    /// Quantile at 90 %, which 90 % of the points do not exceed.
+    /// 90 % quantile, which 90 % of the points do not exceed.
     pub q90: f64,
-    /// Quantile at 99 %, which 99 % of the points do not exceed.
+    /// 99 % quantile, which 99 % of the points do not exceed.
     pub q99: f64,
-    /// Largest value over all points.
+    /// Largest value.
     pub max: f64,
 }
 
 impl Distribution {
-    /// Returns the statistics of values, or `None` without values.
+    /// Calculates the statistics of values, or returns `None` if there are no values.
     pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
-        // Returns the smallest value that is not exceeded by the given share of the values.
+        // This function returns the smallest value that is not exceeded by the given fraction of
+        // the values.
         let at = |share: f64| {
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 clippy::cast_precision_loss,
-                reason = "a place among thousands"
+                reason = "an index among thousands"
             )]
             let place = (share * values.len() as f64).ceil() as usize;
             values.get(place.max(1) - 1).copied()
@@ -84,27 +85,27 @@ impl Distribution {
     }
 }
 
-/// Errors over the points of a group that the setting solved.
+/// Errors of a setting over those points of a group that the setting solved.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
-    /// The group of points.
+    /// Group of points.
     pub group: Group,
-    /// Share of the points that the setting solved.
+    /// Fraction of the points that the setting solved.
     pub solved: f64,
     /// Absolute error of the efficiency.
     pub efficiency: Option<Distribution>,
     /// Relative error of the torque.
     pub torque: Option<Distribution>,
-    /// Relative error of the normal loads, the larger of nut and screw.
+    /// Relative error of the normal loads. The larger error of nut and screw is used.
     pub loads: Option<Distribution>,
-    /// Error of the contact angles \[deg\], the larger of nut and screw.
+    /// Error of the contact angles \[deg\]. The larger error of nut and screw is used.
     pub angles_deg: Option<Distribution>,
-    /// Share of the solved points whose efficiency error exceeds the stated bound, if there is a
-    /// bound.
+    /// Fraction of the solved points whose efficiency error exceeds the stated error bound; `None`
+    /// if the setting states no bound.
     pub bound_broken: Option<f64>,
 }
 
-/// The reference of each point, if it has one.
+/// The reference solution of each point, with its slip regime; `None` if there is no solution.
 pub(super) struct Reference(Vec<Option<(SlipRegime, Solution)>>);
 
 impl Reference {
@@ -122,12 +123,12 @@ impl Reference {
         Ok(Self(points))
     }
 
-    /// Returns the rows, counted from 1, without a reference.
+    /// Returns the rows, counted from 1, without a reference solution.
     pub(super) fn missing(&self) -> Vec<usize> {
         (1..).zip(&self.0).filter(|(_, point)| point.is_none()).map(|(row, _)| row).collect()
     }
 
-    /// Returns the groups that have points, with the indices of their points.
+    /// Returns the groups that contain points, with the indices of these points.
     pub(super) fn groups(&self) -> Vec<(Group, Vec<usize>)> {
         let places = |group: Group| {
             let holds = |(place, point): (usize, &Option<(SlipRegime, Solution)>)| {
@@ -139,7 +140,7 @@ impl Reference {
         groups.filter(|(_, places)| !places.is_empty()).collect()
     }
 
-    /// Returns the errors of a setting in [`groups`](Self::groups).
+    /// Calculates the errors of a setting in all [`groups`](Self::groups).
     pub(super) fn errors(
         &self,
         cases: &[Case],
@@ -211,7 +212,7 @@ fn relative(ours: f64, exact: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Mean and quantiles of the numbers from 1 to 200 are known.
+    /// The mean and the quantiles of the numbers from 1 to 200 are known exactly.
     #[test]
     fn distributions_have_the_known_quantiles() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();

@@ -1,10 +1,11 @@
-//! Figure of the error as a function of time, with one mark for each model and setting.
+//! Plots of the error against the time, with one mark for each model and setting.
 
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use super::{Group, OneCore, SettingResult};
 
-/// Returns the figures of all points, one by one and in batches, then of each regime, one by one.
+/// Returns the plots: for single solves and for batches over all points, then for single solves in
+/// each regime.
 pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
     let mut figures = vec![
         figure(settings, Group::All, "single", "one point after the other", |times| {
@@ -16,7 +17,7 @@ pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
         let key = group.name().replace(' ', "-");
         figures.push(figure(settings, group, &key, group.name(), |times| times.single.mean));
     }
-    // Not every table has points of every motion.
+    // Some tables contain no points of a regime, so empty plots are removed.
     figures.retain(|figure| !figure.curves.is_empty());
     figures
 }
@@ -34,8 +35,9 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Creep speeds would coincide with the accuracies, and a logarithmic axis has no position
-        // for an error of zero.
+        // Settings of the creep speed are left out, because their marks would coincide with those
+        // of the accuracies. Errors of zero are left out, because they cannot be shown on a
+        // logarithmic axis.
         if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
             continue;
         }

@@ -1,18 +1,18 @@
-//! The settings: model, accuracy, creep speed, and tolerance of the choice.
+//! The measured settings: models, quadrature accuracies, creep speeds, and tolerances of `auto`.
 
 use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A model with its settings.
+/// A model with certain settings.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Setting {
-    /// The model.
+    /// Name of the model.
     pub model: &'static str,
-    /// Options of `bsm solve` that differ from the default; empty for the default settings.
+    /// Options of `bsm solve` that differ from the defaults; empty for the default settings.
     pub options: String,
-    /// The settings.
+    /// Solver settings that correspond to `options`.
     #[serde(skip)]
     pub settings: Settings,
 }
@@ -22,22 +22,22 @@ impl Setting {
         Self { model: settings.model.name(), options, settings }
     }
 
-    /// Returns model and options as text.
+    /// Returns the model and the options as text.
     pub fn name(&self) -> String {
         format!("{} {}", self.model, self.options).trim_end().to_owned()
     }
 }
 
-/// Accuracies of the quadrature of traction, including the default.
+/// Quadrature accuracies for `traction`, including the default.
 const ACCURACIES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
 
-/// Creep speeds of traction, in addition to the default.
+/// Creep speeds for `traction`, in addition to the default.
 const CREEPS: [f64; 3] = [1e-2, 1e-3, 1e-5];
 
-/// Tolerances of the choice of the model.
+/// Tolerances for the model choice of `auto`.
 const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// Returns every model and setting, beginning with the fastest models.
+/// Returns all models and settings, beginning with the fastest models.
 pub(super) fn all() -> Vec<Setting> {
     let mut list: Vec<_> = Model::ALL
         .into_iter()

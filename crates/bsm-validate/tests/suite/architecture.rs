@@ -10,13 +10,14 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Returns the code spans, each with the text between it and the next code span.
+/// Returns the code spans of a text, each with the text up to the next code span.
 fn code_spans(text: &str) -> Vec<(&str, &str)> {
     let pieces: Vec<_> = text.split('`').collect();
     pieces[1..].chunks(2).map(|pair| (pair[0], pair.get(1).copied().unwrap_or(""))).collect()
 }
 
-/// Every path exists, and every name in brackets after a file occurs in that file.
+/// Every path on the page must exist, and every name in parentheses after a file must occur in that
+/// file.
 #[test]
 fn recipes_name_existing_files_and_items() {
     let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the page");
@@ -48,11 +49,12 @@ fn recipes_name_existing_files_and_items() {
             }
         }
     }
-    // A smaller number would mean that the page is parsed incorrectly.
+    // Smaller numbers would mean that the page is parsed incorrectly.
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 
-/// Each module of `bsm-case` may use modules in its own folder and in the preceding folders.
+/// Each module of `bsm-case` may use only modules in its own folder and in the preceding folders of
+/// this list.
 #[test]
 fn modules_of_bsm_case_use_only_preceding_folders() {
     const FOLDERS: [&str; 3] = ["vocabulary", "case", "answers"];
@@ -61,7 +63,7 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
         let text = fs::read_to_string(path).expect("a module");
         text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
     };
-    // The map contains the names that the crate exports from its folders.
+    // This map contains the names that the crate exports, each with the rank of its folder.
     let face = code(&source.join("lib.rs"));
     let mut names = BTreeMap::new();
     for line in face.split(';') {
@@ -103,8 +105,8 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
     assert!(files > 35, "{files} modules");
 }
 
-/// Models of `bsm-dyn`, each with the models that it uses. A model uses no other model, and no
-/// model that follows it.
+/// Models of `bsm-dyn`, each with the models that it may use. These models must precede it in the
+/// list.
 const MODELS: [(&str, &[&str]); 15] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
@@ -114,14 +116,15 @@ const MODELS: [(&str, &[&str]); 15] = [
     ("raceway_control", &[]),
     ("slip", &["raceway_control"]),
     ("elastic", &[]),
-    // The model starts from pure rolling and from gross slip.
+    // This model starts its iteration from solutions for pure rolling and for gross slip.
     ("traction", &["raceway_control", "elastic"]),
-    // The model starts from a ball with two contacts.
+    // This model starts its iteration from the solution for a ball with two contacts.
     ("gothic", &["traction"]),
-    // This module is the memory of the solvers, which models pass to the models that they use.
+    // This module contains the work memory of the solvers, which a model passes to the models that
+    // it uses.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
-    // The model adds the losses of a third contact to a lubricated ball.
+    // This model adds the losses of a third contact to those of a lubricated ball.
     ("lubricated_arch", &["traction", "gothic", "workspace", "lubricated"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
@@ -142,8 +145,8 @@ const MODELS: [(&str, &[&str]); 15] = [
     ),
 ];
 
-/// Returns the modules that a file names, each as a path from the crate root:
-/// `crate::contact::Hertz`, or `super::ball::RigidBall` in `models/rigid/root.rs`, which is
+/// Returns the modules that a file refers to, each as a path from the crate root, such as
+/// `crate::contact::Hertz`. In `models/rigid/root.rs`, the path `super::ball::RigidBall` means
 /// `models::rigid::ball::RigidBall`.
 fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
@@ -154,7 +157,7 @@ fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
             let before = &line[..at];
             let path = line[at..].split(|c| !is_name(c)).next().unwrap_or_default();
             let ups = path.split("::").take_while(|part| *part == "super").count();
-            // The second `super` of a path belongs to the first `super`.
+            // In `super::super`, the second `super` has already been counted with the first one.
             if before.ends_with("super::") || (word == "super::" && ups > module.len()) {
                 continue;
             }
@@ -166,9 +169,9 @@ fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
     named
 }
 
-/// `bsm-dyn` has the three layers contact, ellipse and models. Each layer names only layers below
-/// it. A model names `models/ball`, which all models share, and the models listed in [`MODELS`]. No
-/// module uses a name that the crate root exports.
+/// `bsm-dyn` has the three layers contact, ellipse and models. Each layer may refer only to layers
+/// below it. A model may refer only to `models/ball`, which all models share, and to the models
+/// listed in [`MODELS`]. No module may use a name that the crate root exports.
 #[test]
 fn modules_of_bsm_dyn_use_only_lower_layers() {
     const LAYERS: [&str; 3] = ["contact", "ellipse", "models"];
@@ -187,7 +190,7 @@ fn modules_of_bsm_dyn_use_only_lower_layers() {
         seen += 1;
         let text = fs::read_to_string(&file).expect("a module");
         let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-        // The status of a solve and the count of evaluations are modules below all layers.
+        // The solve status and the evaluation counter are modules below all layers.
         let rank = |name: &str| LAYERS.iter().position(|layer| *layer == name).map_or(0, |i| i + 1);
         for used in modules_named_in(&module, code) {
             let [layer, rest @ ..] = &used[..] else {
@@ -212,8 +215,8 @@ fn modules_of_bsm_dyn_use_only_lower_layers() {
     assert!(seen > 60, "{seen} modules");
 }
 
-/// No files of the solver have circular imports, neither two files nor more files. A module
-/// declared with `mod` counts as part of its file.
+/// The files of a solver crate must not import each other in a cycle of any length. A module that
+/// is declared with `mod` counts as part of its file.
 #[test]
 fn files_have_no_circular_imports() {
     for name in ["kin", "simd", "newton", "dyn", "kernels", "nut", "design", "batch"] {
@@ -230,7 +233,8 @@ fn files_have_no_circular_imports() {
             files.insert(module.join("::"), modules_named_in(&module, code));
         }
         let (count, mut left) = (files.len(), files.keys().cloned().collect::<BTreeSet<_>>());
-        // Files that import no remaining file are not part of a cycle.
+        // Files that import none of the remaining files are removed, because they cannot be part of
+        // a cycle.
         loop {
             let is_left = |used: &Vec<String>, own: &str| {
                 let mut paths = (1..=used.len()).rev().map(|end| used[..end].join("::"));
@@ -248,8 +252,8 @@ fn files_have_no_circular_imports() {
     }
 }
 
-/// Returns the crates of this workspace under `[dependencies]` of each manifest, by the name of the
-/// crate.
+/// Returns, for each crate, the crates of this workspace that its manifest lists under
+/// `[dependencies]`.
 fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     let crates = fs::read_dir(root().join("crates")).expect("crates");
     let folders = crates.map(|entry| entry.expect("entry").path());
@@ -271,7 +275,7 @@ fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     folders.chain(others).map(manifest).collect()
 }
 
-/// Returns the arrows of the drawing.
+/// Returns the arrows of the drawing as pairs of crates.
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(root().join("docs/img/architecture.dot")).expect("the drawing");
     let mut arrows = BTreeMap::<_, BTreeSet<_>>::new();
@@ -282,15 +286,15 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     arrows
 }
 
-/// Returns the crates that can be reached from a crate.
+/// Returns the crates that can be reached from a crate by following arrows.
 fn reachable_crates(from: &str, edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
     let next = edges.get(from).into_iter().flatten();
     next.flat_map(|to| reachable_crates(to, edges).into_iter().chain([to.clone()])).collect()
 }
 
-/// Each arrow is a dependency, and each dependency is an arrow or follows from several arrows.
+/// Each arrow must be a dependency, and each dependency must be an arrow or a chain of arrows.
 #[test]
-fn the_drawing_shows_the_dependencies() {
+fn the_architecture_drawing_shows_all_dependencies() {
     let (manifests, arrows) = (manifests(), arrows());
     assert!(manifests.len() > 10, "{manifests:?}");
     for (from, to) in &arrows {
@@ -306,7 +310,7 @@ fn the_drawing_shows_the_dependencies() {
     assert!(!report.contains("bsm-kernels"), "sheets are of answers, not of tables: {report:?}");
 }
 
-/// A crate without a separate test build must not contain tests, except in files that its test
+/// A crate whose own test build is disabled must not contain tests, except in files that its test
 /// suite includes.
 #[test]
 fn every_test_is_compiled() {

@@ -1,4 +1,4 @@
-//! Checks the links of the documents.
+//! Checks the links in Markdown documents.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,7 +14,7 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("UTF-8 text")
 }
 
-/// Returns the Markdown files of the repository.
+/// Returns the paths of all Markdown files in the repository.
 fn documents() -> Vec<PathBuf> {
     let folders = ["docs", "validation", "python", "benches"].map(|name| root().join(name));
     let mut found: Vec<_> = folders.iter().flat_map(|folder| files(folder, "md")).collect();
@@ -23,15 +23,15 @@ fn documents() -> Vec<PathBuf> {
     found
 }
 
-/// Returns the targets of links, `](target)`, outside code blocks.
+/// Returns the targets of all links (`](target)`) outside code blocks.
 fn links(text: &str) -> Vec<&str> {
     let prose = text.split("```").step_by(2);
     let after = prose.flat_map(|piece| piece.split("](").skip(1));
     after.filter_map(|s| Some(s.split_once(')')?.0)).collect()
 }
 
-/// Returns the anchors of headings as GitHub creates them: lower case, spaces as hyphens, and no
-/// other punctuation.
+/// Returns the anchors that GitHub creates for headings: lowercase, with hyphens instead of spaces
+/// and without other punctuation.
 fn anchors(text: &str) -> BTreeSet<String> {
     let prose: String = text.split("```").step_by(2).collect();
     let heading = |line: &str| {

@@ -1,4 +1,4 @@
-//! Checks that every equation tag in the code exists in the theory, and vice versa.
+//! Checks that every equation tag in the code exists in the theory chapters, and vice versa.
 
 use crate::sources;
 
@@ -8,14 +8,15 @@ use std::path::{Path, PathBuf};
 
 use self::sources::files;
 
-/// Marks the line of a theory chapter that lists equations evaluated only by tests.
+/// Text that begins a line of a theory chapter in which equations are listed that only tests
+/// evaluate.
 const BY_TESTS: &str = "Checked by tests alone:";
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("UTF-8 text")
 }
 
-/// Returns tags such as `(K12)` or `\tag{K12}`.
+/// Returns all tags in a text, such as `(K12)` or `\tag{K12}`.
 fn tags(text: &str) -> BTreeSet<String> {
     let between = |open: &str, close: char| -> Vec<String> {
         text.split(open).skip(1).filter_map(|s| tag(s.split_once(close)?.0)).collect()
@@ -23,8 +24,9 @@ fn tags(text: &str) -> BTreeSet<String> {
     between("(", ')').into_iter().chain(between("\\tag{", '}')).collect()
 }
 
-/// Splits a file into code that is always compiled and code that is compiled only for tests. The
-/// latter consists of items from `#[cfg(test)]` to the closing line, which rustfmt indents equally.
+/// Splits the text of a file into code that is always compiled and code that is compiled only for
+/// tests. Test code consists of the items from a line `#[cfg(test)]` to the closing line with the
+/// same indentation.
 fn parts(text: &str) -> [String; 2] {
     let mut parts = [String::new(), String::new()];
     let mut of_tests = None;
@@ -44,7 +46,7 @@ fn parts(text: &str) -> [String; 2] {
     parts
 }
 
-/// Returns the files of the modules that a part of a file declares without a body.
+/// Returns the files of the modules that are declared, without a body, in a part of a file.
 fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     let root = ["lib", "main", "mod"].iter().any(|name| file.file_stem() == Some(name.as_ref()));
     let folder = if root { file.with_file_name("") } else { file.with_extension("") };
@@ -52,7 +54,7 @@ fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     names.map(|name| folder.join(format!("{name}.rs"))).collect()
 }
 
-/// Returns for each crate the code that is always compiled and its tests.
+/// Returns, for each crate, the code that is always compiled and the code of its tests.
 fn crates() -> BTreeMap<String, [String; 2]> {
     let mut crates = BTreeMap::new();
     for entry in fs::read_dir(root().join("crates")).expect("crates") {
@@ -75,8 +77,8 @@ fn crates() -> BTreeMap<String, [String; 2]> {
     crates
 }
 
-/// Returns the tags of formulas in code. A tag is at the end of the line above its formula, or of
-/// the line of the formula itself.
+/// Returns the tags of formulas in code. A tag is at the end of the line of its formula, or at the
+/// end of the line above.
 fn formulas(code: &str) -> BTreeSet<String> {
     let comments = code.lines().filter_map(|line| {
         let (_, comment) =
@@ -86,7 +88,8 @@ fn formulas(code: &str) -> BTreeSet<String> {
     comments.collect()
 }
 
-/// Parses a tag: one capital letter, or AA, AB, AC or BB, and at least one digit.
+/// Parses a tag, which consists of one capital letter, or of AA, AB, AC or BB, followed by at least
+/// one digit.
 fn tag(s: &str) -> Option<String> {
     let two = ["AA", "AB", "AC", "BB"].into_iter().find_map(|letters| s.strip_prefix(letters));
     let digits = two.or(s.strip_prefix(|c: char| c.is_ascii_uppercase()))?;
@@ -122,7 +125,7 @@ fn code_and_theory_cite_the_same_equations() {
     assert!(untested.is_empty(), "said to be checked by tests, cited by none: {untested:?}");
 }
 
-/// Each formula is implemented in one crate, which all other crates use.
+/// Each formula must be implemented in only one crate, which all other crates use.
 #[test]
 fn each_formula_is_implemented_in_one_crate() {
     let mut homes = BTreeMap::<String, Vec<String>>::new();
@@ -135,7 +138,8 @@ fn each_formula_is_implemented_in_one_crate() {
     assert!(homes.is_empty(), "written in several crates: {homes:?}");
 }
 
-/// Code that is compiled only for tests is recognized: items, modules in files, and single lines.
+/// Code that is compiled only for tests must be recognized: items, modules in separate files, and
+/// single lines.
 #[test]
 fn code_for_tests_is_recognized() {
     let text = "fn a() {} // (K1)\n#[cfg(test)]\nmod tests;\nmod b; // (K2)\n    #[cfg(test)]\n    \
@@ -151,7 +155,8 @@ fn code_for_tests_is_recognized() {
     }
 }
 
-/// Each equation is stated once in the theory, so each tag has one `\tag{...}`.
+/// Each equation must be stated only once in the theory chapters, so each tag has only one
+/// `\tag{...}`.
 #[test]
 fn the_theory_states_each_equation_once() {
     let (mut seen, mut twice) = (BTreeSet::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Checks that a browser can render every formula of rustdoc and of the documents.
+//! Checks that a browser can render every formula in rustdoc and in the documents.
 
 use crate::sources;
 
@@ -9,10 +9,10 @@ use pulldown_latex::{Parser, Storage};
 
 use self::sources::files;
 
-/// Returns the formulas of Markdown text: `math` blocks, and text between `open` and `close`.
+/// Returns the formulas in a Markdown text: `math` blocks, and text between `open` and `close`.
 fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     let (mut found, mut prose) = (Vec::new(), String::new());
-    // Every other piece is a code block.
+    // Every second piece of the text is a code block.
     for (i, piece) in text.split("```").enumerate() {
         match piece.strip_prefix("math") {
             Some(formula) if i % 2 == 1 => found.push(formula.to_owned()),
@@ -28,7 +28,7 @@ fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     found
 }
 
-/// Returns the text of the doc comments.
+/// Returns the text of all doc comments in a file.
 fn doc_comments(code: &str) -> String {
     let line = |line: &str| {
         let line = line.trim_start();
@@ -38,7 +38,8 @@ fn doc_comments(code: &str) -> String {
     code.lines().map(line).collect()
 }
 
-/// Returns the defect of a formula. Equation numbers, `\tag{K1}`, are not part of the formula.
+/// Returns the defect of a formula, or `None` if it can be rendered. Equation tags such as
+/// `\tag{K1}` are removed first.
 fn formula_defect(formula: &str) -> Option<String> {
     let mut pieces = formula.split("\\tag{");
     let mut bare = pieces.next().unwrap_or_default().to_owned();
@@ -51,7 +52,7 @@ fn formula_defect(formula: &str) -> Option<String> {
 }
 
 #[test]
-fn defects_of_formulas_are_found() {
+fn formula_defects_are_detected() {
     assert_eq!(formula_defect("\\frac{a}{b} \\tag{K1}"), None);
     for wrong in ["\\frac{a}", "{a", "\\nosuchcommand", "\\left( a"] {
         assert!(formula_defect(wrong).is_some(), "{wrong}");
@@ -69,7 +70,7 @@ fn every_formula_parses() {
         );
     }
     for path in files(&root.join("docs"), "md") {
-        // A formula on a separate line is between double dollar signs.
+        // Formulas on separate lines are enclosed in double dollar signs.
         let text = fs::read_to_string(&path).expect("UTF-8 text").replace("$$", "$");
         all.extend(formulas(&text, ("$", "$")).into_iter().map(|formula| (path.clone(), formula)));
     }

@@ -1,4 +1,4 @@
-//! Tests of published results, and of texts that must agree with the code.
+//! Tests of published results, and of documents that must agree with the code.
 
 mod architecture;
 mod documents;

@@ -1,9 +1,9 @@
-//! Files that tests read as text.
+//! Finds files that tests read as text.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Returns all files with this extension below `folder`.
+/// Returns all files with the given extension in `folder` and its subfolders.
 pub(crate) fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("folder") {

@@ -1,4 +1,4 @@
-//! Friction of the balls of an axis in each phase, and the nut under its largest load.
+//! Friction of the balls in each phase of an axis, and the nut under its largest load.
 
 use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
@@ -11,42 +11,42 @@ use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings, 
 pub(super) struct Contacts {
     /// Friction torque at the screw \[N·m\], positive; `None` if the model has no solution.
     pub(super) friction: Option<f64>,
-    /// Parts of the torque at the contacts with nut and screw \[N·m\]. They are halves if the model
-    /// does not distinguish them, and 0 without a torque.
+    /// Friction torques of the nut contacts and of the screw contacts \[N·m\]. They are equal if
+    /// the model does not distinguish the contacts, and 0 if there is no torque.
     pub(super) at_raceways: [f64; 2],
-    /// Part of the third contacts \[N·m\]; `None` if the balls have two contacts.
+    /// Friction torque of the third contacts \[N·m\]; `None` if the balls have two contacts.
     pub(super) third: Option<f64>,
     /// Model used, or the reason why there is no torque.
     pub(super) text: String,
 }
 
 impl Contacts {
-    /// Returns a friction torque of which nut and screw contribute half each.
+    /// Creates a friction torque that is shared equally by the nut and screw contacts.
     fn halved(friction: f64, text: impl Into<String>) -> Self {
         let at_raceways = [0.5 * friction; 2];
         Self { friction: Some(friction), at_raceways, third: None, text: text.into() }
     }
 
-    /// Returns the reason why there is no torque.
+    /// Creates a result without a torque that states the reason in `text`.
     fn none(text: String) -> Self {
         Self { friction: None, at_raceways: [0.0; 2], third: None, text }
     }
 }
 
-/// Solves the nut of an axis under a load, with all its balls.
+/// Solves the nut of an axis with all its balls under a given load.
 pub(super) fn nut_at(
     case: &Case,
     settings: &Settings,
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
-    // Seals are a separate part of the torque.
+    // The axis adds the seal torque separately.
     let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
-/// Returns the 90 % interval of lubricated friction for uncertain inputs, relative to the stated
-/// friction of the contacts.
+/// Returns the 90 % interval of lubricated contact friction due to uncertain inputs, relative to
+/// the calculated friction.
 pub(super) fn band(
     case: &Case,
     settings: &Settings,
@@ -58,8 +58,8 @@ pub(super) fn band(
     Some(problem.band(solution.solved()?, work)?.loss)
 }
 
-/// Returns the viscosity ratio for the smaller film thickness of nut and screw, or `None` if
-/// groove, lubricant or roughness is unknown or the ball has no solution.
+/// Returns the viscosity ratio for the thinner of the nut and screw films, or `None` if groove,
+/// lubricant or roughness is unknown or the ball has no solution.
 ///
 /// * `load`: axial load of one nut \[N\].
 /// * `speed`: speed of the screw relative to the nut \[rad/s\].
@@ -74,8 +74,9 @@ pub(super) fn viscosity_ratio(
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
 
-/// Returns true if friction follows from the catalog efficiency. This applies if the groove is estimated and friction is not given; or
-/// if the groove is not given in full, and either catalog ratings are given or the model of a ball lacks inputs.
+/// Returns true if friction is calculated from the catalog efficiency. This is the case if the
+/// groove is estimated and no friction input is given. It is also the case if the groove is not
+/// fully given, and either catalog ratings are given or inputs of the ball model are missing.
 pub(super) fn takes_catalog_efficiency(case: &Case, settings: &Settings) -> bool {
     if case.has_estimated_groove() {
         return !case.given().has_friction();
@@ -92,17 +93,19 @@ pub(super) fn by_catalog(case: &Case) -> Efficiency {
     }
 }
 
-/// Returns the largest and smallest contact friction for the usual catalog efficiencies \[N·m\].
+/// Returns the largest and smallest contact friction that the usual range of catalog efficiencies
+/// gives \[N·m\].
 ///
 /// * `ideal`: torque of the load without friction \[N·m\].
-/// * `drives`: true if the load drives the screw.
+/// * `drives`: true if the load back-drives the screw.
 pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
     let (usual, driven_less) = USUAL_EFFICIENCIES;
     usual.map(|forward| Efficiency { forward, back: forward - driven_less }.friction(ideal, drives))
 }
 
-/// Calculates the friction of the contacts under a load at a speed: from the catalog efficiency if the groove is not known, from all
-/// balls of a preloaded nut, and otherwise from one ball under an equal share of the load.
+/// Calculates the contact friction at a load and a speed. The friction follows from the catalog
+/// efficiency if the groove is unknown, from all balls if the nut is preloaded, and otherwise from
+/// one ball that carries an equal share of the load.
 ///
 /// * `advance`: travel per radian of the screw \[m\].
 pub(super) fn contacts(
@@ -140,7 +143,7 @@ pub(super) fn contacts(
     if *load == 0.0 {
         return Ok(Contacts::halved(0.0, "no load"));
     }
-    // In the model the load is positive, and the speed is negative if the load drives.
+    // The model expects a positive load. The speed is negative if the load back-drives the screw.
     let case = case.at_point(load.abs(), load.signum() * speed);
     let solution = case.problem(settings)?.solve(work);
     let powers = solution.solved().and_then(|solved| {

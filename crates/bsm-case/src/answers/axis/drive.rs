@@ -13,13 +13,13 @@ use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, InputKey};
 
-/// Effect of the load at rest on the screw when the motor has no power.
+/// Effect of the load at rest on the screw after a loss of motor power.
 pub(super) struct PowerLoss {
-    /// Torque that back-drives the screw at the friction of the case \[N·m\].
+    /// Back-driving torque at the screw with the friction of the case \[N·m\].
     pub(super) nominal: f64,
-    /// Torque at the screw that holds the load with friction of the contacts alone \[N·m\].
+    /// Torque that is needed at the screw to hold the load if contact friction helps \[N·m\].
     pub(super) holding: f64,
-    /// Smallest and largest torque that back-drives the screw \[N·m\].
+    /// Smallest and largest back-driving torque at the screw \[N·m\].
     pub(super) torques: [f64; 2],
     pub(super) what: BackDriving,
 }
@@ -33,7 +33,7 @@ pub(super) struct Stop {
 }
 
 impl AxisState<'_> {
-    /// Returns the largest magnitude of a number over both ends of all phases.
+    /// Returns the largest magnitude of a number at the starts and ends of all phases.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
         let ends = self.torques.iter().flat_map(|torques| &torques.ends);
         let all: Option<Vec<f64>> = ends.map(|torques| number(self, torques)).collect();
@@ -49,13 +49,13 @@ impl AxisState<'_> {
         self.machine.cycle.map(|(time, _)| time)
     }
 
-    /// Returns the energy that returns to the drive in a cycle \[J\].
+    /// Returns the energy that is returned to the drive per cycle \[J\].
     pub(super) fn regenerated_energy(&self) -> Option<f64> {
         let time = self.cycle_time()?;
         self.mean(|torques| Some(torques.means?.regenerated)).map(|power| power * time)
     }
 
-    /// Returns the number of jumps of the speed in the cycle, or `None` without a cycle.
+    /// Returns the number of speed jumps in the cycle, or `None` if no cycle is given.
     pub(super) fn speed_jumps(&self) -> Option<usize> {
         self.case.nut.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
     }
@@ -64,7 +64,7 @@ impl AxisState<'_> {
         self.machine.has_inertia().then(|| self.machine.drive.load_inertia())
     }
 
-    /// Describes how the screw moves under the load at rest when the motor has no power.
+    /// Describes how the load at rest drives the screw after a loss of motor power.
     pub(super) fn falling(&self) -> Fall {
         self.machine.drive.falling(self.machine.rest_load.abs())
     }
@@ -75,15 +75,15 @@ impl AxisState<'_> {
         screws * self.falling().torque / gear_ratio
     }
 
-    /// Returns the required brake torque at the motor \[N·m\]. Friction is not taken into account.
+    /// Returns the required brake torque at the motor \[N·m\]. The calculation neglects friction.
     pub(super) fn required_brake(&self) -> Option<f64> {
         let safety = self.case.value_or_default(InputKey::brake_safety)?;
         Some(safety * self.holding_torque())
     }
 
-    /// Calculates a stop from the largest feed rate in the direction of the load at rest, with a
-    /// given deceleration or with the brake alone. Returns `None` if neither is given or the brake
-    /// does not hold.
+    /// Calculates a stop from the largest feed rate in the direction of the load at rest. The
+    /// deceleration is given or follows from the brake torque. Returns `None` if neither is given
+    /// or the brake cannot hold the load.
     pub(super) fn stop(&self) -> Option<Stop> {
         let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
@@ -102,7 +102,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns the kinetic energy at the largest feed rate, including the energy of the motor \[J\].
+    /// Returns the kinetic energy at the largest feed rate, including the energy of the motor
+    /// \[J\].
     pub(super) fn stop_energy(&self) -> Option<f64> {
         self.machine.screw?;
         let speed = self.axis().fastest() * self.machine.drive.gear_ratio;
@@ -113,8 +114,8 @@ impl AxisState<'_> {
         self.power_loss.get_or_init(|| self.at_power_loss()).as_ref()
     }
 
-    /// Returns the acceleration of a fall \[m/s²\] and the speed of the screw after the stroke
-    /// \[rpm\], or `None` if friction holds the load.
+    /// Returns the acceleration of a falling load \[m/s²\] and the speed of the screw after a fall
+    /// over the stroke \[rpm\], or `None` if friction holds the load.
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
         let acceleration = self.falling().acceleration(driving);
@@ -122,7 +123,7 @@ impl AxisState<'_> {
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
-    /// Returns the time that a motor torque needs to accelerate to the largest speed \[s\].
+    /// Returns the time in which a motor torque accelerates the axis to its largest speed \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let Machine { drive, axis, .. } = &self.machine;
         let is_steady =
@@ -137,7 +138,7 @@ impl AxisState<'_> {
         least_acceleration_time(drive.inertia(), speed, torque, load)
     }
 
-    /// Returns the time to the largest speed at the largest acceleration of the cycle \[s\].
+    /// Returns the time to reach the largest speed at the largest acceleration of the cycle \[s\].
     pub(super) fn shortest_ramp(&self) -> Option<f64> {
         let sizes = self.axis().phases.iter().map(|phase| phase.acceleration.abs());
         let most = sizes.fold(0.0, f64::max);
@@ -153,7 +154,8 @@ impl AxisState<'_> {
         Some(self.motor_torque(torques)? * speed)
     }
 
-    /// Returns the ratio of the motor torque to the peak torque of the motor curve at the same speed.
+    /// Returns the ratio of the motor torque to the peak torque of the motor curve at the same
+    /// speed.
     pub(super) fn torque_utilization(&self, torques: &Torques) -> Option<f64> {
         let speed = (torques.point.speed * self.machine.drive.gear_ratio).abs();
         let at = self.machine.motor_curve.as_ref()?.at(speed)?;
@@ -166,15 +168,15 @@ impl AxisState<'_> {
         Some(self.machine.motor_curve.as_ref()?.at(speed)?.continuous)
     }
 
-    /// Returns the power that the motor feeds back to the drive \[W\].
+    /// Returns the regenerative power that the motor feeds back to the drive \[W\].
     pub(super) fn regenerated_power(&self, torques: &Torques) -> Option<f64> {
         Some((-self.motor_power(torques)?).max(0.0))
     }
 
-    /// Determines whether the load at rest back-drives the screw when the motor has no power (BB5).
+    /// Determines whether the load at rest back-drives the screw after a loss of motor power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Largest and smallest ratio of the actual friction coefficient to the friction coefficient of
-        /// the case, which is usually not measured.
+        /// Largest and smallest ratio of the actual friction coefficient to the given one, which is
+        /// usually not measured.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
@@ -183,7 +185,7 @@ impl AxisState<'_> {
             return Some(PowerLoss { nominal: 0.0, holding: 0.0, torques: [0.0; 2], what });
         }
         let speed = -self.axis().fastest().max(RPM);
-        // The guides can hold part of the load.
+        // Guide friction can hold a part of the load.
         let left = (load - self.machine.carriage.guide_friction()).max(0.0);
         let [whole, left] = [load, left].map(|load| PhasePoint::steady(load, speed));
         let work = &mut ModelWorkspace::default();
@@ -224,7 +226,8 @@ impl AxisState<'_> {
         Some(self.power_loss()?.what.name())
     }
 
-    /// Describes in a sentence whether the load at rest back-drives the screw, including the brake.
+    /// Returns a sentence that states whether the load at rest back-drives the screw and how strong
+    /// the brake must be.
     pub(super) fn falls(&self) -> Option<String> {
         let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
         let load = self.machine.rest_load;

@@ -1,5 +1,5 @@
 //! Steady temperatures of an axis: from its warm state, from its thermal network without feedback,
-//! or from a given heat transfer.
+//! or from `axis_heat_transfer_W_K`.
 
 use bsm_design::{Phase, steady_rise};
 use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};
@@ -13,8 +13,8 @@ use crate::{Case, CaseError, Settings};
 /// Steady temperatures of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heating {
-    /// Temperature rises of nut, screw, balls and both ends above the surroundings \[K\], and the
-    /// conductances. `None` if a single heat transfer is given instead.
+    /// Temperature rises of nut, screw, balls and both screw ends above the surroundings \[K\], and
+    /// the conductances between them. `None` if `axis_heat_transfer_W_K` is given.
     pub(super) nodes: Option<([f64; NODES], Conductances)>,
     /// Free growth of the screw between its bearings \[m\].
     pub(super) growth: f64,
@@ -26,17 +26,17 @@ pub(super) struct Heating {
     pub(super) band: Option<[f64; 2]>,
 }
 
-/// Mean powers of the sources of heat over the cycle.
+/// Mean powers of the heat sources over the cycle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Powers {
-    /// Powers of the sources that are given \[W\].
+    /// Powers of the heat sources whose torques are given \[W\].
     pub(super) given: HeatSources,
-    /// Powers of the sources that are not given, estimated from usual torques \[W\].
+    /// Powers of the heat sources whose torques are not given, estimated from usual torques \[W\].
     pub(super) missing: HeatSources,
 }
 
 impl Powers {
-    /// Returns the powers of a cycle, or `None` if friction or time is unknown.
+    /// Returns the mean powers over a cycle, or `None` if friction or the duration is unknown.
     pub(super) fn of(case: &Case, machine: &Machine, torques: &[PhaseTorques]) -> Option<Self> {
         let time: f64 = torques.iter().map(|torques| torques.phase.time).sum();
         let (seals, bearings) = missing_torques(case, machine.nominal(case));
@@ -55,7 +55,7 @@ impl Heating {
     /// Returns the temperatures of an axis without a warm state, or `None` if friction or the
     /// length of the screw is unknown.
     ///
-    /// * `expansion`: growth of the screw per kelvin, over its length.
+    /// * `expansion`: growth of the screw per kelvin, relative to its length.
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
@@ -77,7 +77,8 @@ impl Heating {
             return Ok(Some(Self { nodes: None, growth, mean, over_bed, band }));
         }
         let link = match &machine.groove {
-            // If the balls cannot carry the load, they have no contacts. A note states the reason.
+            // If the balls cannot carry the load, their contacts are unknown, and the usual ball
+            // conductance is used. A note states the reason.
             Some(_) => ColdNut::of(case, settings, machine)
                 .and_then(|cold| cold.link())
                 .unwrap_or(BallLink::Usual),
@@ -123,13 +124,14 @@ impl Heating {
     }
 }
 
-/// Returns durations and absolute relative speeds that represent the cycle, including standstill.
+/// Returns the durations and the absolute relative speeds of samples that represent the cycle,
+/// including standstill.
 fn phases(machine: &Machine) -> Vec<(f64, f64)> {
     let samples = machine.axis.phases.iter().flat_map(Phase::samples);
     samples.map(|(time, point)| (time, point.speed.abs())).collect()
 }
 
-/// Returns the network and its temperature rises, or `None` if the network is singular.
+/// Returns the thermal network and its temperature rises, or `None` if the network is singular.
 fn rises(
     axis: &ThermalAxis,
     phases: &[(f64, f64)],

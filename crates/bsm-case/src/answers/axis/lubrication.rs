@@ -1,17 +1,17 @@
-//! Quantities that determine the modified life of an axis.
+//! Lubricant quantities that determine the modified life of an axis.
 
 use crate::case::axis::Machine;
 use crate::vocabulary::entries::Named;
 use crate::{Case, CaseError};
 use bsm_design::{Contamination, usual_fatigue_limit};
 
-/// Lubricant and cleanliness of a nut.
+/// Lubricant and cleanliness data for the modified life.
 pub(super) struct Lubrication {
     /// Kinematic viscosity of the warm lubricant \[m²/s\].
     pub(super) viscosity: f64,
     /// Fatigue load limit \[N\].
     pub(super) fatigue_limit: f64,
-    /// Contamination factor: usual, smallest and largest value.
+    /// Usual, smallest and largest contamination factor.
     pub(super) contamination: [f64; 3],
 }
 

@@ -15,27 +15,26 @@ use crate::vocabulary::units::{MM, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
 
-/// Stroke below which a stroke is short \[nut lengths\], and the smallest load factor for short
-/// strokes (HIWIN BS-08-2, F 3.10).
+/// Ratio of stroke to nut length below which the stroke is short, and the smallest load factor for
+/// short strokes (HIWIN BS-08-2, F 3.10).
 const SHORT: (f64, f64) = (3.0, 3.0);
 
-/// Speed number above which the grease must be agreed with the manufacturer \[mm/min\], usual
-/// value.
+/// Speed number above which the manufacturer must approve the grease \[mm/min\] (usual value).
 const FAST: f64 = 100e3;
 
-/// Steady temperature rise above which cooling is advised \[K\], usual value.
+/// Steady-state temperature rise above which cooling is advised \[K\] (usual value).
 const HOT: f64 = 40.0;
 
-/// Ratios of the speed of a driven nut to the critical speed of its screw at which the nut can
-/// excite the screw, usual advice.
+/// Range of the ratio of nut speed to critical screw speed in which a driven nut can excite the
+/// screw (usual advice).
 const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Ratio of the viscosity ratios from film thickness and from viscosity above which both are
-/// stated.
+/// Ratio between the viscosity ratios from film thickness and from viscosity above which a note
+/// states both of them.
 const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
-    /// Returns notes on the defaults used.
+    /// Returns notes on the assumptions and defaults that the sheet uses.
     pub(super) fn notes(&self) -> Vec<String> {
         let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
         let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
@@ -102,8 +101,8 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns warnings about a warm axis and about a screw that is longer than manufacturers
-    /// offer.
+    /// Returns warnings about a high temperature rise and about a screw that is longer than
+    /// manufacturers offer.
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
@@ -118,7 +117,7 @@ impl AxisState<'_> {
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
         let long = long.map(|(thread, longest)| {
             format!(
-                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, at most {:.0} mm for this diameter, make and grade.",
+                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, which are at most {:.0} mm long for this diameter, make and grade.",
                 thread / MM,
                 longest / MM
             )
@@ -129,8 +128,8 @@ impl AxisState<'_> {
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
             (apart > UNCERTAIN).then(|| {
                 format!(
-                    "The viscosity ratio is {by_film:.2} by the film ratio, which the modified life uses, and {by_viscosity:.2} by \
-                     the viscosity alone."
+                    "The viscosity ratio is {by_film:.2} if it is calculated from the film ratio, as in the modified life, and \
+                     {by_viscosity:.2} if it is calculated from the viscosity alone."
                 )
             })
         });
@@ -144,10 +143,10 @@ impl AxisState<'_> {
         hot.into_iter().chain(long).chain(resonance).chain(others).collect()
     }
 
-    /// Returns warnings about a cycle that does not return to its start or that has jumps of the
-    /// speed.
+    /// Returns warnings about a cycle that does not return to its start or that contains speed
+    /// jumps.
     fn about_cycle(&self) -> impl Iterator<Item = String> + use<> {
-        // Below a millionth of the range, a difference is rounding error.
+        // Differences below a millionth of the travel range are rounding errors.
         const ROUNDING: f64 = 1e-6;
         let open =
             self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
@@ -171,7 +170,7 @@ impl AxisState<'_> {
         open.into_iter().chain(first)
     }
 
-    /// Returns a note on the speed at which a driven nut can excite its screw.
+    /// Returns a note if a driven nut can excite its screw near the critical speed.
     fn resonance(&self) -> Option<String> {
         let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
         let critical = self.axis().fastest() / ratio;
@@ -185,8 +184,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a note on the compression of the screw by its growth between two fixed bearings,
-    /// unless a rule checks the bearings.
+    /// Returns a note if hindered thermal growth compresses a screw between two fixed bearings and
+    /// no rule checks the bearings.
     fn hindered_growth(&self) -> Option<String> {
         let tension = self.tension().filter(|tension| *tension < 0.0)?;
         self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
@@ -200,7 +199,7 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns notes on the band of the temperature rise and its assumptions.
+    /// Returns notes on the uncertainty of the temperature rise and the assumptions behind it.
     fn about_heat(&self) -> Vec<String> {
         if self.powers().is_none() {
             let needs = self.machine.held.filter(|_| self.tension().is_none());
@@ -234,7 +233,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns notes on the factors used for ratings and life, and their usual values.
+    /// Returns notes on the factors used for ratings and life.
     pub(super) fn about_life(&self) -> Vec<String> {
         let case = self.case;
         let mut notes = Vec::new();
@@ -263,7 +262,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns the results that are missing because inputs are not given.
+    /// Returns the results that are incomplete because inputs are not given.
     pub(super) fn not_given(&self) -> Vec<NotGiven> {
         let mut all = Vec::new();
         let mut lack = |numbers: &[&'static str], text: String| {
@@ -300,7 +299,8 @@ impl AxisState<'_> {
         all
     }
 
-    /// Returns the lives at the load factors that catalogs advise, if no load factor is given.
+    /// Returns a note on the life at the load factors that catalogs advise, if no load factor is
+    /// given.
     fn undecided_load_factor(&self) -> Option<String> {
         let (axis, case) = (self.axis(), self.case);
         let mut phases = case.nut.cycle.iter().flatten();
@@ -324,7 +324,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a warning if the screw resists buckling only with the default end conditions.
+    /// Returns a warning if the screw is safe against buckling only with the default end
+    /// conditions.
     fn buckles_by_support(&self) -> Option<String> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
@@ -332,13 +333,13 @@ impl AxisState<'_> {
         let by_default = self.case.nut.buckling_support.is_none();
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
-                "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end condition); \
-                 with the ends of support it is {of_support:.2}. Set buckling_support."
+                "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \
+                 condition); with the end conditions of support, it is {of_support:.2}. Set buckling_support."
             )
         })
     }
 
-    /// Returns a note on the life under a stroke of a few nut lengths.
+    /// Returns a note on the life if the stroke is only a few nut lengths.
     pub(super) fn short_stroke(&self) -> Option<String> {
         let stroke = self.machine.stroke?;
         let (lengths, factor) = SHORT;
@@ -368,8 +369,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns notes on the results that the sheet of a screw without groove data omits, and on the
-    /// band of its torque.
+    /// Returns notes on the results that a sheet without groove data omits, and on the uncertainty
+    /// of its torque.
     pub(super) fn by_catalog(&self) -> Vec<String> {
         let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
@@ -387,7 +388,8 @@ impl AxisState<'_> {
         at.into_iter().chain(left_out).collect()
     }
 
-    /// Returns a note on the uncertainty of the torque, if friction is calculated from a lubricant.
+    /// Returns a note on the uncertainty of the torque if friction is calculated from lubricant
+    /// data.
     pub(super) fn uncertainty_note(&self) -> Option<String> {
         let heaviest = self.heaviest()?;
         let point = &heaviest.point;
@@ -404,7 +406,7 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a note on the torque that verifies the preload, with its tolerance.
+    /// Returns a note on the torque that verifies the preload and on the tolerance of this torque.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
         let seal = self.case.seal_torque_Nm.unwrap_or(0.0);

@@ -1,4 +1,4 @@
-//! Data for an order.
+//! Order data of a screw.
 
 use bsm_design::{NutSet, PreloadMethod};
 
@@ -14,7 +14,7 @@ use crate::vocabulary::units::MM;
 #[derive(Debug, Clone, PartialEq)]
 struct OrderEntry {
     what: &'static str,
-    /// Words before the text where entries stand in one line.
+    /// Words before the text if all entries are printed on one line.
     prefix: &'static str,
     text: String,
 }
@@ -24,7 +24,8 @@ struct OrderEntry {
 pub struct Order(Vec<OrderEntry>);
 
 impl Order {
-    /// Returns the quantities and their texts, followed by the data that the customer must still specify.
+    /// Returns pairs of quantity and text, followed by the data that the customer still has to
+    /// specify.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
         const OTHERS: [(&str, &str); 2] =
             [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
@@ -44,15 +45,15 @@ impl std::fmt::Display for Order {
 }
 
 impl AxisState<'_> {
-    /// Returns the order data: manufacturer, size, nut, preload, grade, length, preload torque, travel and
-    /// bearings.
+    /// Returns the order data: manufacturer, size, nut, preload, grade, length, preload torque,
+    /// travel and bearings.
     pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
         let units = self.case.display_units();
         let (in_mm, force, torque_unit) = (units.of("mm"), units.of("N"), units.of("N m"));
         let mm = |meters: f64| trimmed(in_mm.value(meters / MM));
         let length = |meters: f64| units.length(meters / MM);
-        // The land diameter is not the nominal diameter.
+        // A calculated land diameter must not be stated as the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, |nominal| trimmed(in_mm.value(nominal)));
@@ -60,7 +61,7 @@ impl AxisState<'_> {
         order.add("manufacturer", "", self.case.nut.manufacturer.clone());
         order.add("code", "", self.case.nut.order_code.clone());
         order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
-        // An order does not contain an estimated ball.
+        // The order omits the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
@@ -110,7 +111,7 @@ impl AxisState<'_> {
         self.torque_tolerance().percent(self.preload.as_ref()?.by_rule)
     }
 
-    /// Returns one limit of the torque that verifies the preload \[N·m\].
+    /// Returns the lower or upper limit of the torque that verifies the preload \[N·m\].
     pub(super) fn torque_by(&self, side: f64) -> Option<f64> {
         self.torque_tolerance().end(self.preload.as_ref()?.by_rule, side)
     }
@@ -123,7 +124,7 @@ impl AxisState<'_> {
         }
     }
 
-    /// Returns the travel compensation over the stroke for a stretched screw \[mm\].
+    /// Returns the travel compensation over the stroke of a pretensioned screw \[mm\].
     pub(super) fn travel_compensation(&self) -> Option<f64> {
         let kelvin = self.pretension()?.stretched;
         Some(-self.expansion()? * self.machine.stroke? / MM * kelvin)

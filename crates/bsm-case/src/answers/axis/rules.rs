@@ -14,10 +14,10 @@ use crate::{
     Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, OutputName, Quantity, output,
 };
 
-/// Title of the rule on the warm steady state.
+/// Title of the rule that a warm steady state must exist.
 const STEADY_STATE: &str = "steady state";
 
-/// Smallest ratio of the speed at thermal runaway to the speeds of the axis.
+/// Smallest permitted ratio of the speed at thermal runaway to the speed of the axis.
 const FOLD: f64 = 1.25;
 
 /// Quantities that the rules of an axis check.
@@ -32,7 +32,7 @@ struct RuleInputs<'a> {
 }
 
 impl RuleInputs<'_> {
-    /// Returns a number of the sheet, if it is known.
+    /// Returns an output of the axis sheet, if it is known.
     fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers.number(name)
     }
@@ -43,7 +43,8 @@ impl RuleInputs<'_> {
         Some(self.required_life?.time(lead, mean_speed) / 3600.0)
     }
 
-    /// Describes the dynamic load rating required for a multiple of the life, in the basis of the manufacturer.
+    /// Describes the dynamic load rating that would meet the required life, in the rating basis of
+    /// the manufacturer.
     fn needed_rating(&self, margin: f64) -> String {
         let needed = self.axis.dynamic_rating / margin.cbrt();
         let basis = self.case.nut.rating_basis.map(|Named(basis)| basis);
@@ -69,30 +70,30 @@ impl RuleInputs<'_> {
         self.number(output!(shaft_diameter_mm)).unwrap_or(f64::NAN)
     }
 
-    /// Returns a number that is required if another value exists. A missing number becomes NaN,
-    /// which violates the rule.
+    /// Returns an output that is required if `where_there_is` has a value. If the output is
+    /// missing, returns NaN, which violates the rule.
     fn needed(&self, name: OutputName, where_there_is: Option<f64>) -> Option<f64> {
         where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
-    /// Returns a number. If its limit is given but the number cannot be calculated, returns NaN,
+    /// Returns an output. If its limit is given but the output cannot be calculated, returns NaN,
     /// which violates the rule.
     fn judged(&self, name: OutputName, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
-    /// Returns the largest permitted utilization of the motor, if it has a torque-speed curve.
+    /// Returns the largest permitted utilization of the motor, if a torque-speed curve is given.
     fn utilization_limit(&self) -> Option<f64> {
         self.case.nut.motor_curve.as_ref().map(|_| 1.0)
     }
 
-    /// Returns true if the screw moves. A screw at standstill has no life to check.
+    /// Returns true if the screw moves. The life of a screw at standstill is not checked.
     fn moves(&self) -> bool {
         self.axis.fastest() > 0.0
     }
 
-    /// Describes the end condition of buckling: whether it is the default, and the safety factor
-    /// with the end conditions of `support`.
+    /// Returns the source of the buckling rule: the end conditions, whether they are the default,
+    /// and the safety factor with the end conditions of `support`.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
         let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
@@ -105,18 +106,19 @@ impl RuleInputs<'_> {
         )
     }
 
-    /// Returns the largest preload of a nut with this preload method \[N\].
+    /// Returns the largest permitted preload for the preload method of the nut \[N\].
     fn most_preload(&self) -> f64 {
         preload_method(self.case).share() * self.axis.dynamic_rating
     }
 
-    /// Returns the cold preload whose warm value is the largest preload \[N\].
+    /// Returns the cold preload at which the warm preload equals the largest permitted preload
+    /// \[N\].
     fn preload_to_set(&self) -> f64 {
         let set = |preload: &Preload| self.most_preload() * preload.cold / preload.warm;
         self.preload.map_or(f64::NAN, set)
     }
 
-    /// Returns the coarsest accuracy grade that limits the travel error as required.
+    /// Returns the coarsest accuracy grade that meets the required travel error.
     fn grade_to_take(&self) -> Option<&'static str> {
         let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
@@ -124,14 +126,15 @@ impl RuleInputs<'_> {
     }
 }
 
-/// Formats the largest number with the given decimals that is not above `x`, so that a remedy
-/// works.
+/// Formats `x` rounded down to the given number of decimals, so that a remedy based on an upper
+/// limit is sufficient.
 fn at_most(x: f64, digits: usize) -> String {
     let size = [1.0, 10.0, 100.0][digits];
     format!("{:.digits$}", (x * size * (1.0 + 1e-12)).floor() / size)
 }
 
-/// Formats the smallest number with the given decimals that is not below `x`.
+/// Formats `x` rounded up to the given number of decimals, so that a remedy based on a lower limit
+/// is sufficient.
 pub(super) fn at_least(x: f64, digits: usize) -> String {
     let size = [1.0, 10.0, 100.0][digits];
     format!("{:.digits$}", (x * size * (1.0 - 1e-12)).ceil() / size)
@@ -147,7 +150,7 @@ fn quantity(name: &str) -> Option<&'static Quantity> {
 ///
 /// * `name`: name of the quantity.
 /// * `at_least`: true if the limit is a minimum.
-/// * `remedy`: advice, calculated from the ratio by which the rule is missed.
+/// * `remedy`: creates the advice from the margin of a violated rule.
 fn criterion(
     [title, name]: [&'static str; 2],
     source: Cow<'static, str>,
@@ -156,7 +159,7 @@ fn criterion(
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
     let Quantity { symbol, unit, .. } = *quantity(name).expect("rules are of quantities");
-    // If the limit depends on an input that is not given, the rule is omitted.
+    // If the limit depends on a missing input, the rule is omitted.
     if limit.is_some_and(f64::is_nan) {
         return None;
     }
@@ -164,18 +167,18 @@ fn criterion(
     let band = None;
     let mut rule =
         Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy, band };
-    // A number that cannot be calculated has no remedy. A note states the reason.
+    // No remedy is given for a number that cannot be calculated. A note states the reason.
     rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy_of);
     Some(rule)
 }
 
 /// Declares rules: `"title" number at_most limit, "source", remedy;`. An optional `= value,` after
-/// the number replaces the number of the axis.
+/// the number replaces the value from the axis sheet.
 macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
     )*) => {
-        /// Their titles.
+        /// Titles of these rules.
         const $titles: &[&str] = &[$($title),*];
 
         $(#[$doc])*
@@ -288,7 +291,7 @@ rules! {
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating for a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
-    // Without a limit of the motor, the rule is omitted.
+    // If no speed limit of the motor is given, the rule is omitted.
     "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
@@ -340,7 +343,7 @@ rules! {
 }
 
 rules! {
-    /// Rules about the contacts, and about the preload if there is one.
+    /// Rules about contacts and preload. Preload rules apply only to preloaded nuts.
     of_preload(of, margin) TITLES_OF_PRELOAD:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
@@ -361,15 +364,15 @@ rules! {
         format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
-/// The titles of all rules, in the order of the sheet.
+/// Returns the titles of all rules, in the order of the sheet.
 pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
     let parts = [TITLES_OF_SCREW, TITLES_OF_RATINGS_AND_DRIVE, TITLES_OF_PRELOAD];
     parts.into_iter().flatten().copied().chain([STEADY_STATE])
 }
 
-/// Returns all rules of an axis whose numbers are known.
+/// Returns the rules of an axis that can be checked.
 ///
-/// * `fold`: ratio of the speed at the fold to the given speed.
+/// * `fold`: ratio of the fold speed to the given speed.
 /// * `preload`: cold and warm preload \[N\].
 pub(super) fn rules(
     case: &Case,
@@ -384,9 +387,9 @@ pub(super) fn rules(
     of_screw(of).chain(steady_state(fold)).chain(rest).collect()
 }
 
-/// Returns the rule about the warm steady state.
+/// Returns the rule that a warm steady state must exist.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
-    let source = "no steady state exists above the fold (I20); the heat is uncertain by a quarter";
+    let source = "no steady state exists above the fold (I20); the heat is accurate to 25 %";
     criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {
         "a colder screw, a warmer nut, less preload, or O arrangement instead of X".to_owned()
     })

@@ -22,20 +22,20 @@ use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, NutReport, OutputName, Settings, output};
 
-/// Intermediate results of an axis.
+/// Intermediate results from which the axis sheet is calculated.
 pub(crate) struct AxisState<'a> {
     pub(super) case: &'a Case,
     pub(super) settings: &'a Settings,
     pub(super) machine: Machine,
-    /// The nut under the largest load, with all its balls. If the nut has no solution, `no_nut` is
+    /// Nut with all its balls under the largest load. If the nut has no solution, `no_nut` contains
     /// the reason.
     pub(super) nut: Option<NutReport>,
     pub(super) no_nut: Option<CaseError>,
     pub(super) preload: Option<Preload>,
     pub(super) torques: Vec<PhaseTorques>,
-    /// Life from the loads of all balls \[s\].
+    /// Life \[s\], calculated from the loads of all balls.
     pub(super) life_by_balls: Option<f64>,
-    /// Effect of the weight when the motor has no power, calculated on demand.
+    /// Effect of the load at rest after a loss of motor power, calculated on demand.
     pub(super) power_loss: OnceCell<Option<PowerLoss>>,
     /// Steady temperatures, if friction and length are known.
     pub(super) heating: Option<Heating>,
@@ -43,7 +43,7 @@ pub(crate) struct AxisState<'a> {
     pub(super) warm: Option<Warm>,
     /// Lubrication for the modified life, if lubricant and contamination are given.
     pub(super) lubrication: Option<Lubrication>,
-    /// Viscosity ratios from the film thickness calculated so far, by the bits of load and speed.
+    /// Cache of viscosity ratios from the film thickness. The keys are the bits of load and speed.
     by_film: RefCell<HashMap<[u64; 2], Option<f64>>>,
 }
 
@@ -54,12 +54,12 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
-        // This call rejects a nut that leaves no room for the stroke.
+        // This call fails if the nut leaves no room for the stroke.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
         let fastest = axis.fastest();
-        // A preload loads the balls even without an axial load.
+        // The balls of a preloaded nut carry loads even without an axial load.
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || case.is_preloaded());
         let found = pressed.filter(|_| machine.groove.is_some()).map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
@@ -73,10 +73,12 @@ impl<'a> AxisState<'a> {
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let warm_preload = preload.as_ref().map(|preload| preload.warm);
-        // Each moment copies the case, but does not need the cycle in it.
+        // The case is copied for every moment, so the cycle, which is not needed there, is removed
+        // first.
         let mut of_a_moment = case.clone();
         of_a_moment.nut.cycle = None;
-        // Moments of equal load and speed have equal contacts.
+        // Contact friction depends only on load and speed, so moments with equal load and speed
+        // share one solve.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
         let torque = |phase: &Phase| {
             PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
@@ -136,47 +138,49 @@ impl<'a> AxisState<'a> {
         self.machine.life()
     }
 
-    /// Returns the screw between two fixed bearings, if it is stretched.
+    /// Returns the screw as a bar between two fixed bearings, if it is pretensioned.
     pub(super) fn pretension(&self) -> Option<FixedEnds> {
         self.machine.held.filter(|held| held.stretched > 0.0)
     }
 
-    /// Returns the growth of the screw per kelvin, over its length.
+    /// Returns the thermal growth of the screw per kelvin, relative to its length.
     pub(super) fn expansion(&self) -> Option<f64> {
         Some(self.case.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
     }
 
-    /// Returns the temperature rise of the screw above the bed \[K\], as given or in the steady
-    /// state.
+    /// Returns the temperature rise of the screw above the bed \[K\], either given or from the
+    /// steady state.
     pub(super) fn rise(&self) -> Option<f64> {
         self.given_rise().or(self.heating.map(|heating| heating.over_bed))
     }
 
-    /// Returns the given temperature rise of the screw \[K\]. In a warm state it is calculated.
+    /// Returns the given temperature rise of the screw \[K\], or `None` if a warm state calculates
+    /// it.
     fn given_rise(&self) -> Option<f64> {
         let given = self.case.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
         given.filter(|_| self.warm.is_none())
     }
 
-    /// Returns the tension of the screw \[N\]: as given, from the warm state, or the pretension
-    /// that remains after its temperature rise.
+    /// Returns the tension of the screw \[N\]: the given tension, the tension in the warm state, or
+    /// the pretension that remains after the temperature rise.
     pub(super) fn tension(&self) -> Option<f64> {
         let by_rise = || Some(self.machine.held?.tension(self.rise()?));
         self.case.screw_tension_N.or_else(by_rise)
     }
 
-    /// Returns a number of the nut under the largest load.
+    /// Returns an output of the nut under the largest load.
     pub(super) fn of_nut(&self, name: OutputName) -> Option<f64> {
         self.nut.as_ref()?.number(name)
     }
 
-    /// Returns a number of the preloaded nut without external load.
+    /// Returns an output of the preloaded nut without external load.
     pub(super) fn of_unloaded_nut(&self, name: OutputName) -> Option<f64> {
         self.preload.as_ref()?.unloaded.as_ref()?.number(name)
     }
 
-    /// Returns the static safety factor. A rating of the manufacturer refers to the same ball and
-    /// is also checked.
+    /// Returns the static safety factor: the smaller of the values from the static load rating and
+    /// from the most loaded ball. The value from the ball is scaled to the rating stated by the
+    /// manufacturer, if there is one.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
@@ -219,7 +223,7 @@ impl<'a> AxisState<'a> {
         [*known.or_insert_with(by_film), by_viscosity]
     }
 
-    /// Returns the viscosity ratios in a phase with motion, for its more heavily loaded nut.
+    /// Returns the viscosity ratios for the more heavily loaded nut in a phase with motion.
     pub(super) fn viscosity_ratios_of(&self, phase: &Phase) -> [Option<f64>; 2] {
         if !phase.moves() {
             return [None; 2];
@@ -234,14 +238,14 @@ impl<'a> AxisState<'a> {
         Some(self.case.nut.accuracy_grade?.grade)
     }
 
-    /// Returns the useful travel \[m\].
+    /// Returns the useful travel, over which the accuracy grade limits the travel error \[m\].
     pub(super) fn travel(&self) -> Option<f64> {
         useful_travel(self.case)
     }
 
-    /// Returns the cold and warm load of the support bearings \[N\] (BB7): the largest load plus
-    /// the force that holds the screw between two fixed bearings. The warm load is only known if
-    /// the temperature is known.
+    /// Returns the cold and the warm load of the support bearings \[N\] (BB7). Each load is the sum
+    /// of the largest axial load and the force of a screw between two fixed bearings. The warm load
+    /// is `None` if the temperature is unknown.
     pub(super) fn bearing_loads(&self) -> Option<[Option<f64>; 2]> {
         let held = self.machine.held?;
         let load = |tension: f64| tension.abs() + self.axis().largest_load();
@@ -255,12 +259,12 @@ impl<'a> AxisState<'a> {
         loads.fold(self.axis().largest_load(), f64::max)
     }
 
-    /// Returns the mean heat of the cycle by source \[W\], or `None` without friction.
+    /// Returns the mean heat of each source over the cycle \[W\], or `None` without friction.
     pub(super) fn powers(&self) -> Option<Powers> {
         Powers::of(self.case, &self.machine, &self.torques)
     }
 
-    /// Returns the temperature rise of a node above the surroundings \[K\].
+    /// Returns the temperature rise of a network node above the surroundings \[K\].
     pub(super) fn node_rise(&self, node: usize) -> Option<f64> {
         Some(self.heating?.nodes?.0[node])
     }
@@ -270,7 +274,7 @@ impl<'a> AxisState<'a> {
         Some(self.heating?.mean)
     }
 
-    /// Returns the growth of the screw \[µm\].
+    /// Returns the thermal growth of the screw \[µm\].
     pub(super) fn growth(&self) -> Option<f64> {
         if let Some(state) = self.warm_state() {
             return Some(state.growth / UM);
@@ -279,7 +283,7 @@ impl<'a> AxisState<'a> {
         Some(left * self.free_growth()? / UM)
     }
 
-    /// Returns the growth of the screw with free ends \[m\].
+    /// Returns the thermal growth that the screw would have with free ends \[m\].
     pub(super) fn free_growth(&self) -> Option<f64> {
         match self.given_rise() {
             Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
@@ -287,8 +291,8 @@ impl<'a> AxisState<'a> {
         }
     }
 
-    /// Returns the stiffness of the nut under the largest load \[N/µm\], from all its balls or from
-    /// the catalog stiffness.
+    /// Returns the stiffness of the nut under the largest load \[N/µm\], calculated from all balls
+    /// or taken from the catalog.
     pub(super) fn nut_stiffness(&self) -> Option<f64> {
         let axis = self.axis();
         let by_catalog = || {
@@ -296,7 +300,7 @@ impl<'a> AxisState<'a> {
             let Named(at) = self.case.nut.rated_rigidity_at?;
             at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
-        // A printed stiffness is better known than the stiffness of an estimated groove.
+        // A catalog stiffness is more accurate than the stiffness of an estimated groove.
         match (&self.machine.groove, self.case.has_estimated_groove()) {
             (Some(_), false) => self.of_nut(output!(nut_stiffness_N_um)),
             (Some(_), true) => by_catalog().or_else(|| self.of_nut(output!(nut_stiffness_N_um))),
@@ -307,7 +311,7 @@ impl<'a> AxisState<'a> {
     /// Returns the stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
         let Case { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.case;
-        // If both bearings are fixed, they share the load of a nut in the middle.
+        // Two fixed bearings share the load if the nut is in the middle.
         let bearings = if self.machine.held.is_some() { 2.0 } else { 1.0 };
         let bearings = support_bearing_stiffness_N_um.map(|each| bearings * each);
         let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
@@ -315,13 +319,14 @@ impl<'a> AxisState<'a> {
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
     }
 
-    /// Returns the axial stiffness by the torsion of the screw \[N/m\] (BB9).
+    /// Returns the axial stiffness due to the torsion of the screw \[N/m\] (BB9).
     pub(super) fn torsional_stiffness(&self) -> Option<f64> {
         let poisson = self.case.value_or_default(InputKey::poisson_ratio)?;
         Some(self.shaft()?.torsional_stiffness(self.machine.advance(), poisson))
     }
 
-    /// Returns the natural frequency of the mass on one screw \[Hz\], or `None` without a mass.
+    /// Returns the natural frequency of the moved mass on one screw \[Hz\], or `None` without a
+    /// mass.
     pub(super) fn natural_frequency(&self, stiffness: f64) -> Option<f64> {
         let mass = Some(self.machine.drive.mass).filter(|mass| *mass > 0.0)?;
         Some(natural_frequency(stiffness, mass))
@@ -338,13 +343,14 @@ impl<'a> AxisState<'a> {
         Some(self.machine.required_life?.revolutions(lead, mean_speed))
     }
 
-    /// Returns the dynamic load rating with its factors that the required life needs \[N\].
+    /// Returns the dynamic load rating, including its factors, that the required life needs \[N\].
     pub(super) fn required_rating(&self) -> Option<f64> {
         let share = self.required_revolutions()? / self.life()?.revolutions;
         Some(self.axis().dynamic_rating * share.cbrt())
     }
 
-    /// Returns the required dynamic load rating as stated by manufacturers, for the travel of `rating_basis` and without factors \[N\].
+    /// Returns the required dynamic load rating as manufacturers state it: for the travel of
+    /// `rating_basis` and without factors \[N\].
     pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
         let Named(basis) = self.case.nut.rating_basis?;
         let factors = self.axis().dynamic_rating / self.machine.ratings[0];
@@ -358,8 +364,8 @@ impl<'a> AxisState<'a> {
         Some(ratio * self.axis().buckling_safety()?)
     }
 
-    /// Returns the axial load at which the core reaches the permitted stress \[N\] (Z3). The length
-    /// is irrelevant for this load.
+    /// Returns the axial load at which the core reaches the permitted stress \[N\] (Z3). This load
+    /// does not depend on the length.
     pub(super) fn yield_load(&self) -> Option<f64> {
         let bar = Mount { length: Some(1.0), ..mount(self.case) };
         Some(bar.shaft(&self.axis().screw, 0.0, None)?.yield_load(PERMITTED_STRESS))
@@ -386,7 +392,7 @@ impl<'a> AxisState<'a> {
         })
     }
 
-    /// Returns the torques at the largest load with motion.
+    /// Returns the torques at the largest load in motion.
     pub(super) fn heaviest(&self) -> Option<&Torques> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
@@ -402,14 +408,16 @@ impl<'a> AxisState<'a> {
     }
 }
 
-/// Calculates the life under the cycle from the loads of all balls \[s\]. Each phase uses up a
-/// fraction of the life that it would have alone.
+/// Calculates the life under the cycle from the loads of all balls \[s\]. By linear damage
+/// accumulation, each phase uses up a fraction of the life that the nut would have if it always ran
+/// in this phase.
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     let revolutions = |load: f64, speed: f64| -> Option<f64> {
         let nut = nut_at(case, settings, load, speed).ok()?;
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
-        // The ratio follows from the model, while the rating may be stated by the manufacturer.
+        // The model only supplies the ratio of the lives, because the load rating may be stated by
+        // the manufacturer.
         let preload = nut.number(output!(warm_preload_N)).filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
@@ -430,7 +438,8 @@ fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     (taken > 0.0).then(|| time / taken)
 }
 
-/// Returns load and speed of a phase as bits. Phases with the same bits have equal balls.
+/// Returns the bits of load and speed as a map key. Phases with the same key have equal ball loads
+/// and friction.
 fn at_bits(load: f64, speed: f64) -> [u64; 2] {
     [load, speed].map(f64::to_bits)
 }

@@ -1,10 +1,10 @@
-//! The inputs that each result of an axis needs. If they are missing, the result is omitted, and a
-//! note names them.
+//! Inputs that each result of an axis needs. A result with missing inputs is omitted, and a note
+//! names these inputs.
 
 use super::state::AxisState;
 use crate::{Case, CaseError, Numbers, OutputName, output};
 
-/// An input that results of an axis need, including its substitutes.
+/// A required input, with the inputs that can replace it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
     Lead,
@@ -19,8 +19,8 @@ enum Need {
 
 use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRating};
 
-/// Results of an axis: label, number and needed inputs. If two results lack equally many inputs, an
-/// error suggests the first one.
+/// Label, output and required inputs of each result. If two results lack equally many inputs, the
+/// error message suggests the one that is listed first.
 const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("life", output!(cycle_life_h), &[DynamicRating, Load, Speed]),
     ("static safety", output!(static_safety_factor), &[StaticRating, Load]),
@@ -32,7 +32,7 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
 ];
 
 impl Need {
-    /// Describes the inputs that meet the need.
+    /// Names the inputs that meet the requirement.
     fn words(self) -> &'static str {
         match self {
             Lead => "lead_mm",
@@ -46,10 +46,10 @@ impl Need {
         }
     }
 
-    /// Returns true if an input of the case meets the need.
+    /// Returns true if the case contains an input that meets the requirement.
     ///
-    /// * `has_groove`: true if the groove is given completely, so that ratings, core and pitch
-    ///   circle follow from it.
+    /// * `has_groove`: true if the groove is completely given, so that ratings, core diameter and
+    ///   pitch circle can be calculated.
     fn is_met(self, case: &Case, has_groove: bool) -> bool {
         if has_groove && ![Load, Speed, Length].contains(&self) {
             return true;
@@ -72,7 +72,7 @@ impl Need {
 }
 
 impl AxisState<'_> {
-    /// Returns a line for each result that lacks inputs.
+    /// Returns a sentence for each result that is omitted because inputs are missing.
     pub(super) fn left_out(&self) -> Vec<String> {
         let has_groove = self.machine.groove.is_some() && !self.case.has_estimated_groove();
         let is_met = |need: &Need| need.is_met(self.case, has_groove);
@@ -90,12 +90,12 @@ impl AxisState<'_> {
     }
 }
 
-/// Rejects a case without any result.
+/// Checks that at least one result can be calculated.
 ///
 /// # Errors
 ///
-/// [`CaseError`] that names the smallest set of inputs that would give a result, with a preference
-/// for inputs that catalogs state.
+/// Returns a [`CaseError`] that names the smallest set of inputs with which a result could be
+/// calculated, with a preference for inputs that catalogs state.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {

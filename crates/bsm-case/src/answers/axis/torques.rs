@@ -1,4 +1,4 @@
-//! The parts of the screw torque.
+//! Parts of the screw torque.
 
 use std::f64::consts::TAU;
 
@@ -33,20 +33,21 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     }
 }
 
-/// The parts of the screw torque. In a phase, they include the numbers that follow from the torque.
+/// The screw torque and its parts. For a phase of a cycle, the numbers also include the results
+/// that follow from the torque.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
-    /// The numbers.
+    /// Screw torque, its parts and derived results.
     pub numbers: Numbers,
-    /// Model of the contacts, or the reason why there is none.
+    /// Name of the model of the contacts, or the reason why there is no contact torque.
     pub contacts: String,
     /// Axial force of each nut body in the warm steady state of an axis \[N\].
     pub bodies: Option<Vec<f64>>,
 }
 
 impl ScrewTorque {
-    /// Parts of the torque in the order of the sum: first the load, then the parts that turn into
-    /// heat.
+    /// Parts of the torque in the order in which they are added: first the torque of the load, then
+    /// the parts that turn into heat.
     pub const PARTS: [OutputName; 5] = [
         output!(ideal_torque_Nm),
         output!(contact_friction_torque_Nm),
@@ -55,12 +56,12 @@ impl ScrewTorque {
         output!(support_bearing_torque_Nm),
     ];
 
-    /// Returns a number by name.
+    /// Returns the output with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers.number(name)
     }
 
-    /// Returns the screw torque \[N·m\], if the contacts have a solution.
+    /// Returns the screw torque \[N·m\], or `None` if the contacts have no solution.
     pub fn torque(&self) -> Option<f64> {
         self.number(output!(screw_torque_Nm))
     }
@@ -79,8 +80,8 @@ pub(crate) struct Torques {
     pub(super) point: PhasePoint,
     pub(super) ideal: f64,
     pub(super) contacts: Contacts,
-    /// Friction torque of ball returns and lubricant, in addition to the contacts of the preload,
-    /// with its sign \[N·m\].
+    /// Friction torque of ball returns and lubricant \[N·m\], which the contact friction of the
+    /// preload does not include.
     drag: f64,
     seal: f64,
     bearing: f64,
@@ -88,7 +89,7 @@ pub(crate) struct Torques {
 
 impl Torques {
     /// * `advance`: travel per radian of the screw \[m\].
-    /// * `drag`: friction torque of the preload in addition to its contacts \[N·m\].
+    /// * `drag`: friction torque of the preload in addition to its contact friction \[N·m\].
     pub(super) fn of(
         case: &Case,
         (advance, drag): (f64, f64),
@@ -112,7 +113,7 @@ impl Torques {
         read_torques(self, |_| true)
     }
 
-    /// Returns the torque against the motion, positive \[N·m\].
+    /// Returns the friction torque against the motion \[N·m\]. It is positive.
     pub(super) fn friction(&self) -> Option<f64> {
         Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
     }
@@ -122,7 +123,7 @@ impl Torques {
         Some(self.ideal + self.point.direction() * self.friction()?)
     }
 
-    /// Describes the share of the input power that each part dissipates.
+    /// Describes which percentage of the input power each part dissipates.
     pub(super) fn costs(&self) -> Option<String> {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
@@ -143,8 +144,9 @@ impl Torques {
         })
     }
 
-    /// Returns the ratio of output to input power of the screw with all its parts, or `None` if no
-    /// work is done, or if the drag exceeds the torque with which the load drives the screw.
+    /// Returns the ratio of output power to input power of the screw, including all parts of the
+    /// torque. Returns `None` if no work is done, or if the drag exceeds the torque with which the
+    /// load drives the screw.
     pub(super) fn efficiency(&self) -> Option<f64> {
         let output = self.ideal * self.point.direction();
         let input = self.at_screw()? * self.point.direction();
@@ -158,13 +160,13 @@ pub(crate) struct PhaseTorques {
     pub(super) phase: Phase,
     /// Torques at the start and the end of the phase.
     pub(super) ends: [Torques; 2],
-    /// Means over the duration of the phase; `None` without friction.
+    /// Time averages over the phase; `None` without friction.
     pub(super) means: Option<PhaseMeans>,
 }
 
 impl PhaseTorques {
-    /// * `preload`: preload of a pair \[N\].
-    /// * `at`: returns the torques at a moment.
+    /// * `preload`: preload of a nut pair \[N\].
+    /// * `at`: calculates the torques at a moment of the phase.
     pub(super) fn of(
         phase: &Phase,
         drive: &DriveTrain,
@@ -185,7 +187,7 @@ impl PhaseTorques {
         failed.map_or(Ok(Self { phase: *phase, ends, means }), Err)
     }
 
-    /// Returns the mean powers of the heat sources \[W\], or `None` without friction.
+    /// Returns the mean powers of the heat sources in the phase \[W\], or `None` without friction.
     pub(super) fn sources(&self) -> Option<HeatSources> {
         let speed = self.phase.mean_speed().abs();
         let Torques { drag, seal, bearing, .. } = self.heavier();
@@ -195,7 +197,8 @@ impl PhaseTorques {
             let Contacts { friction, at_raceways, .. } = &torques.contacts;
             let friction = friction.filter(|friction| *friction > 0.0);
             for (part, torque) in parts.iter_mut().zip(at_raceways) {
-                // Both ends have the same weight. A contact without friction does not contribute.
+                // The start and the end of the phase have equal weights. Contacts without friction
+                // contribute nothing.
                 *part += 0.5 * friction.map_or(0.0, |friction| torque / friction);
             }
         }
@@ -209,31 +212,33 @@ impl PhaseTorques {
         })
     }
 
-    /// Returns the end with the larger load. If both loads are equal, returns the faster end.
+    /// Returns the torques at the end of the phase with the larger load. If both loads are equal,
+    /// the faster end is returned.
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }
     }
 }
 
-/// Preload of a nut and its drag on the screw \[N·m\].
+/// Preload of a nut and its drag torques on the screw \[N·m\].
 pub(crate) struct Preload {
     /// Preload as set, without temperature rises \[N\].
     pub(super) cold: f64,
-    /// Preload with the temperature rises \[N\].
+    /// Preload including the effect of temperature rises \[N\].
     pub(super) warm: f64,
-    /// Drag that a measurement gives, by manufacturers' rule.
+    /// Drag torque that a measurement is expected to give, according to the manufacturers' rule.
     pub(super) by_rule: f64,
-    /// Drag of the contacts alone; `None` without friction.
+    /// Drag torque of the contacts alone; `None` without friction.
     pub(super) of_contacts: Option<f64>,
     /// The nut without external load; `None` without friction or motion.
     pub(super) unloaded: Option<NutReport>,
-    /// Drag of ball returns and lubricant, in addition to the contacts.
+    /// Drag torque of ball returns and lubricant, in addition to the contacts.
     pub(super) beyond: f64,
 }
 
 impl Preload {
-    /// Returns the preload of a nut at a speed \[rad/s\], if the nut is preloaded.
+    /// Returns the preload and its drag at a speed of the screw relative to the nut \[rad/s\], or
+    /// `None` if the nut is not preloaded.
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
@@ -269,15 +274,15 @@ impl Preload {
     }
 }
 
-/// Calculates the parts of the screw torque at the operating point of the case: the load including
-/// weight and guide friction, the contacts of the balls, preload, seals and support bearings.
+/// Calculates the screw torque and its parts at the operating point of the case: the load including
+/// weight and guide friction, the ball contacts, the preload, the seals and the support bearings.
 /// Returns `None` without load, speed or friction.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the nut or its point has no solution.
+/// Returns [`CaseError`] if the nut or its point has no solution.
 ///
-/// * `work`: memory of the models, which is reused from case to case.
+/// * `work`: workspace of the models, reused from case to case.
 pub fn torque_parts(
     case: &Case,
     settings: &Settings,
@@ -308,9 +313,9 @@ pub fn torque_parts(
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
 
-/// Calculates the efficiency of the screw at a moment of a phase, fast enough for a search over
-/// screws. It solves one ball under an equal share of the load instead of all balls of a preloaded
-/// nut, and uses manufacturers' rule for the friction torque of the preload.
+/// Calculates the efficiency of the screw at a moment of a phase, fast enough to search over many
+/// screws. Even for a preloaded nut, it solves only one ball that carries an equal share of the
+/// load, and it takes the friction torque of the preload from the manufacturers' rule.
 ///
 /// * `nut`: nut of the case.
 pub(crate) fn quick_efficiency(

@@ -1,4 +1,4 @@
-//! The ball train of a nut: the ball advance, and the pushes between balls if a gap is given.
+//! Ball train of a nut: advance of the balls, and pushes between balls if a gap is given.
 
 use std::borrow::Cow;
 
@@ -26,21 +26,21 @@ quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     }
 }
 
-/// A circuit with moving balls.
+/// A circuit of the ball train.
 struct OneCircuit<'a> {
     number: f64,
     needed: f64,
     train: &'a CircuitTrain,
 }
 
-/// The pushes of the balls, or the reason why there are none.
+/// Pushes between the balls, or the reason why they are not calculated.
 pub(super) type TrainResult = Result<Train, String>;
 
-/// Warns about a push above [`MAX_PUSH_RATIO`].
+/// Returns a message about a push that exceeds the limit [`MAX_PUSH_RATIO`].
 ///
-/// * `push`: size of the push as text.
-/// * `part`: ratio of push to load.
-/// * `of`: load that the push is compared with.
+/// * `push`: push with its unit.
+/// * `part`: ratio of the push to the ball load.
+/// * `of`: kind of ball load, `largest` or `mean`.
 fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
         "a push of {push} between balls is {:.1} % of the {of} ball load; above {:.0} %, pushes change loads and contact angles",
@@ -49,24 +49,25 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
     )
 }
 
-/// Explains why there is no friction torque.
+/// Explains why the friction torque with pushes is missing.
 pub(super) fn not_pushed(why: &str) -> String {
     format!("The friction torque with pushes between balls is not calculated: {why}")
 }
 
-/// Returns true if the model calculates the free speeds that cause the balls to push each other.
+/// Returns true if the model calculates the free ball speeds that cause pushes between balls.
 fn pushes(model: ModelChoice) -> bool {
     matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
 }
 
 impl NutProblem {
-    /// Returns the problem with the model that the ball train needs for friction.
+    /// Returns the problem with the model that the ball train requires: `traction` in place of
+    /// `auto` if a gap is given.
     pub(super) fn with_free_balls(&self) -> Cow<'_, Self> {
         let is_pushed = self.gaps.train.is_some() && self.settings.model == ModelChoice::Auto;
         if is_pushed { Cow::Owned(self.by_traction()) } else { Cow::Borrowed(self) }
     }
 
-    /// Returns the problem with friction from model `traction`.
+    /// Returns the problem with model `traction`.
     fn by_traction(&self) -> Self {
         let mut traction = self.clone();
         traction.settings.model = ModelChoice::Fixed(Model::Traction);
@@ -75,8 +76,8 @@ impl NutProblem {
 }
 
 impl NutReport {
-    /// Calculates the advance of the balls from their free motions, with model `traction` unless
-    /// raceway control is requested.
+    /// Calculates the advance of the balls from their free motions. The motions are solved with
+    /// model `traction` unless raceway control is requested.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (source, drive) = problem.friction.as_ref()?;
@@ -85,9 +86,9 @@ impl NutReport {
         };
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if problem.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
-            // The free speed of a ball differs more between two models than between neighboring
-            // balls, so model `traction` solves all balls. In model `elastic`, nothing restrains
-            // the spin of a ball.
+            // The free ball speeds of two models differ more than the free speeds of neighboring
+            // balls, so all balls are solved with model `traction`. Model `elastic` does not
+            // determine the spin of a ball.
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
             let solve = |at| traction.of_ball(source, balls, at).solve(work);
@@ -97,9 +98,9 @@ impl NutReport {
         of(&ball_friction.friction.motions)
     }
 
-    /// Calculates the pushes of the balls if a gap is given.
+    /// Calculates the pushes between the balls, or returns `None` if no gap is given.
     ///
-    /// * `motions`: free motions without pushes.
+    /// * `motions`: free motions of the balls without pushes.
     pub(super) fn pushed_of(&self, motions: &[Option<FreeMotion>]) -> Option<TrainResult> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (inputs, (source, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
@@ -135,7 +136,7 @@ impl NutReport {
             other => other.map_err(|why| why.to_string()),
         })
     }
-    /// States in one line whether the balls touch, or returns `None` if no gap is given.
+    /// Returns a sentence that states whether the balls touch, or `None` if no gap is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
         let inputs = self.problem.gaps.train.as_ref()?;
         let train = match self.pushed()? {
@@ -144,7 +145,7 @@ impl NutReport {
         };
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
         let needed = self.advance()?.circuits.iter().map(|circuit| circuit.needed_gap);
-        // The circuit with the smallest ratio of gap to needed gap is reported.
+        // The note reports the circuit with the largest ratio of needed gap to given gap.
         let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;
         let gaps = needed.zip(inputs.gaps.iter().copied());
         let (needed, gap) = gaps.max_by(|a, b| part(a).total_cmp(&part(b)))?;
@@ -154,7 +155,7 @@ impl NutReport {
         ))
     }
 
-    /// Returns a table with one row per circuit if a gap is given.
+    /// Returns a table with one row per circuit, or `None` if no gap is given.
     pub(super) fn circuits(&self) -> Option<Table> {
         let (train, advance) = (self.train()?, self.advance()?);
         let row = |(number, (train, advance)): (usize, (&CircuitTrain, &CircuitAdvance))| {
@@ -168,13 +169,14 @@ impl NutReport {
         })
     }
 
-    /// Returns warnings about circuits whose balls would overlap, and about results beyond the
-    /// range of the ball train model.
+    /// Returns warnings about circuits with too many balls, and about results beyond the range of
+    /// the ball train model.
     pub(super) fn train_warnings(&self) -> Vec<String> {
         let nut = &self.made.nut;
         let spacer = self.problem.gaps.spacer;
         let circuits = nut.circuits.iter().enumerate();
-        // One ball may enter the loaded arc while another one leaves it.
+        // The loaded arc may temporarily hold one more ball, because a ball can enter it while
+        // another ball leaves it.
         let crowded =
             circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded

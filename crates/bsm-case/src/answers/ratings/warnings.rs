@@ -1,4 +1,4 @@
-//! Warnings about nuts with poor proportions or outside the limits of the catalog formulas.
+//! Warnings about nuts with unfavorable proportions or outside the limits of the catalog formulas.
 
 use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 
@@ -6,7 +6,8 @@ use crate::exact;
 use crate::vocabulary::units::{MM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 
-/// Returns warnings about limits of the catalog formulas and about poor proportions.
+/// Returns warnings about exceeded limits of the catalog formulas and about unfavorable
+/// proportions.
 pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
@@ -30,7 +31,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let over_pitch = nut.ball_diameter / nut.pitch();
     if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
         let text = format!(
-            "The ball diameter is {over_pitch:.3} of the groove pitch; above {}, little land is left between the turns.",
+            "The ball diameter is {over_pitch:.3} of the groove pitch; above {}, the land between the turns is narrow.",
             limits.ball_over_lead
         );
         warnings.push(Warning::limit(SelectionLimit::BallOverLead, text));
@@ -38,7 +39,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let root = thread.screw.root;
     if nut.ball_diameter >= limits.ball_over_root * root {
         warnings.push(Warning::advice(format!(
-            "The ball diameter is {:.3} of the root diameter of the screw, {:.3} mm; it should be below {}.",
+            "The ball diameter is {:.3} of the root diameter of the screw, {:.3} mm; this ratio should be below {}.",
             nut.ball_diameter / root,
             root / MM,
             limits.ball_over_root
@@ -63,8 +64,8 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     warnings
 }
 
-/// Returns warnings if the preload of a pair is larger than it should be (D22) or smaller than the
-/// load requires (D23).
+/// Returns warnings if the preload of a pair is larger than recommended (D22) or too small for the
+/// load (D23).
 pub(super) fn of_pair(
     elasticity: &Elasticity,
     preload: f64,

@@ -8,7 +8,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey};
 
-/// Adds the elastic bars of nut and screw and the elastic ring to the nut.
+/// Adds the elasticity of the bodies to a nut: nut and screw as bars, and the nut as a ring.
 pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<BallNut, CaseError> {
     use InputKey as K;
     let entries = &case.nut;
@@ -42,9 +42,9 @@ fn ends(nut: &BallNut) -> [f64; 2] {
     [z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// Returns a body as a bar, or `None` if it has no anchor.
+/// Returns the elastic bar of a body, or `None` if no anchor is given.
 ///
-/// * `made`: axial stiffness EA from the diameters \[N\].
+/// * `made`: axial stiffness EA, calculated from the diameters \[N\].
 fn bar(
     case: &Case,
     ([stiffness, place], word, end): ([InputKey; 2], &'static str, Option<Named<End>>),

@@ -1,4 +1,4 @@
-//! The balls of a nut and their errors.
+//! Circuits of balls in a nut, and the errors of the balls.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, Rule};
 
-/// Inputs that define the circuits if they are not listed.
+/// Inputs that define the circuits if no circuits are listed.
 pub(super) const SHORT: [InputKey; 5] = [
     InputKey::circuits_count,
     InputKey::loaded_turns,
@@ -22,14 +22,14 @@ pub(super) const SHORT: [InputKey; 5] = [
     InputKey::phase_deg,
 ];
 
-/// Permitted helix angles of a nut \[deg\], which suffice for thousands of turns.
+/// Permitted range of helix angles in a nut \[deg\], which allows thousands of turns.
 const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 
 /// Maximum number of balls of a nut.
 const MAX_BALLS: usize = 100_000;
 
-/// Returns the number of loaded balls per turn and the loaded turns of one nut body, from the
-/// listed circuits or from the short inputs.
+/// Returns the number of loaded balls per turn and the number of loaded turns of one nut body, from
+/// the listed circuits or from the inputs [`SHORT`].
 pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     let Some(circuits) = &case.nut.circuits else {
         return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
@@ -40,7 +40,7 @@ pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     (Some(count(balls) / turns), Some(turns))
 }
 
-/// Returns the nut of the ratings with the balls and turns of the circuits of one nut body.
+/// Returns the design with the balls per turn and the turns of the circuits of one nut body.
 pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
@@ -48,7 +48,7 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
 }
 
-/// Returns the flank that a nut body of a pair presses.
+/// Returns the flank that a body of a preloaded nut pair loads.
 fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
     let first = body.is_multiple_of(2);
     if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }
@@ -98,7 +98,7 @@ pub(super) fn listed_circuits(
     Ok(all)
 }
 
-/// Rejects overlapping circuits, in which two balls would be at the same position.
+/// Rejects overlapping circuits, in which two balls could be at the same position.
 fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
     let mut order: Vec<usize> = (0..circuits.len()).collect();
     order.sort_by(|a, b| {
@@ -108,7 +108,7 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
     });
     for pair in order.windows(2) {
         let [one, next] = [pair[0], pair[1]].map(|i| &circuits[i]);
-        // Angles in degrees have rounding errors.
+        // The comparison allows for rounding errors of angles in degrees.
         if one.thread == next.thread && one.start + one.arc > next.start + 1e-9 * one.arc {
             let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
             return Err(bad("circuits", format!("has overlapping circuits, {first} and {second}")));
@@ -117,7 +117,7 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Creates the circuits of a single nut, or of each nut of a pair that is preloaded by an offset.
+/// Creates the circuits of a single nut, or of both nuts of a pair that is preloaded by an offset.
 pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circuit>, CaseError> {
     let (per_turn, turns) = balls_and_turns(case);
     let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));

@@ -1,4 +1,4 @@
-//! Random draws of the quantities that vary from nut to nut.
+//! Random draws of quantities that vary from nut to nut.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,10 @@ use bsm_nut::{BallNut, LeadError};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Draws the ball radii of a nut and the phases of its lead errors.
+/// Draws random ball radii and random phases of the lead errors of a nut.
 ///
 /// * `deviation`: standard deviation of the ball radius \[m\].
-/// * `number`: number of the nut among the nuts of a seed.
+/// * `number`: index of the nut in the sequence of nuts with this seed.
 pub(super) fn draw(nut: &mut BallNut, deviation: f64, waves: &[usize], seed: u64, number: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -23,10 +23,9 @@ pub(super) fn draw(nut: &mut BallNut, deviation: f64, waves: &[usize], seed: u64
     }
 }
 
-/// Draws from the standard normal distribution by the Box–Muller method.
+/// Draws a number from the standard normal distribution by the Box–Muller method.
 fn normal(rng: &mut impl Rng) -> f64 {
-    // The first random number is never 0 after this transformation, so that its logarithm is
-    // finite.
+    // The difference is never 0, so its logarithm is finite.
     let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
     (-2.0 * size.ln()).sqrt() * (TAU * turn).cos()
 }
@@ -35,8 +34,8 @@ fn normal(rng: &mut impl Rng) -> f64 {
 mod tests {
     use super::*;
 
-    /// Mean and standard deviation of 20 000 draws are within five standard errors, 5/√N and
-    /// 5/√(2N).
+    /// For 20 000 draws, the mean deviates by at most 5/√N and the standard deviation by at most
+    /// 5/√(2N), which are five standard errors.
     #[test]
     fn draws_are_normal() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);

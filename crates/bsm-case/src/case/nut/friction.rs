@@ -1,4 +1,4 @@
-//! Inputs for the friction of the balls of a nut.
+//! Friction inputs for the balls of a nut.
 
 use bsm_dyn::lubrication::{Lubricant, Temperature};
 
@@ -11,7 +11,7 @@ use crate::{Case, CaseError};
 pub(crate) enum FrictionSource {
     /// Constant friction coefficient.
     Coefficient(f64),
-    /// Lubricant film of each ball and losses of the ball returns, without the seals.
+    /// Lubricant film of each ball, and losses in the ball returns. Seal losses are not included.
     Lubricant(Lubricant),
 }
 
@@ -24,7 +24,7 @@ impl FrictionSource {
         }
     }
 
-    /// Returns the source of friction given by a case.
+    /// Returns the source of friction that a case specifies.
     pub(super) fn of(case: &Case) -> Result<Option<Self>, CaseError> {
         let given = case.given();
         given.check_friction()?;
@@ -41,7 +41,7 @@ impl FrictionSource {
                         the heat of a nut; give lubricant_temperature_C";
             return Err(bad("heat_transfer_W_K", what));
         }
-        // Seals are a separate part of the torque.
+        // The seal torque is added separately.
         lubricant.losses.seal_torque = 0.0;
         Ok(Some(Self::Lubricant(lubricant)))
     }

@@ -24,16 +24,16 @@ const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
     ]
 };
 
-/// Amount of a preload.
+/// Magnitude of a preload, given as a force or as a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Amount {
-    /// Axial force \[N\]. It is negative for nut bodies that are pushed apart.
+    /// Axial force \[N\]. It is negative if the nut bodies are pushed apart.
     Force(f64),
-    /// Offset of the nut bodies, or excess of the ball diameter \[m\].
+    /// Offset between the nut bodies, or oversize of the ball diameter \[m\].
     Displacement(f64),
 }
 
-/// Returns how the nut bodies are preloaded by a preload method.
+/// Returns the kind of preload that a preload method produces.
 pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadKind {
     match method {
         PreloadMethod::DoubleNut | PreloadMethod::Offset => PreloadKind::Offset,
@@ -41,12 +41,13 @@ pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadK
     }
 }
 
-/// Returns true if an amount of preload between two nut bodies is given.
+/// Returns true if a preload or an offset between two nut bodies is given.
 pub(super) fn is_preloaded(case: &Case) -> bool {
     case.preload_N.is_some() || case.preload_offset_um.is_some()
 }
 
-/// Returns the arrangement of a pair as given by name or by the sign of the offset.
+/// Returns the arrangement of a nut pair, either given by name or derived from the sign of the
+/// offset.
 pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError> {
     let offset = case.preload_offset_um.filter(|offset| *offset != 0.0);
     let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
@@ -59,8 +60,8 @@ pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError>
     }
 }
 
-/// Returns the arrangement of a pair of nut bodies as determined by the flanks or, if both flanks
-/// exist, as given.
+/// Returns the arrangement of a nut pair. The loaded flanks determine it, unless every circuit has
+/// both flanks.
 fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
     let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
     let by_flanks = one_flank.map(|circuit| {
@@ -75,7 +76,7 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
     }
 }
 
-/// Returns kind and amount of the preload.
+/// Returns the kind and the amount of the preload.
 pub(super) fn preload(
     case: &Case,
     nut: &BallNut,

@@ -1,4 +1,4 @@
-//! Conversion of the inputs of a case to the nut in SI units.
+//! Conversion of the inputs of a case to a nut in SI units.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -31,25 +31,26 @@ use crate::vocabulary::number::{trimmed, whole};
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Rule, Settings};
 
-/// Inputs with a wider range for a nut than for the models of a single ball: a nut may be pulled or
-/// unloaded, and its contact angle may be zero.
+/// Inputs that have a wider range for a nut than for the models of a single ball. A nut may be
+/// pulled or unloaded, and its contact angle may be zero.
 const WIDER: [(InputKey, Rule); 3] = [
     (InputKey::axial_load_N, Rule::Any),
     (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
-    // A negative gap is rejected later, in a message that states the room in the circuit.
+    // A negative gap is rejected later, with a message that states how many balls the circuit has
+    // room for.
     (InputKey::ball_gap_mm, Rule::Any),
 ];
 
-/// A nut under load as described by a case.
+/// A loaded nut, as described by a case.
 #[derive(Debug, Clone)]
 pub struct NutProblem {
-    /// Nut before preload, without temperature rises and without random errors.
+    /// Nut without preload, temperature rises and random errors.
     pub(crate) nut: BallNut,
     /// Temperature rises of nut, screw and balls \[K\], and the coefficient of thermal expansion
     /// \[1/K\].
     rises: Option<([f64; 3], f64)>,
-    /// Strain of the screw under its tension, and Poisson's ratio. They do not apply while the
-    /// preload is set.
+    /// Strain of the screw due to its tension, and Poisson's ratio. The strain is not applied while
+    /// the preload is set.
     strain: Option<(f64, f64)>,
     pub(crate) support: Support,
     preload: Option<(PreloadKind, Amount)>,
@@ -62,9 +63,9 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// Friction, and the speeds of screw and nut.
+    /// Source of friction, and the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
-    /// Friction coefficient at the far flanks, or `None` if all flanks have the same coefficient.
+    /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
     far_friction: Option<f64>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
@@ -77,43 +78,43 @@ pub struct NutProblem {
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
     pub(crate) warnings: Vec<String>,
-    /// Note on the torques of a cold lubricant that are not calculated.
+    /// Note on torques of a cold lubricant that are not calculated.
     pub(crate) cold_lubricant: Option<String>,
 }
 
-/// A nut with its preload under load.
+/// A preloaded nut at its load.
 #[derive(Debug, Clone)]
 pub(crate) struct NutAtRest {
-    /// Nut with its preload, errors and temperature rises.
+    /// Nut including preload, errors and temperature rises.
     pub(crate) nut: BallNut,
     pub(crate) preload: Option<NutPreload>,
     pub(crate) found: Equilibrium,
 }
 
-/// Preload of a nut.
+/// Preload of a nut and its setting.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NutPreload {
     pub(crate) by: PreloadKind,
-    /// Preload without external load, with a guided nut and without temperature rises \[N\].
+    /// Preload of the guided nut without external load and without temperature rises \[N\].
     pub(crate) cold: f64,
-    /// Preload without external load, with the temperature rises \[N\].
+    /// Preload of the nut without external load, including temperature rises \[N\].
     pub(crate) warm: f64,
-    /// Offset or ball oversize that causes the preload \[m\].
+    /// Offset or ball oversize that sets the preload \[m\].
     pub(crate) setting: f64,
     /// Axial displacement of the contacts on each side due to the preload \[m\].
     pub(crate) approach: f64,
 }
 
 impl NutProblem {
-    /// Prepares the nut of a case. With a cycle, the nut is in the phase of the largest load, as on
-    /// the sheet of the axis.
+    /// Prepares the nut of a case. If the case has a cycle, the nut is loaded as in the phase with
+    /// the largest load, in agreement with the axis sheet.
     ///
-    /// * `settings`: model for friction, with its settings.
+    /// * `settings`: model and solver settings for friction.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input violates a rule or is missing, or if two inputs give the same
-    /// quantity.
+    /// Returns [`CaseError`] if an input is missing or violates a rule, or if two inputs give the
+    /// same quantity.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         let case = &case.with_preload()?;
@@ -138,7 +139,8 @@ impl NutProblem {
         let design = rated_nut::nut(case)?;
         let thread = rated_nut::thread(case, &design)?;
         let body = rated_nut::body(case, &design, &thread)?;
-        // Short inputs may give a fractional number of balls, but a circuit has an integer number.
+        // The inputs can give a fractional number of balls, but a circuit has an integer number of
+        // balls.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = rated_nut::load_ratings(case, &design)?;
         let turns = design.turns.powf(0.86);
@@ -201,12 +203,12 @@ impl NutProblem {
         })
     }
 
-    /// Returns true if an offset or a ball oversize is given to preload the nut.
+    /// Returns true if the preload is given as a nonzero offset or ball oversize.
     pub(crate) fn sets_preload_by_displacement(&self) -> bool {
         matches!(self.preload, Some((_, Amount::Displacement(displacement))) if displacement != 0.0)
     }
 
-    /// Returns the friction coefficients of a source of friction.
+    /// Returns the friction coefficients at loaded and far flanks for a source of friction.
     pub(crate) fn flank_friction(&self, source: &FrictionSource) -> FlankFriction {
         FlankFriction { loaded: source.coefficient(), far: self.far_friction }
     }
@@ -216,17 +218,18 @@ impl NutProblem {
         self.nut.balls()
     }
 
-    /// Preloads and loads the nut, and returns the loads of all balls. Random errors are drawn with
-    /// the seed of the problem.
+    /// Preloads and loads the nut, and calculates the loads of all balls. Random errors are drawn
+    /// with the seed of the problem.
     ///
     /// # Errors
     ///
-    /// [`NutError`] if no ball can carry the load, or if no displacement gives the preload.
+    /// Returns [`NutError`] if no ball can carry the load, or if no displacement produces the
+    /// preload.
     pub(crate) fn made(&self) -> Result<NutAtRest, NutError> {
         if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
     }
 
-    /// Returns a random copy of the nut. Its balls and the phases of its lead errors are drawn.
+    /// Returns a copy of the nut with random ball radii and random phases of its lead errors.
     ///
     /// * `waves`: indices of the lead errors with random phases.
     pub(crate) fn drawn(&self, seed: u64, number: u64, waves: &[usize]) -> Self {
@@ -235,7 +238,7 @@ impl NutProblem {
         one
     }
 
-    /// Returns true if the ball diameters scatter.
+    /// Returns true if the ball diameters are random.
     pub(crate) fn scatters(&self) -> bool {
         self.scatter > 0.0
     }
@@ -287,9 +290,9 @@ impl NutProblem {
 }
 
 impl Case {
-    /// Returns the case at a load and a speed of its axis, without its cycle. A load of zero is
-    /// valid for preloaded nuts. Only the driven part turns, or screw and nut turn in the ratio of
-    /// the case.
+    /// Returns the case at a load and a speed of its axis, without a cycle. A load of zero is valid
+    /// for preloaded nuts. If both parts turn in the case, their speeds keep their ratio; otherwise
+    /// only the driven part turns.
     ///
     /// * `load`: axial load \[N\].
     /// * `speed`: speed of the screw relative to the nut \[rad/s\].
@@ -318,15 +321,15 @@ impl Case {
         case
     }
 
-    /// Returns the case under the largest load of its axis, and a note with load and speed. The
-    /// largest load is the load of a phase of the cycle or, without a cycle, the axial load plus the
+    /// Returns the case under the largest load of its axis, and a note that states load and speed.
+    /// The load is the largest load in the cycle or, without a cycle, the axial load plus the
     /// forces of mass, guides and counterbalance. Returns `None` if the axial load is the only
     /// load.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input of the axis is missing, or if neither the axis nor a preload loads
-    /// the nut.
+    /// Returns [`CaseError`] if an input of the axis is missing, or if the nut is loaded neither by
+    /// the axis nor by a preload.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
         let cycles = self.nut.cycle.is_some();
         if !cycles && !carriage(self)?.is_loaded() {
@@ -363,7 +366,7 @@ impl Case {
         Ok(Some((point, note)))
     }
 
-    /// Checks every value against the rules that apply to a nut.
+    /// Checks all values against the rules that apply to a nut.
     fn check_for_a_nut(&self) -> Result<(), CaseError> {
         let wider = |&(key, rule): &(InputKey, Rule)| {
             let value = self[key]?;
@@ -374,7 +377,7 @@ impl Case {
     }
 }
 
-/// Returns the nut without its elastic bodies, and its kind of preload if it is preloaded.
+/// Returns the nut without its elastic bodies, and the kind of preload that it can have.
 fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     let words = &case.nut;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
@@ -429,8 +432,8 @@ fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     Ok((nut, way))
 }
 
-/// Returns the temperature rises of nut, screw and balls \[K\], if one of them is given, and the
-/// coefficient of thermal expansion \[1/K\].
+/// Returns the temperature rises of nut, screw and balls \[K\] and the coefficient of thermal
+/// expansion \[1/K\], or `None` if no temperature rise is given.
 fn rises(case: &Case) -> Option<([f64; 3], f64)> {
     let given = RISES.iter().any(|key| case[*key].is_some());
     given.then(|| {
@@ -438,7 +441,7 @@ fn rises(case: &Case) -> Option<([f64; 3], f64)> {
     })
 }
 
-/// Returns the strain of the screw under its tension, and Poisson's ratio, or `None` without a
+/// Returns the strain of the screw due to its tension, and Poisson's ratio, or `None` without a
 /// tension.
 fn strain(case: &Case, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
     let tension = case.screw_tension_N.filter(|tension| *tension != 0.0)?;
@@ -448,14 +451,14 @@ fn strain(case: &Case, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
     Some((strain, case.value_or_default(InputKey::poisson_ratio)?))
 }
 
-/// Returns the cross-sectional area of a screw of the given diameter, minus its bore \[m²\].
+/// Returns the cross-sectional area of a screw with the given diameter, minus its bore \[m²\].
 fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     let bore = case.screw_bore_mm.unwrap_or(0.0) * MM;
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// Returns a case without load and preload as a pair of nuts, with the usual fraction of the
-/// dynamic load rating as preload. Returns `None` if the case gives a load or a preload.
+/// If neither load nor preload is given, returns the case of a nut pair whose preload is the usual
+/// fraction of the dynamic load rating. Returns `None` otherwise.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -464,9 +467,9 @@ fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     Ok(Some(Case { preload_N: Some(PRELOAD * dynamic.rating), ..case.clone() }))
 }
 
-/// Returns notes on ambiguous inputs.
+/// Returns notes on the interpretation of ambiguous inputs.
 ///
-/// * `usual`: assumed preload \[N\] if neither load nor preload is given.
+/// * `usual`: preload \[N\] that is assumed if neither load nor preload is given.
 fn notes(
     case: &Case,
     nut: &BallNut,
@@ -506,7 +509,7 @@ fn notes(
     notes
 }
 
-/// Inputs that only a nut uses. Other commands print a note that they do not use these inputs.
+/// Inputs that only the nut model uses. Other commands print a note that these inputs are not used.
 pub(crate) const OF_A_NUT: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um

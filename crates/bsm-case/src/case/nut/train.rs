@@ -1,4 +1,4 @@
-//! The ball train of a nut, from the inputs of a case.
+//! Conversion of the inputs of a ball train.
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
@@ -7,19 +7,19 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, Rule, exact};
 
-/// Inputs about the gaps between the balls of a nut.
+/// Spacers, gaps and friction between the balls of a nut.
 #[derive(Debug, Clone)]
 pub(crate) struct BallGaps {
     /// Thickness of the spacers \[m\].
     pub(crate) spacer: f64,
-    /// Friction coefficient between balls; `None` without any friction.
+    /// Friction coefficient between balls; `None` if the case has no friction.
     pub(crate) friction: Option<f64>,
-    /// Total gap in the loaded part of each circuit, and the inputs of the pushes; `None` if no gap
-    /// is given.
+    /// Inputs of the ball train, including the total gap in the loaded part of each circuit; `None`
+    /// if no gap is given.
     pub(crate) train: Option<TrainInputs>,
 }
 
-/// Describes the number of balls for which a circuit has room.
+/// Returns a message that states for how many balls a circuit has room.
 ///
 /// * `spacer`: thickness of the spacers \[m\].
 pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {

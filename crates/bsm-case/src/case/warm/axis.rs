@@ -1,4 +1,4 @@
-//! Conversion from the case of an axis to the problem of its warm steady state in SI units.
+//! Conversion of an axis to the problem of its warm steady state in SI units.
 
 use bsm_design::drag_torque;
 use bsm_dyn::DrivenPart;
@@ -15,16 +15,16 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 
-/// Speed at which manufacturers measure the drag of a preload \[rad/s\].
+/// Speed at which manufacturers measure the drag torque of a preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
-/// A nut at the conditions under which the preload is set and manufacturers measure it: cold and at
-/// [`SLOW`].
+/// A nut in the condition in which the preload is set and manufacturers measure its torque: cold
+/// and at the speed [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
     pub(super) preload: Option<NutPreload>,
-    /// Equilibrium of the preloaded nut without load, guided against tilting.
+    /// Equilibrium of the preloaded nut without load; the guides prevent tilting.
     pub(super) unloaded: Option<Equilibrium>,
     /// Temperature at which the preload is set \[K\].
     set: f64,
@@ -54,8 +54,8 @@ impl ColdNut {
         Ok(Self { problem, nut, preload, unloaded, set: set_temperature(case) })
     }
 
-    /// Returns the heat transfer through the balls, with contacts under the mean ball load of the
-    /// cold preload or of the largest load.
+    /// Returns the heat transfer through the balls. The contact areas are calculated for the mean
+    /// ball load under the cold preload or, without a preload, under the largest load.
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
             Some(found) if self.problem.support == Support::guided(0.0) => found.mean_load(),
@@ -66,8 +66,8 @@ impl ColdNut {
         Ok(BallLink::of(&self.nut, radii))
     }
 
-    /// Returns the ratio of the drag that is not due to the contacts to the warm preload, `$K_x h$`
-    /// \[m\]. The ratio is 0 without a preload.
+    /// Returns the ratio of drag torque to preload, `$K_x h$` \[m\], for the drag that is not
+    /// caused by the contacts. The ratio is 0 without a preload.
     pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
@@ -86,7 +86,7 @@ impl ColdNut {
     }
 }
 
-/// The axis of a case with the data that determine its warm state.
+/// An axis with the data that determine its warm state.
 pub(crate) struct WarmAxis<'a> {
     case: &'a Case,
     machine: &'a Machine,
@@ -94,7 +94,7 @@ pub(crate) struct WarmAxis<'a> {
 }
 
 impl<'a> WarmAxis<'a> {
-    /// Prepares the axis of a case that requests its warm state.
+    /// Prepares the warm state of an axis.
     pub(crate) fn of(
         case: &'a Case,
         settings: &Settings,
@@ -119,12 +119,12 @@ impl<'a> WarmAxis<'a> {
         Ok(Self { case, machine, cold })
     }
 
-    /// Returns the multiple of the speeds up to which the fold is searched.
+    /// Returns the multiple of the given speeds up to which the fold is searched for.
     pub(crate) fn search(&self) -> f64 {
         self.case.number(InputKey::fold_search_factor)
     }
 
-    /// Returns the nut with its friction.
+    /// Returns the nut with its friction and its thermal network.
     pub(crate) fn nut(&self) -> Result<WarmNut<'_>, CaseError> {
         let Self { case, machine, ref cold } = *self;
         let axis = thermal_axis(case, machine, cold.link()?)?;
