@@ -37,14 +37,6 @@ impl NutSet {
         }
     }
 
-    /// Returns the number of loaded lengths. Each of them contains all loaded turns.
-    pub fn loaded_lengths(self) -> f64 {
-        match self {
-            Self::Single => 1.0,
-            Self::Pair { .. } | Self::ShiftedLead => 2.0,
-        }
-    }
-
     /// Returns the usual length of the nut set \[m\] (D10), (BB6).
     ///
     /// ```math

@@ -85,11 +85,14 @@ pub fn least_squares<E>(
                     (damped[(k, k)], push[k]) = (1.0, 0.0);
                 }
             }
-            let Some(step) = damped.lu().solve(&push) else { break };
+            let step = damped.lu().solve(&push);
+            let Some(step) = step.filter(|step| step.iter().all(|x| x.is_finite())) else {
+                return Ok(None);
+            };
             let next: Vec<_> =
                 u.iter().zip(step.iter()).map(|(u, step)| (u + step).clamp(0.0, 1.0)).collect();
             let moved = next.iter().zip(&u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            if moved.is_nan() || moved <= STEP_TOLERANCE {
+            if moved <= STEP_TOLERANCE {
                 break;
             }
             let size = |residual: &[f64]| residual.iter().map(|x| x * x).sum::<f64>();

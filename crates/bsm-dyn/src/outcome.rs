@@ -227,6 +227,9 @@ pub enum Reason {
         /// Quantity, value and requirement that was not met.
         error: EvalError,
     },
+    /// The Jacobian is singular at the root, so the root has no derivatives with respect to the
+    /// inputs.
+    SingularRoot,
     /// Newton's method did not converge.
     Newton {
         /// Reason why the iteration ended.
@@ -321,6 +324,10 @@ impl fmt::Display for Reason {
                 )
             }
             Self::Refused { error } => error.fmt(f),
+            Self::SingularRoot => write!(
+                f,
+                "the Jacobian is singular at the solution, so the derivatives with respect to the inputs do not exist"
+            ),
             Self::Newton { status, residual, worst_equation } => write!(
                 f,
                 "Newton's method failed: {status}; the residual is {residual:.3e}, and its largest component belongs to \

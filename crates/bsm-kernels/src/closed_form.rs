@@ -7,6 +7,7 @@ use bsm_dyn::{
     Load, Model,
     solution::{BallState, ScrewSize},
 };
+use bsm_kin::Real;
 use bsm_simd::Simd;
 
 use crate::kernel::{Kernel, Sink};
@@ -30,8 +31,7 @@ impl Kernel for ClosedFormKernel {
         let found = (sines.efficiency(back, f), sines.self_locking(back, f));
         let (ratio, lead) = (sines.load_ratio(back, f), (back, sines.tan_a()));
         out.put(&transmitted(ball, found, ratio, screw_size(given), lead));
-        let zero = f.constant(0.0);
-        zero.le(zero)
+        f.mask(true)
     }
 }
 
@@ -40,7 +40,7 @@ impl Kernel for ClosedFormKernel {
 #[inline(always)]
 pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
-    given.drive().map_or(zero.lt(zero), |drive| drive.relative_speed().lt(zero))
+    given.drive().map_or(zero.mask(false), |drive| drive.relative_speed().lt(zero))
 }
 
 /// Returns dimensions and load of the screw, or `None` if an input is missing.

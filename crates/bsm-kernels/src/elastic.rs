@@ -53,7 +53,8 @@ impl Kernel for ElasticKernel {
             error: None,
             film: None,
         });
-        out.set_all(OutputKey::iterations, [skid.steps, skid.residual]);
+        out.set(OutputKey::iterations, skid.steps);
+        out.set(OutputKey::residual_norm, skid.residual);
         skid.found & transmission.is_balanced()
     }
 }

@@ -133,20 +133,6 @@ impl Sink<'_, '_> {
         }
     }
 
-    /// Stores the values of an output and of the outputs that follow it in [`OUTPUTS`].
-    #[inline(always)]
-    pub(crate) fn set_all<S: Simd, const N: usize>(
-        &mut self,
-        first: OutputKey,
-        values: [Lane<S>; N],
-    ) {
-        for (index, values) in self.wanted.0[first as usize..].iter().zip(values) {
-            if let Some(index) = *index {
-                values.store(&mut self.columns[index].values_mut()[self.row..]);
-            }
-        }
-    }
-
     /// Stores all requested outputs of a solution.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(&mut self, solved: &SteadyState<Lane<S>>) {

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use bsm_case::units::{DEG, drive_of_rpm};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
 use bsm_dyn::{Model, angles::Sines, lubrication::Lubricant, model::RacewayFriction};
-use bsm_kin::Drive;
+use bsm_kin::{Drive, Real};
 use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 
 /// Number of vectors per lane. According to benchmarks, this number is the fastest for the rigid
@@ -81,9 +81,11 @@ const MAX_PLAIN: f64 = 1e60;
 /// Returns true if the number is plain, which means that it is zero, or that products of a few such
 /// numbers neither overflow nor underflow. Points with other values are passed to the scalar
 /// solver.
-pub fn is_plain(value: f64) -> bool {
+#[inline(always)]
+pub fn is_plain<F: Real>(value: F) -> F::Mask {
     let size = value.abs();
-    size <= 0.0 || (MIN_PLAIN..=MAX_PLAIN).contains(&size)
+    size.le(size.constant(0.0))
+        | (size.constant(MIN_PLAIN).le(size) & size.le(size.constant(MAX_PLAIN)))
 }
 
 /// Inputs of the points in one lane.
@@ -158,15 +160,12 @@ impl<S: Simd> LaneInputs<'_, S> {
     #[inline(always)]
     fn valid(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
-        let [min, max] = [MIN_PLAIN, MAX_PLAIN].map(|x| zero.constant(x));
-        let mut valid = zero.le(zero);
+        let mut valid = zero.mask(true);
         // Constants have already been checked.
         for index in &self.inputs.columns {
             let InputColumn::Column(rule, values) = &self.inputs.inputs[*index] else { continue };
             let x = self.load(values);
-            let size = x.abs();
-            let plain = size.le(zero) | (min.le(size) & size.le(max));
-            valid = valid & plain & rule.holds(x);
+            valid = valid & is_plain(x) & rule.holds(x);
         }
         for relation in Relation::ALL {
             if let Some(holds) = relation.holds(self) {

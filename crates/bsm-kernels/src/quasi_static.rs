@@ -4,6 +4,7 @@ use bsm_case::InputKey;
 use bsm_case::units::DEG;
 use bsm_dyn::internals::transmitted;
 use bsm_dyn::{Model, gothic::TwoContacts, solution::BallState};
+use bsm_kin::Real;
 use bsm_simd::Simd;
 
 use crate::closed_form::{backwards, screw_size};
@@ -27,7 +28,7 @@ impl Kernel for QuasiStaticKernel {
             size_ratio: ball / given.get(InputKey::pitch_circle_diameter_mm),
             nut_turns: given
                 .drive()
-                .map_or(zero.lt(zero), |drive| drive.screw_speed.abs().le(zero)),
+                .map_or(zero.mask(false), |drive| drive.screw_speed.abs().le(zero)),
         };
         let (eta, ratio) = (contacts.efficiency(back), contacts.load_ratio());
 

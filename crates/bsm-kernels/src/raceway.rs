@@ -129,7 +129,8 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             film,
         });
         let skid = regime(out, friction, contacts, (&state, &motion));
-        out.set_all(OutputKey::iterations, [state.steps, state.residual]);
+        out.set(OutputKey::iterations, state.steps);
+        out.set(OutputKey::residual_norm, state.residual);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // With a lubricant, the model does not search for further solutions.
         if given.inputs.lubricant.is_none() {
@@ -222,7 +223,7 @@ fn regime<S: Simd>(
     let [skid, cross] = motion.skid_numbers(&contacts.scaled, friction, &state.sides);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
-    let stated = [skid.lt(beyond).select(skid, none), onset.lt(beyond).select(onset, none)];
-    out.set_all(OutputKey::skid_number, stated);
+    out.set(OutputKey::skid_number, skid.lt(beyond).select(skid, none));
+    out.set(OutputKey::onset_number, onset.lt(beyond).select(onset, none));
     [onset, cross]
 }

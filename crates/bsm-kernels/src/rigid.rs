@@ -53,7 +53,8 @@ impl Kernel for RigidKernel {
         let angle = given.get(InputKey::contact_angle_deg) * DEG;
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
-        out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
+        out.set(OutputKey::iterations, swept.count);
+        out.set(OutputKey::residual_norm, swept.residual);
         // If no search is carried out, the number of further solutions is unknown.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);

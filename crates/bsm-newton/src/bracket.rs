@@ -62,6 +62,7 @@ pub struct Bracket {
 
 /// Result of a root search.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[must_use = "a search may find no sign change"]
 pub enum RootResult {
     /// The search found a sign change.
     Root(Root),
@@ -143,6 +144,25 @@ impl Bracket {
         Ok(None)
     }
 
+    /// Finds a sign change of a function that may fail, like [`root`](Self::root).
+    ///
+    /// # Errors
+    ///
+    /// Returns the first error of `function`, which ends the search.
+    pub fn try_root<E>(
+        &self,
+        mut function: impl FnMut(f64) -> Result<f64, E>,
+    ) -> Result<RootResult, E> {
+        let mut failed = None;
+        let found = self.root(|x| {
+            function(x).unwrap_or_else(|error| {
+                failed = Some(error);
+                f64::NAN
+            })
+        });
+        failed.map_or(Ok(found), Err)
+    }
+
     /// Finds a sign change in the bracket.
     ///
     /// If `function` returns derivatives, the search uses Newton steps. Otherwise it uses inverse
@@ -174,7 +194,7 @@ impl Bracket {
         // the new end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
-        let (mut length, mut doubles) = (Progress::new(2), Progress::new(3));
+        let (mut length, mut doubles) = (StallDetector::new(2), StallDetector::new(3));
         loop {
             let [x, other] = [ends[newest], ends[1 - newest]];
             let [value, opposite] = [values[newest], values[1 - newest]];
@@ -205,13 +225,17 @@ impl Bracket {
                     // can also move.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
-                    let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);
-                    let t = x + part * (other - x);
+                    let fraction = interpolated_fraction((x, value), (other, opposite), old);
+                    let t = x + fraction.clamp(least, 1.0 - least) * (other - x);
                     if inside(t) { t } else { halves }
                 })
             };
             let sample = function(next).into();
             evaluations += 1;
+            debug_assert!(
+                evaluations <= Self::MAX_EVALUATIONS,
+                "each three steps halve the bracket"
+            );
             if sample.value.is_nan() {
                 return RootResult::NotFinite { x: next, value: sample.value };
             }
@@ -231,7 +255,7 @@ impl Bracket {
 /// `a` to the other end `b`.
 ///
 /// * `old`: point that was replaced last, if any.
-fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f64 {
+fn interpolated_fraction((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f64 {
     let quadratic = old.and_then(|(c, fc)| {
         // ξ = (a − b)/(c − b),  φ = (f_a − f_b)/(f_c − f_b);  if φ² < ξ and (1 − φ)² < 1 − ξ  (N12)
         let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
@@ -240,18 +264,18 @@ fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f6
         })
     });
     let line = fa / (fa - fb);
-    let part = quadratic.unwrap_or(if old.is_none() { line } else { 0.5 });
-    if part.is_finite() { part } else { 0.5 }
+    let fraction = quadratic.unwrap_or(if old.is_none() { line } else { 0.5 });
+    if fraction.is_finite() { fraction } else { 0.5 }
 }
 
 /// Detects that a size has not been halved within a given number of steps.
-struct Progress {
+struct StallDetector {
     patience: u32,
     size: f64,
     left: u32,
 }
 
-impl Progress {
+impl StallDetector {
     fn new(patience: u32) -> Self {
         Self { patience, size: f64::INFINITY, left: patience }
     }

@@ -20,3 +20,14 @@ pub struct EvalError {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("a pivot of the matrix is zero or not finite")]
 pub struct Singular;
+
+/// Reason why the derivatives of a root do not exist.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum NoSlopes {
+    /// The equations cannot be linearized at the root.
+    #[error(transparent)]
+    Refused(EvalError),
+    /// The Jacobian is singular at the root.
+    #[error("the Jacobian is singular at the root")]
+    Singular(Singular),
+}

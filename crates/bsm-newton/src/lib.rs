@@ -60,7 +60,7 @@ mod solve;
 pub use bracket::{Bracket, FunctionValue, Root, RootResult};
 pub use continuation::{Continuation, follow};
 pub use equations::{Equations, Linearized};
-pub use error::{EvalError, Singular};
+pub use error::{EvalError, NoSlopes, Singular};
 pub use implicit::implicit_slopes;
 pub use lanes::{LaneEquations, LaneIterate, LaneNewton, LaneStep, cramer};
 pub use linear::{BorderedBlock, BorderedMatrix, Dense, DynamicDense};

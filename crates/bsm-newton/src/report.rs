@@ -39,7 +39,7 @@ impl Termination {
             Self::SingularJacobian => "the Jacobian is singular",
             Self::NotFinite => "the residual is not finite",
             Self::BadScale => "a scale is not positive and finite",
-            Self::OutsideDomain => "the model cannot be evaluated at the starting point",
+            Self::OutsideDomain => "the model cannot be evaluated",
         }
     }
 }

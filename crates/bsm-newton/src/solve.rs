@@ -46,6 +46,15 @@ impl<const N: usize> Workspace<N> {
         Ok(())
     }
 
+    /// Factorizes the Jacobian unless its factors are already known.
+    fn ensure_factors(&mut self) -> Result<(), Singular> {
+        match self.content {
+            Content::Stale => Err(Singular),
+            Content::Jacobian => self.factorize(),
+            Content::Factors => Ok(()),
+        }
+    }
+
     /// Returns the Newton step `$-J^{-1} r$` for a residual `$r$`. It uses the Jacobian of the last
     /// call of [`linearize`](Self::linearize) or [`solve`].
     ///
@@ -53,11 +62,7 @@ impl<const N: usize> Workspace<N> {
     ///
     /// Returns [`Singular`] if there is no valid Jacobian or it cannot be factorized.
     pub fn correction(&mut self, residual: &[f64; N]) -> Result<[f64; N], Singular> {
-        match self.content {
-            Content::Stale => return Err(Singular),
-            Content::Jacobian => self.factorize()?,
-            Content::Factors => {}
-        }
+        self.ensure_factors()?;
         // D_F J(x_k) δx_k = −D_F F(x_k)
         let mut step = from_fn(|i| residual[i] * -self.d_f[i]);
         self.linear.solve(&mut step);
@@ -70,11 +75,7 @@ impl<const N: usize> Workspace<N> {
     /// The last equation must be a plane that intersects the curve. The Jacobian is from the last
     /// call of [`linearize`](Self::linearize) or [`solve`].
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
-        match self.content {
-            Content::Stale => return None,
-            Content::Jacobian => self.factorize().ok()?,
-            Content::Factors => {}
-        }
+        self.ensure_factors().ok()?;
         // D_F J t = sgn(det J) e_N                                        (N8)
         let mut direction = [0.0; N];
         if let Some(last) = direction.last_mut() {

@@ -91,7 +91,7 @@ impl BallNut {
         let excess = |x: f64| reached(x).map(|reached| reached - force);
         let bracket =
             Bracket::first_change((0.0, -force), places, excess)?.ok_or_else(no_preload)?;
-        let found = Bracket { x_tol: 1e-13, ..bracket }.root(|x| excess(x).unwrap_or(f64::NAN));
+        let found = Bracket { x_tol: 1e-13, ..bracket }.try_root(excess)?;
         found.root().map(|root| sign * root.x).ok_or_else(no_preload)
     }
 
@@ -128,7 +128,7 @@ impl BallNut {
         };
         let bracket = Bracket::first_change((0.0, 1.0), places, rest)?.ok_or_else(no_preload)?;
         let bracket = Bracket { x_tol: 1e-9, ..bracket };
-        let found = bracket.root(|load| rest(load).unwrap_or(f64::NAN));
+        let found = bracket.try_root(rest)?;
         let end = found.root().map(|root| root.ends[1]);
         end.map(|load| way.signum() * load).ok_or_else(no_preload)
     }

@@ -611,6 +611,11 @@ pub(crate) fn message(reason: &Reason) -> String {
              {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
+        Reason::SingularRoot => {
+            "the derivatives with respect to the inputs do not exist at this point, because the \
+             Jacobian is singular. Change the inputs slightly"
+                .to_owned()
+        }
         Reason::BallDoesNotCircle => {
             "the ball would not move around the axis (precession 0), and a ball \
              without precession has no gyroscopic moment to balance the friction moment"

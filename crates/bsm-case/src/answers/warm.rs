@@ -224,8 +224,8 @@ impl Warm {
         }
         for (guess, factor, why) in &band.none {
             let (times, way) =
-                if *factor > 1.0 { (*factor, "more") } else { (factor.recip(), "less") };
-            notes.push(format!("{why} if {} {times} times {way}", guess.name()));
+                if *factor > 1.0 { (*factor, "larger") } else { (factor.recip(), "smaller") };
+            notes.push(format!("{why} if {} {times} times {way}", guess.clause()));
         }
         if !band.none.is_empty() {
             let what = "The band has no end (null) on the side on which no steady state exists.";

@@ -4,8 +4,8 @@
 //! Unconstrained Optimization Software*, ACM Trans. Math. Softw. 7 (1981).
 
 use bsm_newton::{
-    Convergence, Equations, EvalError, JacobianUpdate, Linearized, Options, Report, Scales,
-    Termination, Workspace, implicit_slopes, path_direction, solve,
+    Convergence, Equations, EvalError, JacobianUpdate, Linearized, NoSlopes, Options, Report,
+    Scales, Singular, Termination, Workspace, implicit_slopes, path_direction, solve,
 };
 
 /// Residual and rows of the Jacobian at a point.
@@ -291,8 +291,7 @@ fn derivatives_of_a_root_match_the_closed_form() {
     // The columns are ∂F/∂r and ∂F/∂p. The scales must not influence the result.
     let mut columns = [[-2.0 * r, 0.0], [0.0, -x[0]]];
     let mut work = Workspace::default();
-    let moved = implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work);
-    assert_eq!(moved, Termination::Converged);
+    implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work).expect("a regular root");
     let cube = root.powi(3);
     let expected = [x[0] / r, x[1] / r, -p * r / cube, r / root - p * p * r / cube];
     for (slope, expected) in columns.iter().flatten().zip(expected) {
@@ -328,10 +327,10 @@ fn root_without_derivatives_is_reported() {
     let work = &mut Workspace::default();
     let singular =
         implicit_slopes(&Problem(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);
-    assert_eq!(singular, Termination::SingularJacobian);
+    assert_eq!(singular, Err(NoSlopes::Singular(Singular)));
     let work = &mut Workspace::<1>::default();
     let refused = implicit_slopes(&Problem(logarithm), &[-1.0], &[1.0], &mut [[1.0]], work);
-    assert_eq!(refused, Termination::OutsideDomain);
+    assert!(matches!(refused, Err(NoSlopes::Refused(_))), "{refused:?}");
 }
 
 /// The list of steps is the only memory allocation, regardless of the number of steps.

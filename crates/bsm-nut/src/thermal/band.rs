@@ -42,7 +42,7 @@ pub(super) fn interval(
     let mut none = Vec::new();
     for guess in guesses {
         let mut most = vec![[0.0_f64; 2]; middle.len()];
-        for factor in [guess.range().recip(), guess.range()] {
+        for factor in [guess.uncertainty_factor().recip(), guess.uncertainty_factor()] {
             match guessed((guess, factor)) {
                 Ok(found) => {
                     for (most, by) in most.iter_mut().zip(changes(&found)) {

@@ -32,7 +32,7 @@ impl Guess {
         [Self::Nut, Self::ScrewFilm, Self::Gap, Self::Balls, Self::Ends, Self::Heat];
 
     /// Returns the uncertainty factor by which the quantity may be larger or smaller.
-    pub fn range(self) -> f64 {
+    pub fn uncertainty_factor(self) -> f64 {
         match self {
             Self::Nut | Self::Balls => 2.0,
             Self::ScrewFilm => 1.4,
@@ -41,8 +41,8 @@ impl Guess {
         }
     }
 
-    /// Returns a phrase that continues the text "runs away if".
-    pub fn name(self) -> &'static str {
+    /// Returns a clause that "2 times larger" completes.
+    pub fn clause(self) -> &'static str {
         match self {
             Self::Nut => "the conductance of the nut is",
             Self::ScrewFilm => "the film coefficient of the screw is",

@@ -7,7 +7,7 @@
 use std::array::from_fn;
 
 use bsm_kin::{Jet, Scalar};
-use bsm_newton::{Equations, EvalError, implicit_slopes};
+use bsm_newton::{Equations, EvalError, NoSlopes, implicit_slopes};
 
 use super::equations::Workspace;
 use crate::outcome::{NoAnswer, Reason, domain_error};
@@ -41,8 +41,8 @@ impl<D: Scalar> Performance<D> {
 ///
 /// # Errors
 ///
-/// [`Reason::Newton`] if the Jacobian is singular, and [`Reason::Refused`] if the equations cannot
-/// be evaluated.
+/// [`Reason::SingularRoot`] if the Jacobian is singular, and [`Reason::Refused`] if the equations
+/// cannot be evaluated.
 pub(crate) fn moving_root<const N: usize, const M: usize>(
     system: &impl Equations<N>,
     x: &[f64; N],
@@ -54,11 +54,10 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     let by_inputs = residual(&x.map(Jet::from)).map_err(domain_error)?;
     let mut columns: [[f64; N]; M] = from_fn(|i| from_fn(|row| by_inputs[row].eps[i]));
     // dx/dp = −J⁻¹ F_p                                                    (V2)
-    let status = implicit_slopes(system, x, weights, &mut columns, newton);
-    if status != bsm_newton::Termination::Converged {
-        let (residual, worst_equation) = (f64::NAN, String::new());
-        return Err(NoAnswer::not_converged(Reason::Newton { status, residual, worst_equation }));
-    }
+    implicit_slopes(system, x, weights, &mut columns, newton).map_err(|error| match error {
+        NoSlopes::Refused(error) => domain_error(error),
+        NoSlopes::Singular(_) => NoAnswer::not_converged(Reason::SingularRoot),
+    })?;
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }
 

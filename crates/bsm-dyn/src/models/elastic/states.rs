@@ -118,7 +118,7 @@ impl<F: Real> SlidingBall<F> {
         let (unloaded, softness) =
             (self.offsets[0] + self.offsets[1], self.approaches[0] + self.approaches[1]);
         let mut sines = self.at_angle(self.radial_distance / unloaded);
-        let mut carried = zero.lt(zero);
+        let mut carried = zero.mask(false);
         for _ in 0..4 {
             // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
             let mut load = sines.load_ratio(back, friction);

@@ -56,7 +56,7 @@ pub(super) enum PathResult {
     /// along the path. The angles belong to the first root or to the end of the path.
     OffFlank([f64; 2]),
     /// Path tracking failed before the end of the path.
-    Nothing,
+    Lost,
 }
 
 /// Quantity that changes along a path.
@@ -149,7 +149,7 @@ impl SlipBall<'_> {
         searched();
         let still = self.contacts.with_inertia(0.0);
         let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
-        let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Nothing };
+        let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Lost };
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // At the initial creep speed, friction is nearly proportional to the slip.
         let begin = (10.0 * self.lever(&y)).ln();
@@ -161,7 +161,7 @@ impl SlipBall<'_> {
             report.converged()
         });
         if arrived.is_err() {
-            return PathResult::Nothing;
+            return PathResult::Lost;
         }
         if slippery.friction < self.contacts.friction {
             let resting = SlipBall { contacts: &still, ..*self };
@@ -187,7 +187,7 @@ impl SlipBall<'_> {
                 return if none {
                     PathResult::OffFlank(self.angles(&end))
                 } else {
-                    PathResult::Nothing
+                    PathResult::Lost
                 };
             }
         }
@@ -257,10 +257,10 @@ impl SlipBall<'_> {
         let (end, ended) = (ball(&seen.last), seen.end == PathEnd::Ended);
         let is_off = self.is_off_flank(&end, FLANK_ANGLE_TOL);
         found.unwrap_or_else(|| match off_flank {
-            _ if !ended && !is_off => PathResult::Nothing,
+            _ if !ended && !is_off => PathResult::Lost,
             Some(angles) => PathResult::OffFlank(angles),
             None if is_off => PathResult::OffFlank(self.angles(&end)),
-            None => PathResult::Nothing,
+            None => PathResult::Lost,
         })
     }
 }

@@ -87,7 +87,7 @@ impl SlipBall<'_> {
             transmitted.torque += step * torque_slope[k];
         }
         let root = SlipRoot { unknowns, residual: report.residual, ..*near };
-        let loaded = self.admitted(&root)?;
+        let loaded = self.admitted(&root).ok()?;
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
@@ -121,7 +121,7 @@ impl SlipBall<'_> {
     ///
     /// # Errors
     ///
-    /// [`Reason`] if Newton's method fails or a contact is off its flank.
+    /// [`Reason`] if Newton's method fails, a contact is off its flank or the ball rotates too fast.
     pub(super) fn solved(
         &self,
         mut y: [f64; BALL],
@@ -130,18 +130,16 @@ impl SlipBall<'_> {
     ) -> Result<SlipRoot, Reason> {
         let Outcome { report, last, .. } = self.run(&mut y, newton);
         *steps += report.steps.len();
-        if report.converged() {
-            if self.is_first_try() {
-                // The residual after the final step is not evaluated.
-                let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
-                y = next.unwrap_or(y);
-            }
-            let root = self.with_nut_angle(y, report.residual, newton, steps);
-            if self.is_admissible(&root) {
-                return Ok(root);
-            }
+        if !report.converged() {
+            return Err(report.into());
         }
-        Err(report.into())
+        if self.is_first_try() {
+            // The residual after the final step is not evaluated.
+            let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
+            y = next.unwrap_or(y);
+        }
+        let root = self.with_nut_angle(y, report.residual, newton, steps);
+        self.admitted(&root).map(|_| root)
     }
 
     /// Creates the root with the unknowns `y`. The unknowns are converted to (T10) if the
@@ -170,16 +168,26 @@ impl SlipBall<'_> {
 
     /// Returns true if both contacts of a root are on their flanks.
     pub(super) fn is_admissible(&self, root: &SlipRoot) -> bool {
-        self.admitted(root).is_some()
+        self.admitted(root).is_ok()
     }
 
-    /// Returns the contacts at a root, or `None` if a contact is off its flank or the ball rotates
-    /// faster than [`MAX_ANGULAR_SPEED`].
-    fn admitted(&self, root: &SlipRoot) -> Option<BallLoads<f64>> {
+    /// Returns the contacts at a root.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason`] if a contact is off its flank, or if the ball rotates faster than
+    /// [`MAX_ANGULAR_SPEED`], which is not a root.
+    fn admitted(&self, root: &SlipRoot) -> Result<BallLoads<f64>, Reason> {
         let y = &root.unknowns;
-        let loaded = self.of(root).loaded(y).ok()?;
-        let slow = OMEGA.iter().all(|i| y[*i].abs() < MAX_ANGULAR_SPEED);
-        (slow && are_on_flanks(loaded.angles, 0.0)).then_some(loaded)
+        let loaded = self.of(root).loaded(y).map_err(|error| Reason::Refused { error })?;
+        if !are_on_flanks(loaded.angles, 0.0) {
+            let [nut, screw] = loaded.angles;
+            return Err(Reason::BallLeavesFlank { nut, screw });
+        }
+        if OMEGA.iter().any(|i| !(y[*i].abs() < MAX_ANGULAR_SPEED)) {
+            return Err(Reason::SearchLost);
+        }
+        Ok(loaded)
     }
 
     /// Returns true if the powers of a root balance (B10).

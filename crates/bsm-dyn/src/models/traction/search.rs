@@ -87,7 +87,7 @@ impl SlipBall<'_> {
             return Ok(root);
         }
         let mut path = self.followed(newton, steps);
-        if matches!(path, PathResult::Nothing) {
+        if matches!(path, PathResult::Lost) {
             // Under a high centrifugal load, the unknowns (T1) suffer from cancellation.
             path = SlipBall { uses_nut_angle: true, ..*self }.followed(newton, steps);
         }
@@ -97,7 +97,7 @@ impl SlipBall<'_> {
                 let evidence = Evidence::Traced { resolution: STEP_CONTROL.longest };
                 Err(NoAnswer::none(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
-            PathResult::Nothing => Err(NoAnswer::LOST),
+            PathResult::Lost => Err(NoAnswer::LOST),
         }
     }
 }

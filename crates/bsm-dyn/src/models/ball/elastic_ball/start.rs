@@ -1,6 +1,6 @@
 //! Starting values for models of a ball with two elastic contacts.
 //!
-//! Theory: `docs/theory/06-elastic-contact.md`, equation (P4).
+//! Theory: `docs/theory/07-raceway-control.md`, equation (W12), with the geometry (J7) of chapter 06.
 
 use std::f64::consts::PI;
 
@@ -31,8 +31,11 @@ impl ElasticContacts {
         };
         let (mut state, too_far) = at(self.contact_angle);
         let ends = [self.contact_angle, PI];
+        // At a screw angle of π, both radial distances are negative, and the excess is below -1. Any
+        // negative number serves as the value at this end.
         let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
-        bracket.root(|screw| {
+        // The last evaluated state is a sufficient starting value, even if the search fails.
+        let _ = bracket.root(|screw| {
             let (found, excess) = at(screw);
             state = found;
             excess
