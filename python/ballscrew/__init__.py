@@ -10,12 +10,13 @@
 ('raceway-control', 0.986)
 """
 
-from ballscrew import _api, _errors, plot
+from ballscrew import _api, _errors, _parts, plot
 from ballscrew._api import *
 from ballscrew._core import __version__
 from ballscrew._errors import *
-from ballscrew._parts import Plan, plan, run_part, solve_part
+from ballscrew._parts import *
 
-__all__ = ["Plan", "__version__", "plan", "plot", "run_part", "solve_part"]
+__all__ = ["__version__", "plot"]
 __all__ += _api.__all__
 __all__ += _errors.__all__
+__all__ += _parts.__all__

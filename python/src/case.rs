@@ -53,6 +53,7 @@ impl Case {
         format!("{:#}", self.0.to_json())
     }
 
+    #[getter]
     fn warnings(&self) -> Vec<String> {
         let unused = self.0.given().unused_by_models();
         self.0.warnings().into_iter().chain(unused).collect()

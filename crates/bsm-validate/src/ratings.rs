@@ -7,6 +7,7 @@ use bsm_design::{BALL_GAP, Nut, NutBody, NutSet, PRELOAD, ROLLING_LEVER, Thread,
 use bsm_dyn::Material;
 use serde::Deserialize;
 
+use crate::report::largest;
 use crate::{Check, PublishedData, ValidateError};
 
 const TABLES: &str = "Sobolewski (2002), according to ISO/DP 9783 and 9784";
@@ -189,15 +190,13 @@ fn statements(rows: &[Row]) -> [Check; 2] {
         let f = 0.51 + 0.01 * f64::from(i);
         Nut { conformity: (f, f), ..row.nut() }
     };
-    let largest = |nut: &dyn Fn(&Row, i32) -> Nut, steps: i32| {
+    let largest_step = |nut: &dyn Fn(&Row, i32) -> Nut, steps: i32| {
         let numbers: [fn(&Nut) -> f64; 2] = [|nut| nut.dynamic_rating().rating, pair_stiffness];
         let step = |row: &Row, i: i32| {
-            numbers.iter().map(|of| of(&nut(row, i + 1)) / of(&nut(row, i))).fold(0.0, f64::max)
+            largest(numbers.iter().map(|of| of(&nut(row, i + 1)) / of(&nut(row, i))))
         };
-        rows.iter()
-            .flat_map(|row| (0..steps).map(move |i| (row, i)))
-            .map(|(row, i)| step(row, i))
-            .fold(0.0, f64::max)
+        let steps = rows.iter().flat_map(|row| (0..steps).map(move |i| (row, i)));
+        largest(steps.map(|(row, i)| step(row, i)))
     };
     let check = |key: &str, claim: &str, largest: f64| {
         Check::new(key, PAPER, claim)
@@ -208,12 +207,12 @@ fn statements(rows: &[Row]) -> [Check; 2] {
         check(
             "ratings/contact-angle",
             "load rating and stiffness decrease if the contact angle decreases from 45 to 30 deg",
-            largest(&angle, 15),
+            largest_step(&angle, 15),
         ),
         check(
             "ratings/conformity",
             "load rating and stiffness decrease if the conformity increases from 0.51 to 0.57",
-            largest(&conformity, 6),
+            largest_step(&conformity, 6),
         ),
     ]
 }

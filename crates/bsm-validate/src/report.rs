@@ -44,6 +44,12 @@ pub struct Check {
     pub verdict: Verdict,
 }
 
+/// Returns the largest of numbers that are not negative, or NaN if a number is NaN.
+pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    let larger = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
+    numbers.into_iter().fold(0.0, larger)
+}
+
 impl Check {
     /// Creates a check. It is a finding until a condition is set.
     pub(crate) fn new(key: &str, source: &str, claim: impl Into<String>) -> Self {

@@ -101,7 +101,7 @@ fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
 /// Returns the difference between the largest and the smallest y.
 fn spread(points: &[(f64, f64)]) -> f64 {
     let values = || points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
-    values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min)
+    values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
 
 /// The behavior of a curve, compared with the claim.

@@ -8,6 +8,7 @@ use bsm_dyn::{
 use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
 
+use crate::report::largest;
 use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Xu and Tang 2015";
@@ -84,7 +85,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         ContactSite { site: Site::Screw, angle: screw },
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
-    let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
+    let worst = largest((0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()));
     // Eq 3 with only the axial displacement, which is the same at both raceways.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
@@ -104,10 +105,8 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
     let binormal = displacement * problem.at.point.helix.lead_angle.cos();
     let (sin, cos) = problem.at.point.contact_angle.sin_cos();
-    let off = [radial - length * cos, axial - length * sin - binormal]
-        .map(|x| x.abs() / length)
-        .into_iter()
-        .fold(0.0, f64::max);
+    let off = [radial - length * cos, axial - length * sin - binormal];
+    let off = largest(off.map(|x| x.abs() / length));
     let check = |key: &str, equation: &str, claim: &str| {
         Check::new(&format!("xu2015/{key}"), &format!("{SOURCE}, {equation}"), claim)
     };

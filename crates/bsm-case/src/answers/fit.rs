@@ -307,7 +307,7 @@ impl Fit {
     /// Returns [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
     pub fn of_limit(case: &Case, input: &FittedInput, rule: &str) -> Result<Self, CaseError> {
         let known = rule_titles().find(|title| *title == rule.trim()).ok_or_else(|| {
-            CaseError::unknown_word("rule", rule, &rule_titles().collect::<Vec<_>>())
+            CaseError::unknown_word("rule", "rule", rule, &rule_titles().collect::<Vec<_>>())
         })?;
         Self::with(case, input, Target::Limit { rule: known })
     }

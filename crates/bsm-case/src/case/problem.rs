@@ -56,7 +56,7 @@ impl ModelChoice {
             return Ok(Self::Auto);
         }
         Model::from_name(name).map(Self::Fixed).ok_or_else(|| {
-            CaseError::unknown_word("model", name, &Self::names().collect::<Vec<_>>())
+            CaseError::unknown_word("model", "model", name, &Self::names().collect::<Vec<_>>())
         })
     }
 }
@@ -124,14 +124,20 @@ impl Settings {
         friction: Option<&str>,
     ) -> Result<Self, CaseError> {
         let raceway = |name: &str| {
-            let unknown =
-                || CaseError::unknown_word("raceway", name, &Control::ALL.map(Control::name));
+            let unknown = || {
+                CaseError::unknown_word(
+                    "control",
+                    "raceway",
+                    name,
+                    &Control::ALL.map(Control::name),
+                )
+            };
             Control::from_name(name).ok_or_else(unknown)
         };
         let control = control.map(raceway).transpose()?;
         let place = |name: &str| {
             let known = RacewayFriction::ALL.map(RacewayFriction::name);
-            let unknown = || CaseError::unknown_word("friction", name, &known);
+            let unknown = || CaseError::unknown_word("friction", "friction", name, &known);
             RacewayFriction::from_name(name).ok_or_else(unknown)
         };
         let friction = friction.map_or(Ok(RacewayFriction::default()), place)?;

@@ -175,12 +175,15 @@ impl CaseError {
 
     /// Creates the error for a text that is not one of the known values. The message suggests the
     /// most similar known value.
-    pub(crate) fn unknown_word(kind: &str, name: &str, known: &[&str]) -> Self {
+    ///
+    /// * `key`: name of the option.
+    /// * `kind`: what the values are.
+    pub(crate) fn unknown_word(key: &str, kind: &str, name: &str, known: &[&str]) -> Self {
         let near = nearest(name, known.iter().copied());
         let hint =
             near.map_or_else(|| "the".to_owned(), |near| format!("did you mean `{near}`? The"));
         let known = known.join(", ");
-        Self::entry(name, format!("unknown {kind} `{name}`; {hint} {kind}s are {known}"))
+        Self::entry(key, format!("unknown {kind} `{name}`; {hint} {kind}s are {known}"))
     }
 
     /// Creates the error for a setting or a grid axis that cannot be parsed.
