@@ -2022,7 +2022,7 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2054,7 +2054,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2095,7 +2095,7 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2127,7 +2127,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2167,7 +2167,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2207,7 +2207,7 @@ def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpa
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2244,7 +2244,7 @@ def axis(
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
