@@ -1,7 +1,7 @@
-"""Builds the package with maturin, and adds the types of names that only the compiled part knows.
+"""Build the package with maturin, and add type information for names that only the compiled module defines.
 
-`python python/backend.py [WHEEL]` writes these types beside the sources, from the compiled part of a wheel or from the
-installed one.
+`python python/backend.py [WHEEL]` writes the type information beside the sources. It reads the names from the compiled
+module in the wheel, or from the installed package if no wheel is given.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-# `python backend.py` writes types without the build tool.
+# `python backend.py` only writes type information, so it does not need maturin.
 if __name__ != "__main__":
     import maturin
 
     # Hooks that this file does not replace are imported by name. Maturin has no list of its hooks, so a star import
-    # would replace `build_wheel` and `build_editable` below.
+    # would also import `build_wheel` and `build_editable`, which are defined below.
     build_sdist = maturin.build_sdist
     get_requires_for_build_editable = maturin.get_requires_for_build_editable
     get_requires_for_build_sdist = maturin.get_requires_for_build_sdist
@@ -30,21 +30,24 @@ SOURCES = Path(__file__).parent
 
 
 def build_wheel(folder: str, settings: dict[str, Any] | None = None, metadata: str | None = None) -> str:
-    """Build twice, because the compiled part of the first wheel knows the types for the second one. Nothing is compiled
-    again."""
+    """Build a wheel in two steps.
+
+    The compiled module in the first wheel provides the type information for the second wheel. The second step does not
+    compile the module again.
+    """
     read_types(Path(folder, maturin.build_wheel(folder, settings, metadata)))
     return str(maturin.build_wheel(folder, settings, metadata))
 
 
 def build_editable(folder: str, settings: dict[str, Any] | None = None, metadata: str | None = None) -> str:
-    """Build in place, so that the sources are used directly."""
+    """Build an editable installation, which uses the sources directly."""
     name = str(maturin.build_editable(folder, settings, metadata))
     write_types(SOURCES)
     return name
 
 
 def read_types(wheel: Path) -> None:
-    """Write the types that the compiled part of a wheel knows."""
+    """Write the type information from the compiled module in a wheel."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as built:
         with zipfile.ZipFile(wheel) as packed:
             packed.extractall(built)
@@ -52,9 +55,9 @@ def read_types(wheel: Path) -> None:
 
 
 def write_types(built: str | Path) -> None:
-    """Write `_vocabulary.pyi` beside the sources, with everything that `_vocabulary.py` of a built package creates.
+    """Write `_vocabulary.pyi` beside the sources. It describes everything that `_vocabulary.py` creates at run time.
 
-    * `built`: folder of the built package.
+    * `built`: folder that contains the built package.
     """
     sys.path.insert(0, str(built))
     from ballscrew import _vocabulary as made

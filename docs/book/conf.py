@@ -1,5 +1,6 @@
-"""The book: README, docs and executed notebooks as one site that can be searched and read offline. `just book` builds it.
+"""Sphinx configuration of the book, which `just book` builds.
 
+The book is a site that contains README, docs and executed notebooks, and can be searched and read offline.
 docs/README.md is the table of contents: each heading is a part of the book, and each link below it is a chapter.
 The pages of docs/reference end with the help texts and schemas that the program prints.
 """
@@ -31,12 +32,12 @@ exclude_patterns = ["target", ".git", "crates"]
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
-# A notebook is executed whenever Sphinx reads it, which python/check forces. The cache of myst-nb is not used, because
-# it writes notebooks without outputs.
+# Sphinx executes a notebook whenever it reads the notebook, and python/check forces it to read all notebooks. The cache
+# of myst-nb is not used, because it writes notebooks without outputs.
 nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
-# Seconds of a cell. The longest one takes 5 s on two free cores.
+# Time limit of a cell [s]. The slowest cell takes 5 s on two idle cores.
 nb_execution_timeout = 300
 nb_merge_streams = True
 html_theme = "furo"
@@ -45,15 +46,15 @@ html_static_path = [str(KATEX / "katex.css"), "book.css"]
 html_css_files = ["katex.css", "book.css"]
 html_copy_source = False
 html_math_renderer = "katex"
-# Code fences contain file names (`csv loads.csv`) or state how tests run them (`sh long`). Several classes of the Python
-# package have an attribute of the same name, such as `message`.
+# Two warnings are suppressed. Code fences contain file names (`csv loads.csv`) or state how tests run them (`sh long`),
+# and several classes of the Python package have attributes with the same name, such as `message`.
 suppress_warnings = ["misc.highlighting_failure", "ref.python"]
 html_show_copyright = False
 html_permalinks_icon = "#"
 
 
 def prepare_kernel():
-    """Lets the kernel of the notebooks import the package and draw pictures as SVG."""
+    """Configure the kernel of the notebooks so that it can import the package and draws pictures as SVG."""
     profile = ROOT / "target/ipython/profile_default"
     profile.mkdir(parents=True, exist_ok=True)
     settings = 'c.InlineBackend.figure_formats = {"svg"}\nc.IPKernelApp.log_level = "ERROR"\n'
@@ -64,7 +65,7 @@ def prepare_kernel():
 
 
 def program():
-    """Return the path of the program: `BSM`, the release build or the debug build, in this order."""
+    """Return the first existing program: the path in `BSM`, the release build, or the debug build."""
     for place in os.environ.get("BSM", ""), ROOT / "target/release/bsm", ROOT / "target/debug/bsm":
         if Path(place).is_file():
             return place
@@ -76,7 +77,10 @@ def said(*arguments):
 
 
 def leaves(schema):
-    """Return the described values of a JSON Schema by name, without the case that some results repeat."""
+    """Return all values of a JSON Schema that have a description, by name.
+
+    Some results repeat the case; its values are omitted.
+    """
     found = {}
     for name, entry in schema.get("properties", {}).items():
         if name in ("inputs", "case"):
@@ -88,7 +92,7 @@ def leaves(schema):
 
 
 def table(schema):
-    """Return a table of the names of a JSON Schema, with the permitted values and the meanings."""
+    """Return a Markdown table of the names in a JSON Schema, with their permitted values and meanings."""
     bounds = {"exclusiveMinimum": "> ", "minimum": "≥ ", "exclusiveMaximum": "< ", "maximum": "≤ ", "default": "default "}
     rows = ["| name | value | meaning |", "|---|---|---|"]
     for name, entry in leaves(schema).items():
@@ -100,7 +104,7 @@ def table(schema):
 
 
 def units():
-    """Return a table of the units by quantity."""
+    """Return a Markdown table that lists the units of each quantity."""
     rows = ["## Units", "", "| quantity | units at the end of a name (units of the vocabulary first) |", "|---|---|"]
     for quantity, endings in json.loads(said("schema", "units")).items():
         rows.append(f"| {quantity} | {' '.join(f'`{unit}`' for unit in endings)} |")
@@ -131,7 +135,7 @@ GENERATED = {
 
 
 def contents():
-    """Yield a hidden table of contents for each heading of docs/README.md that has links."""
+    """Yield a hidden table of contents for each heading of docs/README.md with links below it."""
     text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
     yield "\n```{toctree}\n:hidden:\nContents </docs/README.md>\n```\n"
     seen = {"README.md"}
@@ -159,7 +163,7 @@ def read(_app, name, source):
 
 
 def formula(self, node, form):
-    """Write the markup of rustdoc, which the script of docs/katex renders as formulas."""
+    """Write a formula with the same markup as rustdoc. The script in docs/katex renders this markup."""
     self.body.append(form.format(html.escape(node.astext(), quote=False)))
     raise SkipNode
 

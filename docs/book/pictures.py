@@ -1,4 +1,4 @@
-"""Copies the last picture of each executed notebook to docs/img for the gallery; run it after the book is built."""
+"""Copy the last picture of each executed notebook to docs/img for the gallery. Build the book before you run this."""
 
 import json
 import re
@@ -8,7 +8,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def pictures(notebook):
-    """Yields the SVG pictures of an executed notebook."""
+    """Yield the SVG pictures of an executed notebook."""
     for cell in notebook["cells"]:
         for output in cell.get("outputs", []):
             lines = output.get("data", {}).get("image/svg+xml")
@@ -18,6 +18,6 @@ def pictures(notebook):
 
 for path in sorted((ROOT / "target/jupyter_execute/python/notebooks").glob("*.ipynb")):
     *_, last = pictures(json.loads(path.read_text(encoding="utf-8")))
-    # The metadata contain the time of the drawing.
+    # The metadata contain the time at which the picture was drawn.
     last = re.sub(r" <metadata>.*?</metadata>\n", "", last, flags=re.DOTALL)
     (ROOT / f"docs/img/notebook-{path.stem.replace('_', '-')}.svg").write_text(last, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Steady motion of the balls of a ball screw: loads, contact angles, slip, efficiency, torque.
+"""Calculate the steady motion of the balls of a ball screw: loads, contact angles, slip, efficiency and torque.
 
 >>> import ballscrew as bs
 >>> screw = bs.Case(

@@ -1,4 +1,4 @@
-"""The public functions, which are thin wrappers of the compiled module `_core`."""
+"""The public functions of the package. They are thin wrappers around the compiled module `_core`."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ __all__ = [
 Progress = Callable[[int, int], object]
 
 Point: TypeAlias = "Case | Mapping[str, Any] | None"
-"""A case, its inputs by name, or None if keywords give all inputs."""
+"""A case, a mapping of input names to values, or None if keywords give all inputs."""
 
 
 class Quantity(NamedTuple):
@@ -115,21 +115,22 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     name : str
-        Name, with its unit as suffix.
+        Name, which ends with the unit.
     unit : str
-        Unit; empty if dimensionless.
+        Unit. It is empty for a dimensionless quantity.
     about : str
-        Meaning.
+        Meaning of the quantity.
     default : float or None
-        Default of an input.
+        Default value of an input.
     rule : str or None
-        Rule for the value of an input.
+        Rule that the value of an input must satisfy.
     values : tuple of str
-        Possible values of a text.
+        Permitted values of a text.
     kind : str
-        Type in JSON: number, integer, boolean, string or array.
+        JSON type: number, integer, boolean, string or array.
     analysis : str or None
-        Analysis of an output: slip, jam, optimum, ratings, nut, axis, warm.
+        Analysis that calculates an output: slip, jam, optimum, ratings, nut, axis or warm. None for an output of a
+        solution.
     """
 
     name: str
@@ -154,14 +155,14 @@ INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
      for name, unit, about, default, rule in _core.inputs()),
     (Quantity(name, "", about, values=tuple(values), kind=kind) for name, about, kind, values in _core.case_choices()),
 ))
-"""All inputs by name: numbers, then texts, lists and flags."""
+"""All inputs by name: first the numbers, then texts, lists and flags."""
 
-# If an analysis repeats a number of the solution, the number of the solution counts.
+# If an analysis repeats an output of the solution, the entry describes the output of the solution.
 OUTPUTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, kind=kind, values=tuple(values), analysis=analysis)
     for name, unit, about, kind, values, analysis in _core.outputs()
 )
-"""All outputs by name: outputs of a solution, followed by outputs of the analyses."""
+"""All outputs by name: first the outputs of a solution, then the outputs of the analyses."""
 
 MODELS: tuple[Model, ...] = cast("tuple[Model, ...]", tuple(_core.MODELS))
 """The models, with `auto` first."""
@@ -170,27 +171,27 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement of `select` that are not inputs of a case."""
+"""Keys of a requirement for `select` that are not inputs of a case."""
 
 _NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
 
 
 class Case(CaseFields):
-    """One operating point of one screw, given by named inputs. The object is immutable.
+    """A screw and its operating point, described by named inputs. The object is immutable.
 
     Parameters
     ----------
     base : Case or mapping, optional
-        Source of the inputs that are not given.
+        Provides the inputs that are not given as keywords.
     **inputs
-        Inputs by name, each in the unit at the end of its name. `lead_mm` replaces a lead angle of `base` and vice
-        versa, and None removes an input of `base`. Objects with `.to` and `.magnitude` (pint) are converted.
+        Inputs by name, each in the unit at the end of its name. `lead_mm` replaces a lead angle of `base`, and vice
+        versa. None removes an input of `base`. Objects with `.to` and `.magnitude` (pint quantities) are converted.
 
     Raises
     ------
     InputError
-        For an unknown name, or a value that violates a rule.
+        If a name is unknown or a value violates a rule.
 
     Examples
     --------
@@ -235,7 +236,7 @@ class Case(CaseFields):
         Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
 
     def replace(self, **inputs: Unpack[Inputs]) -> Self:
-        """Return the case with other inputs. A lead replaces a lead angle, and vice versa."""
+        """Return a copy of the case with changed inputs. A lead replaces a lead angle, and vice versa."""
         return type(self)(self, **inputs)
 
     __replace__ = replace
@@ -245,7 +246,7 @@ class Case(CaseFields):
         return self._to_dict()
 
     def keys(self) -> Iterable[str]:
-        """Return the names of the given inputs. Together with `[]`, this supports `{**case}`."""
+        """Return the names of the given inputs. Together with `[]`, this method supports `{**case}`."""
         return self.to_dict().keys()
 
     def items(self) -> Iterable[tuple[str, Any]]:
@@ -274,9 +275,9 @@ class Case(CaseFields):
 
 
 class Solution(SolutionFields):
-    """Solution of one point, with a status, a message, and a property for each output.
+    """Solution at one operating point, with a status, a message, and a property for each output.
 
-    Numbers that the model does not calculate are NaN.
+    Outputs that the model does not calculate are NaN.
 
     Attributes
     ----------
@@ -284,8 +285,12 @@ class Solution(SolutionFields):
         `converged`, or the reason why there is no result.
     model : str
         Model that solved the point.
-    message, choice, regime : str or None
-        Reason why there is no result; reason for the choice of `auto`; regime of the motion.
+    message : str or None
+        Reason why there is no result.
+    choice : str or None
+        Reason why `auto` chose the model.
+    regime : str or None
+        Regime of the motion, such as rolling.
     warnings : list of str
         Warnings to read before using the numbers.
     case : Case
@@ -301,23 +306,27 @@ class Solution(SolutionFields):
 
     @property
     def screw_torque_Nm(self) -> float:
-        """Torque of the whole screw [N m]: balls, preload, seals and support bearings. It is NaN if the model
-        calculates none.
+        """Screw torque [N m], which includes balls, preload, seals and support bearings.
 
-        `InputError` states why the torque of a preloaded nut cannot be solved. `to_dict()["torque_parts"]` contains its
-        parts.
+        The torque is NaN if the model does not calculate it. If the torque of a preloaded nut cannot be calculated,
+        an `InputError` states the reason. `to_dict()["torque_parts"]` contains the components of the torque.
         """
         return self.screw_torque()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the names and values of `bsm solve --show band --json`. Outputs that the model does not calculate are
-        None."""
+        """Return a dict with the names and values of `bsm solve --show band --json`.
+
+        Outputs that the model does not calculate are None.
+        """
         return self._to_dict()
 
     @property
     def intervals(self) -> dict[str, Any]:
-        """Ends of the 90 % interval of each number that depends on an estimated groove, by name. The dict is empty if
-        the groove is given. The point is solved again for 32 possible grooves."""
+        """Ends of the 90 % interval of each number that depends on an estimated groove, by name.
+
+        To calculate the intervals, the point is solved again for 32 possible grooves. The dict is empty if the groove
+        is given.
+        """
         return _intervals(self.to_dict())
 
     def __repr__(self) -> str:
@@ -334,7 +343,7 @@ class Solution(SolutionFields):
             raise AttributeError(f"a solution has no `{name}`{_near(name, dir(type(self)))}", name=name, obj=self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # The same program solves the case to bit-identical results.
+        # Solving the case again with the same program gives bit-identical results.
         return type(self), (self.case, self.how)
 
     def _repr_html_(self) -> str:
@@ -352,7 +361,7 @@ _MAIN = ("efficiency", "ball_torque_Nm", "nut_normal_load_N", "nut_contact_angle
 
 
 class TextColumn:
-    """Column of texts with few different values, stored as one index into `categories` per row."""
+    """Column of texts with few distinct values. Each row stores an index into `categories`."""
 
     __slots__ = ("_found", "_load")
 
@@ -371,12 +380,12 @@ class TextColumn:
 
     @property
     def codes(self) -> NDArray[np.int8]:
-        """Index into `categories` for each row, -1 for a missing text."""
+        """Index into `categories` for each row. A missing text has the index -1."""
         return self._get()[0]
 
     @property
     def categories(self) -> tuple[str, ...]:
-        """Different texts of the column."""
+        """Distinct texts of the column."""
         return self._get()[1]
 
     def __len__(self) -> int:
@@ -410,7 +419,7 @@ def _text_column(codes: NDArray[np.int8], categories: Sequence[str]) -> TextColu
 
 
 class AxisColumn:
-    """Axis of a grid as a column, in which each value is repeated. The repeated values are not stored."""
+    """Axis of a grid as a column with repeated values. Each value is stored only once."""
 
     __slots__ = ("_each", "_times", "_values")
 
@@ -420,7 +429,7 @@ class AxisColumn:
         self._times = times
 
     def to_numpy(self) -> Floats:
-        """Return one value per row."""
+        """Return an array with one value per row."""
         import numpy as np
 
         return np.tile(np.repeat(self._values, self._each), self._times)
@@ -438,13 +447,13 @@ class MessageColumn:
 
     @property
     def texts(self) -> dict[int, str]:
-        """Messages by row, except messages that are None."""
+        """Messages by row index. Rows without a message are omitted."""
         if self._texts is None:
             self._texts = dict(self._load())
         return self._texts
 
     def to_numpy(self) -> NDArray[np.object_]:
-        """Return one message or None per row."""
+        """Return an array with the message of each row, or None."""
         import numpy as np
 
         column = np.full(self._length, None, dtype=object)
@@ -461,12 +470,12 @@ def _message_column(texts: Mapping[int, str], length: int) -> MessageColumn:
 
 
 class Table:
-    """Columns of equal length. The object is immutable.
+    """Table with columns of equal length. The object is immutable.
 
-    `table["efficiency"]` is a read-only NumPy array. Texts are arrays of texts, and booleans are 1 and 0. A list of
-    names, a slice or a mask, such as `table[["model", "efficiency"]]`, `table[:5]` and `table[table.ok]`, selects
-    columns or rows as a new table. For frames use `to_pandas`, `to_polars`, `to_arrow`, or any library that reads an
-    Arrow stream.
+    `table["efficiency"]` is a read-only NumPy array. Booleans are stored as 1 and 0. A list of names, a slice or a
+    mask selects columns or rows and returns a new table, as in `table[["model", "efficiency"]]`, `table[:5]` and
+    `table[table.ok]`. To create a data frame, use `to_pandas`, `to_polars`, `to_arrow`, or any library that reads
+    Arrow streams.
     """
 
     def __init__(
@@ -538,7 +547,7 @@ class Table:
         return self._part({name: _rows_of(name, column, rows) for name, column in self._columns.items()}, rows)
 
     def _part(self, columns: Mapping[str, Any], rows: NDArray[np.int_]) -> Table:
-        """Return a table with some of the columns, in which `rows` are the rows of this table."""
+        """Return a table with the given columns, whose rows are the rows `rows` of this table."""
         return Table(columns, {name: unit for name, unit in self._units.items() if name in columns}, len(rows))
 
     def head(self, rows: int = 5) -> Table:
@@ -582,19 +591,22 @@ class Table:
         return ok
 
     def message(self, row: int) -> str | None:
-        """Return the reason why a row has no result or, with `text=True`, the reason for the choice of `auto`."""
+        """Return the reason why a row has no result.
+
+        If the table was created with `text=True`, return the reason for the choice of `auto` for a row with a result.
+        """
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         messages = self._columns.get("message")
         return messages.texts.get(row % self._length) if isinstance(messages, MessageColumn) else None
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """Return the columns as lists by name, with None for missing values."""
+        """Return a dict that maps each column name to a list of values. Missing values are None."""
         return {name: [None if isinstance(v, float) and math.isnan(v) else v for v in self[name].tolist()]
                 for name in self._columns}
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        # The Arrow interface permits ignoring a requested schema.
+        # According to the Arrow interface, a producer may ignore the requested schema.
         return self._arrow()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -624,17 +636,17 @@ class Table:
         return _core.to_arrow(columns)
 
     def to_arrow(self) -> pa.Table:
-        """Return a pyarrow table, with units in the metadata of its fields."""
+        """Return a pyarrow table. The metadata of its fields contain the units."""
         table: pa.Table = _library("pyarrow", "to_arrow").table(self)
         return table
 
     def to_polars(self) -> pl.DataFrame:
-        """Return a polars frame."""
+        """Return a polars data frame."""
         frame: pl.DataFrame = _library("polars", "to_polars").DataFrame(self)
         return frame
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a pandas frame. `model` and `status` are categories."""
+        """Return a pandas data frame, in which `model` and `status` are categorical."""
         pandas = _library("pandas", "to_pandas")
         data: dict[str, Any] = {}
         for name, column in self._columns.items():
@@ -647,7 +659,7 @@ class Table:
         return frame
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the table in the format of the program, as .csv, .jsonl or .parquet."""
+        """Write the table to a .csv, .jsonl or .parquet file, in the format of the program."""
         if self._rows is not None:
             self._rows.write(Path(path))
         elif any(isinstance(column, _core.KeptColumn) or self[name].dtype in (object, bool)
@@ -704,7 +716,7 @@ def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
 
 
 class Grid(Table):
-    """Table over a full grid. The last axis varies fastest. The first columns are the axes, repeated in each row."""
+    """Table of a full grid. The first columns are the axes. The last axis varies fastest."""
 
     def __init__(
         self,
@@ -727,7 +739,7 @@ class Grid(Table):
 
     @property
     def axes(self) -> dict[str, Floats]:
-        """Values of each varied input."""
+        """Values of each varied input, by name."""
         return dict(self._axes)
 
     @property
@@ -752,7 +764,7 @@ class Grid(Table):
         return f"<{type(self).__name__} {axes}: {_few(name for name in self._columns if name not in self._axes)}>"
 
     def to_xarray(self) -> xr.Dataset:
-        """Return an xarray dataset. Its dimensions are the axes in their order."""
+        """Return an xarray dataset, whose dimensions are the axes of the grid in the same order."""
         import numpy as np
 
         xarray = _library("xarray", "to_xarray")
@@ -772,12 +784,13 @@ class Grid(Table):
 
 
 class Nuts(Table):
-    """Nuts of the catalog or of a manufacturer, with one row per nut.
+    """Table of nuts from the catalog or from a manufacturer, with one row per nut.
 
     Attributes
     ----------
     warnings : list of str
-        Rows of a manufacturer's table whose ratings and geometry contradict each other, and warnings for the first nut.
+        Messages about rows of a manufacturer's table whose ratings contradict their geometry, and warnings about the
+        first nut.
     """
 
     def __init__(
@@ -792,7 +805,7 @@ class Nuts(Table):
         super().__init__(columns, units, length)
         self._nuts = nuts
         self.warnings = list(warnings)
-        # Rows of the core, if the table is a selection.
+        # Row indices in the core, if this table contains only selected rows.
         self._places = places
 
     if TYPE_CHECKING:
@@ -813,7 +826,10 @@ class Nuts(Table):
         return Nuts(columns, units, len(rows), self._nuts, self.warnings, places)
 
     def case(self, row: int = 0) -> Case:
-        """Return the nut of a row for `ratings`, `nut` and `axis`. With a requirement, it is at its operating point."""
+        """Return the nut of a row as a case for `ratings`, `nut` and `axis`.
+
+        If the table was created with a requirement, the case contains the operating point of the requirement.
+        """
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
@@ -826,9 +842,9 @@ class Nuts(Table):
 
 
 class Section(Mapping[str, Any]):
-    """Values of an answer by name, with the names of the program's JSON. The object is read-only.
+    """Mapping of names to values, with the names of the program's JSON output. The object is read-only.
 
-    Each number is also an attribute, such as `mass_kg`. Numbers that are not calculated are None.
+    Each number is also an attribute, such as `mass_kg`. Numbers that were not calculated are None.
     """
 
     __slots__ = ("_entries",)
@@ -853,7 +869,7 @@ class Section(Mapping[str, Any]):
         return list(self._entries)
 
     def _value(self, name: str) -> Any:
-        """Return the value of a property. An answer without a result has no numbers."""
+        """Return the value of a property, or None if the answer has no result."""
         return self._entries.get(name)
 
     if not TYPE_CHECKING:
@@ -868,8 +884,11 @@ class Section(Mapping[str, Any]):
 
     @property
     def intervals(self) -> dict[str, Any]:
-        """Ends of the 90 % interval of each number that depends on an estimated groove, by name. Tables and rules have
-        the layout of their entries. The dict is empty if the groove is given."""
+        """Ends of the 90 % interval of each number that depends on an estimated groove, by name.
+
+        The intervals of tables and rules have the same layout as the tables and rules. The dict is empty if the groove
+        is given.
+        """
         return _intervals(self._entries)
 
     def __repr__(self) -> str:
@@ -877,12 +896,12 @@ class Section(Mapping[str, Any]):
 
 
 class Report(Section):
-    """Result of an analysis, with the names of the program's JSON. The object is read-only.
+    """Result of an analysis, with the names of the program's JSON output. The object is read-only.
 
     Attributes
     ----------
     found : bool
-        False if there is no result, in which case the program exits with 3.
+        False if there is no result. The program would then exit with code 3.
     warnings : list of str
         Warnings to read before using the numbers.
     """
@@ -896,7 +915,7 @@ class Report(Section):
 
     @property
     def notes(self) -> list[str]:
-        """Defaults that were used, and effects that are neglected."""
+        """Notes about the defaults that were used and the effects that were neglected."""
         notes: list[str] = self._entries.get("notes", [])
         return notes
 
@@ -921,14 +940,14 @@ class Report(Section):
 
 
 class NotGiven(NamedTuple):
-    """A missing input that a number treats as zero or absent.
+    """A missing input that was taken as zero or absent in the calculation of a number.
 
     Attributes
     ----------
     number : str
         Name of the number.
     text : str
-        Missing input, and how it is treated.
+        The missing input, and how the calculation treats it.
     """
 
     number: str
@@ -940,13 +959,13 @@ def _not_given(report: Report) -> list[NotGiven]:
 
 
 class MotionReport(Report):
-    """Analysis of a solved motion. If there is no motion, it has `status` and ``message`` instead of numbers."""
+    """Analysis of a steady motion. If there is no motion, it contains `status` and ``message`` instead of numbers."""
 
     __slots__ = ()
 
     @property
     def model(self) -> str:
-        """Model that solved the motion."""
+        """Model that calculated the motion."""
         model: str = self["model"]
         return model
 
@@ -969,38 +988,38 @@ class MotionReport(Report):
 
     @property
     def lacks(self) -> list[str]:
-        """Numbers that are not calculated, with the missing inputs."""
+        """Numbers that were not calculated, each with the missing inputs."""
         lacks: list[str] = self.get("lacks", [])
         return lacks
 
 
 class SlipReport(SlipFields, MotionReport):
-    """Speeds, ratios, moments and powers of slip at the contacts."""
+    """Slip at the contacts: speeds, ratios, moments and powers."""
 
     __slots__ = ()
 
 
 class JamReport(JamFields, MotionReport):
-    """Loads and approaches of the contacts, forces of wedge and ball return, critical friction, and margins."""
+    """Jamming: contact loads and approaches, forces at wedge and ball return, critical friction, and margins."""
 
     __slots__ = ()
 
 
 class Ellipse(NamedTuple):
-    """Fields over a contact ellipse.
+    """Distributions over a contact ellipse.
 
-    The arrays have rows along the groove and columns across it, with NaN outside the ellipse.
+    The rows of the arrays run along the groove and the columns across it. Values outside the ellipse are NaN.
 
     Attributes
     ----------
     contact : str
-        Contact: nut or screw.
+        Name of the contact, nut or screw.
     contact_angle_deg, normal_load_N, max_pressure_MPa : float
         Contact angle, normal load and maximum pressure.
     semi_axes_mm : list of float
-        Semi-axes across and along the groove.
+        Semi-axis across the groove and semi-axis along the groove.
     friction_force_N : list of float
-        Friction force across and along the groove.
+        Components of the friction force across and along the groove.
     friction_over_load : float
         Ratio of friction force to normal load.
     spin_rad_s, creep_speed_m_s : float
@@ -1008,17 +1027,17 @@ class Ellipse(NamedTuple):
     saturated : bool
         True if the whole ellipse slides.
     sticking_share : float
-        Share of the load at points that stick.
+        Fraction of the load that is carried by points that stick.
     rolling_lines : list of float
-        Places of the lines of pure rolling across the groove, relative to the semi-axis.
+        Positions of the lines of pure rolling across the groove, divided by the semi-axis.
     spin_poles : list of list of float
-        Places without slip, relative to the semi-axes.
+        Positions of the points without slip, divided by the semi-axes.
     places : array
-        Coordinates of the grid relative to the semi-axes, from -1 to 1.
+        Coordinates of the grid points, divided by the semi-axes, from -1 to 1.
     pressure_MPa, slip_across_m_s, slip_along_m_s : array
-        Pressure, and slip across and along the groove.
+        Pressure, and slip velocity across and along the groove.
     friction_across, friction_along : array
-        Friction across and along the groove, relative to the pressure.
+        Friction stress across and along the groove, divided by the pressure.
     """
 
     contact: str
@@ -1043,35 +1062,35 @@ class Ellipse(NamedTuple):
 
 
 class EllipsesReport(MotionReport):
-    """Fields over the contact ellipses."""
+    """Distributions of pressure, slip and friction over the contact ellipses."""
 
     __slots__ = ()
 
     @property
     def contacts(self) -> list[Ellipse]:
-        """Contacts of nut and screw."""
+        """Ellipses of the contacts with nut and screw."""
         return [Ellipse(**contact) for contact in self.get("contacts", [])]
 
 
 class ModelOptimum(ModelOptimumFields, Section):
-    """Best contact angle of a model."""
+    """Contact angle at which a model has the highest efficiency."""
 
     __slots__ = ()
 
 
 class OptimumReport(OptimumFields, Report):
-    """Angles of best efficiency, and limits of self-locking."""
+    """Angles of maximum efficiency, and limits of self-locking."""
 
     __slots__ = ()
 
     @property
     def by_model(self) -> ModelOptimum | None:
-        """Best contact angle of the requested model."""
+        """Contact angle at which the requested model has the highest efficiency."""
         return ModelOptimum(self["by_model"]) if "by_model" in self else None
 
 
 class RatingSteps(RatingStepsFields, Section):
-    """Intermediate values of the load ratings."""
+    """Intermediate values in the calculation of the load ratings."""
 
     __slots__ = ()
 
@@ -1083,18 +1102,18 @@ class RatingsReport(RatingsFields, Report):
 
     @property
     def preloaded(self) -> bool:
-        """True if the stiffness is that of a preloaded nut."""
+        """True if the stiffness applies to a preloaded nut."""
         preloaded: bool = self["preloaded"]
         return preloaded
 
     @property
     def steps(self) -> RatingSteps:
-        """Intermediate values."""
+        """Intermediate values of the calculation."""
         return RatingSteps(self["steps"])
 
 
 class SampleReport(Report):
-    """Quantiles over nuts with random balls."""
+    """Quantiles of the results of nuts with random ball diameters."""
 
     __slots__ = ()
 
@@ -1112,18 +1131,20 @@ class SampleReport(Report):
 
     @property
     def quantiles(self) -> dict[str, dict[str, float]]:
-        """Quantiles of each number, by the name of the number."""
+        """Quantiles of each result, by name."""
         quantiles: dict[str, dict[str, float]] = self["quantiles"]
         return quantiles
 
 
 class NutReport(NutFields, Report):
-    """Results for a nut: numbers, and tables of its balls and of its load-deflection curve.
+    """Results for a nut, with tables of its balls and of its load-deflection curve.
 
     Attributes
     ----------
-    balls, curve : Table
-        One row per ball, and one row per point of the curve.
+    balls : Table
+        Table with one row per ball.
+    curve : Table
+        Table with one row per point of the load-deflection curve.
     """
 
     __slots__ = ("balls", "curve")
@@ -1149,39 +1170,39 @@ class NutReport(NutFields, Report):
 
     @property
     def model(self) -> str | None:
-        """Model that calculated the friction of the contacts."""
+        """Model that calculated the contact friction."""
         model: str | None = self.get("model")
         return model
 
     @property
     def not_given(self) -> list[NotGiven]:
-        """Missing inputs that a number treats as zero or absent."""
+        """Missing inputs that were taken as zero or absent."""
         return _not_given(self)
 
 
 class Rule(NamedTuple):
-    """A rule of an axis.
+    """A rule that the program checks for an axis.
 
     Attributes
     ----------
     rule : str
-        Title.
+        Title of the rule.
     name, symbol, unit : str
-        Name, symbol and unit of the number.
+        Name, symbol and unit of the number that the rule limits.
     value : float or None
         Value of the number.
     must_be : str
-        Sign of the comparison, `>=` or `<=`.
+        Comparison between value and limit, `>=` or `<=`.
     limit : float or None
         Limit, or None if nothing is required.
     margin : float or None
-        Ratio of value and limit. The rule is met from 1 on.
+        Safety margin. The axis satisfies the rule if the margin is at least 1.
     passes : bool
-        True if the rule is met or nothing is required.
+        True if the axis satisfies the rule or nothing is required.
     source : str
         Source of the rule.
     remedy : str or None
-        Smallest change of one input with which a violated rule would be met.
+        Smallest change of one input with which the axis would satisfy a violated rule.
     """
 
     rule: str
@@ -1198,19 +1219,19 @@ class Rule(NamedTuple):
 
 
 class AxisScrew(ScrewFields, Section):
-    """Screw of an axis, as used in the calculation."""
+    """Data of the screw that the calculation of an axis used."""
 
     __slots__ = ()
 
 
 class Phase(PhaseFields, Section):
-    """Phase of the cycle of an axis."""
+    """A phase in the cycle of an axis."""
 
     __slots__ = ()
 
 
 class AxisReport(AxisFields, Report):
-    """Results for an axis: numbers, rules, and the phases of the cycle. `found` is true if every rule passes."""
+    """Results for an axis, with rules and the phases of the cycle. `found` is true if every rule passes."""
 
     __slots__ = ()
 
@@ -1225,7 +1246,7 @@ class AxisReport(AxisFields, Report):
 
     @property
     def rules(self) -> list[Rule]:
-        """Rules with limit and margin."""
+        """Rules with their limits and margins."""
         return [Rule(**row) for row in self["rules"]]
 
     @property
@@ -1235,7 +1256,7 @@ class AxisReport(AxisFields, Report):
 
     @property
     def screw(self) -> AxisScrew:
-        """Screw as used in the calculation."""
+        """Data of the screw that the calculation used."""
         return AxisScrew(self["screw"])
 
     @property
@@ -1245,31 +1266,31 @@ class AxisReport(AxisFields, Report):
 
     @property
     def not_given(self) -> list[NotGiven]:
-        """Missing inputs that a number treats as zero or absent."""
+        """Missing inputs that were taken as zero or absent."""
         return _not_given(self)
 
     @property
     def not_modeled(self) -> list[str]:
-        """Effects that are not part of the calculation."""
+        """Effects that the calculation does not include."""
         not_modeled: list[str] = self["not_modelled"]
         return not_modeled
 
 
 class Step(NamedTuple):
-    """A step of the selection of a screw.
+    """A step in the selection of a screw.
 
     Attributes
     ----------
     step : int
         Number of the step in the procedure.
     name : str
-        Name of the number.
+        Name of the number that the step calculates.
     value : float or None
         Value of the number.
     required : str or None
         Requirement as text.
     passes : bool
-        True if the requirement is met.
+        True if the value meets the requirement.
     """
 
     step: int
@@ -1280,7 +1301,7 @@ class Step(NamedTuple):
 
 
 class SelectReport(Report):
-    """Selected screw. If no screw meets the requirement, `found` is false, and `reasons` state the violated limits."""
+    """Result of a selection. If no screw meets the requirement, `found` is false and `reasons` lists broken limits."""
 
     __slots__ = ()
 
@@ -1296,7 +1317,7 @@ class SelectReport(Report):
 
     @property
     def reasons(self) -> list[str]:
-        """Limits that determine the screw, or that no screw meets."""
+        """Limits that determine the size of the screw, or limits that no screw satisfies."""
         reasons: list[str] = self["reasons"]
         return reasons
 
@@ -1318,33 +1339,33 @@ class FitReport(Report):
 
     @property
     def reachable(self) -> tuple[float, float] | None:
-        """Smallest and largest output, or margin of the rule, over the search range."""
+        """Smallest and largest value of the output, or of the margin of the rule, in the search range."""
         low_and_high: list[float] | None = self["reachable"]
         return None if low_and_high is None else (low_and_high[0], low_and_high[1])
 
     @property
     def message(self) -> str:
-        """Result in words."""
+        """Description of the result."""
         message: str = self["message"]
         return message
 
 
 class FittedValue(NamedTuple):
-    """Fitted value of an input, with its standard deviation if the points determine it."""
+    """Fitted value of an input. It has a standard deviation if the points determine the input."""
 
     value: float
     standard_deviation: float | None
 
 
 class FittedPoint(NamedTuple):
-    """Measured and fitted value of the output at a point."""
+    """Measured and fitted values of the output at one point."""
 
     measured: float
     fitted: float
 
 
 class CalibrationReport(Report):
-    """Inputs that fit measured points best."""
+    """Inputs that were fitted to measured points."""
 
     __slots__ = ()
 
@@ -1356,12 +1377,12 @@ class CalibrationReport(Report):
 
     @property
     def fitted(self) -> dict[str, FittedValue]:
-        """Values of the inputs."""
+        """Fitted values of the inputs, by name."""
         return {name: FittedValue(**row) for name, row in self.get("found", {}).items()}
 
     @property
     def points(self) -> list[FittedPoint]:
-        """Measured and fitted values."""
+        """Measured and fitted values of the output at each point."""
         return [FittedPoint(**row) for row in self.get("points", [])]
 
     @property
@@ -1372,13 +1393,13 @@ class CalibrationReport(Report):
 
     @property
     def condition(self) -> float | None:
-        """Condition number. Above a few thousand, the points do not determine the inputs."""
+        """Condition number. If it exceeds a few thousand, the points do not determine the inputs."""
         condition: float | None = self.get("condition")
         return condition
 
 
 class Solver(TypedDict, total=False):
-    """Solver keywords of every function that solves. `solve` describes the keywords."""
+    """Solver settings, which are keywords of every function that solves points. `solve` describes them."""
 
     model: Model
     tolerance: float
@@ -1391,15 +1412,15 @@ class Solver(TypedDict, total=False):
 _SOLVER: Mapping[str, Any] = {
     "model": "auto", "tolerance": 1e-2, "accuracy": 1e-8, "creep": 1e-4, "control": None, "friction": "local",
 }
-"""Defaults, in the order of the core."""
+"""Defaults of the solver settings, in the order in which the core expects them."""
 
 
 class Question(Inputs, Solver, total=False):
-    """Inputs that replace inputs of the case, and solver keywords."""
+    """Inputs that replace inputs of the case, and solver settings."""
 
 
 class Linspace(NamedTuple):
-    """Equally spaced values, including both ends."""
+    """Equally spaced values that include both ends."""
 
     start: float
     stop: float
@@ -1419,7 +1440,7 @@ class Uniform(NamedTuple):
 
 
 class Normal(NamedTuple):
-    """Normal distribution."""
+    """Normal distribution with a mean and a standard deviation."""
 
     mean: float
     deviation: float
@@ -1444,7 +1465,7 @@ def _laws(draw: Mapping[str, Uniform | Normal]) -> list[tuple[str, Uniform | Nor
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
-    """Draw random points for `solve_many`. The values equal the values of `bsm sweep --draw` on every machine.
+    """Draw random points for `solve_many`. On every machine, the points equal the points of `bsm sweep --draw`.
 
     Parameters
     ----------
@@ -1453,17 +1474,17 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     samples : int
         Number of points.
     seed : int
-        Seed.
+        Seed of the random number generator.
 
     Returns
     -------
     dict
-        An array for each input.
+        Array of values for each input.
 
     Raises
     ------
     InputError
-        For an unknown input, an invalid distribution, and a negative number of samples or seed.
+        If an input is unknown, a distribution is invalid, or `samples` or `seed` is negative.
 
     Examples
     --------
@@ -1515,7 +1536,13 @@ def _checked(how: _core.How) -> _core.How:
 
 
 def _how(solver: Solver) -> _core.How:
-    """Return the solver settings. Any other keyword is an error."""
+    """Return the solver settings.
+
+    Raises
+    ------
+    TypeError
+        If there is any other keyword.
+    """
     keywords: dict[str, Any] = {**solver}
     how = _taken(keywords)
     for name in keywords:
@@ -1524,7 +1551,7 @@ def _how(solver: Solver) -> _core.How:
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
-    """Return a list of names. A single string is an error, because it would be read as a list of letters."""
+    """Return a list of names. Reject a single string, because it would be read as a list of letters."""
     if isinstance(names, str):
         raise InputError(f"{word} takes a list of names, such as [{names!r}]", key=word)
     return list(names)
@@ -1541,7 +1568,7 @@ def _case(case: Point, inputs: Inputs) -> Case:
 
 
 def _asked(case: Point, question: Question) -> tuple[Case, _core.How]:
-    """Return the case with replaced inputs, and the solver settings."""
+    """Separate keywords into inputs and solver settings. Return the case with the inputs, and the settings."""
     given: dict[str, Any] = {**question}
     how = _checked(_taken(given))
     for name in given:
@@ -1558,23 +1585,25 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     case : Case or mapping, optional
         Screw and operating point.
     check : bool
-        Raise an error if there is no result. Missing inputs and inputs that violate a rule always raise an error.
+        If true, raise an exception if there is no result. Missing inputs and inputs that violate a rule always raise an
+        exception.
     **question
         Inputs that replace inputs of `case`, each in the unit at the end of its name, and solver settings:
 
         model : str, default "auto"
-            A model of `MODELS`. `auto` chooses the fastest model that is accurate enough.
+            One of `MODELS`. `auto` chooses the fastest model that is accurate enough.
         tolerance : float, default 1e-2
-            Largest error of the efficiency that `auto` accepts.
+            Largest efficiency error that `auto` accepts.
         accuracy : float, default 1e-8
-            Accuracy of the quadrature in model traction, as an error relative to the friction, 1e-13 to 1e-4.
+            Quadrature error relative to the friction in model `traction`, from 1e-13 to 1e-4.
         creep : float, default 1e-4
-            Creep speed relative to the surface speed of the ball in model traction.
+            Creep speed in model `traction`, divided by the surface speed of the ball.
         control : {"nut", "screw"}, optional
-            Controlling raceway in model raceway-control. By default the spin moments decide.
+            Controlling raceway in model `raceway-control`. By default, the spin moments determine the controlling
+            raceway.
         friction : {"local", "contact"}, default "local"
-            Location at which model raceway-control calculates the friction of a lubricant: at every point of the
-            contacts, or once for each contact, which takes half the time.
+            How model `raceway-control` calculates the friction of a lubricant: at every point of a contact ("local"),
+            or once for each contact ("contact"), which takes half the time.
 
     Returns
     -------
@@ -1583,7 +1612,7 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
     NoSolutionError, NotConvergedError
         If there is no result and `check` is true.
 
@@ -1612,8 +1641,9 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     Returns
     -------
     Table
-        One row per input, ordered by its effect: `input`, `value`, `efficiency` and `ball_torque_Nm` per unit of the
-        input, and both in percent per percent of the input.
+        Table with one row per input, ordered by the effect of the input. `input` and `value` are its name and value.
+        `efficiency` and `ball_torque_Nm` are derivatives per unit of the input; `efficiency_relative` and
+        `ball_torque_relative` are changes in percent per percent of the input.
 
     Raises
     ------
@@ -1635,7 +1665,7 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
 
 
 def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
-    """Solve the case with every model for which it has inputs, one row per model, as `bsm solve --model all`.
+    """Solve a case with every model whose inputs it contains, like `bsm solve --model all`.
 
     Parameters
     ----------
@@ -1645,12 +1675,12 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     Returns
     -------
     Table
-        `model`, `status` and all outputs of a solution.
+        Table with one row per model: `model`, `status` and all outputs of a solution.
 
     Raises
     ------
     InputError
-        If no model has all of its inputs.
+        If the case does not contain all inputs of any model.
 
     Examples
     --------
@@ -1682,38 +1712,39 @@ def solve_many(
     Parameters
     ----------
     points : mapping or frame
-        Columns of inputs. Either a mapping of names to one-dimensional arrays or numbers (a number applies to all rows,
-        and arrays of doubles are not copied, so do not change them while the table is in use), or any object that
-        exports an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
+        Columns of inputs. Either a mapping of names to one-dimensional arrays or numbers, or any object that exports an
+        Arrow stream (polars, pyarrow, pandas 3, DuckDB, or a `Table`). A number applies to all rows. Arrays of doubles
+        are not copied, so do not change them while the table is in use.
     base : Case or mapping, optional
         Inputs that are not columns.
     columns : sequence of str, optional
-        Names of `OUTPUTS`. Defaults to all outputs of a solution.
+        Names of outputs (see `OUTPUTS`). Defaults to all outputs of a solution.
     keep : sequence of str
-        Further columns to copy, of any type except lists and structures. The types of a frame are kept.
+        Other columns to copy, of any type except lists and structures. The columns of a frame keep their types.
     missing : {"invalid", "base"}
-        Meaning of null: an invalid value, or the value of `base`. NaN is always an invalid value.
+        Meaning of null: "invalid" rejects the row, and "base" uses the value of `base`. NaN is always invalid.
     progress : bool or callable, optional
-        True for a line on standard error if it is a terminal, or a function of the number of finished rows and the
-        number of all rows.
+        True shows a line on standard error if it is a terminal. A function is called with the number of finished rows
+        and the total number of rows.
     threads : int, optional
-        Number of threads. Defaults to RAYON_NUM_THREADS or, if it is not set, to all cores.
+        Number of threads. Defaults to the environment variable RAYON_NUM_THREADS or, if it is not set, to the number of
+        cores.
     text : bool
-        Also keep the reasons for the choice of `auto`, which take about 100 bytes per row. They are available in
-        `message(row)` and in the column ``message`` of `write`. The reason why a row has no result is always kept.
+        If true, also store the reasons for the choice of `auto`, which need about 100 bytes per row. `message(row)` and
+        the column ``message`` of `write` contain these reasons. The reason why a row has no result is always stored.
     **solver
         Solver settings as in `solve`: model, tolerance, accuracy, creep, control, friction.
 
     Returns
     -------
     Table
-        The inputs, `model`, `status`, ``message`` and the outputs. A row without a result keeps its position. Its outputs
-        are NaN, and its message states the reason.
+        Table with the inputs, `model`, `status`, ``message`` and the outputs. The outputs of a row without a result are
+        NaN, and its message states the reason.
 
     Raises
     ------
     InputError
-        For unknown columns or outputs, and for inputs that are missing in all rows.
+        If a column or output is unknown, or if inputs are missing in all rows.
 
     Examples
     --------
@@ -1775,7 +1806,7 @@ def solve_many(
 
 
 def _kept(values: Any) -> _core.KeptColumn:
-    """Convert a copied column for the core. Numbers and times keep their types, and other values become text."""
+    """Convert a column of `keep` for the core. Numbers and times keep their types; other values become text."""
     import numpy as np
 
     if isinstance(values, _core.KeptColumn):
@@ -1790,7 +1821,7 @@ def _kept(values: Any) -> _core.KeptColumn:
 
 
 def _kept_values(column: _core.KeptColumn) -> NDArray[Any]:
-    """Return the values of a copied column for NumPy."""
+    """Return the values of a copied column as a NumPy array."""
     import numpy as np
 
     values = column.values()
@@ -1804,7 +1835,7 @@ def _kept_values(column: _core.KeptColumn) -> NDArray[Any]:
 
 
 def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
-    """Read the columns of a frame as texts, or as numbers with the rows that have no value."""
+    """Read each column of a frame as texts, or as numbers together with the rows that have no value."""
     try:
         return _core.read_arrow(frame, keep)
     except ImportError:
@@ -1850,7 +1881,7 @@ def sweep(
     Raises
     ------
     InputError
-        For invalid inputs, and values of an axis that violate a rule.
+        If an input is invalid, or if a value of an axis violates a rule.
 
     Examples
     --------
@@ -1888,7 +1919,8 @@ def gradient(
     Parameters
     ----------
     points : mapping or frame
-        Inputs: numbers for a single point, arrays or the columns of a frame for many points.
+        Inputs. For a single point, a mapping of names to numbers; for many points, a mapping of names to arrays, or a
+        frame.
     output : str
         `efficiency` or `ball_torque_Nm` with method "exact", or any numeric output with method "difference".
     wrt : sequence of str
@@ -1905,15 +1937,16 @@ def gradient(
     Returns
     -------
     values, derivatives : arrays
-        Arrays of shape (n,) and (n, k), or () and (k,) for a single point. A point without a solution has NaN among many
-        points, and `solve_many` states the reason. A single point raises an error.
+        Arrays of shape (n,) and (n, k) for n points and k inputs, or of shape () and (k,) for a single point. For many
+        points, the values of a point without a solution are NaN; `solve_many` states the reason.
 
     Raises
     ------
     InputError
-        For invalid inputs, and for an input that also determines another input, which exact derivatives hold constant.
+        If an input is invalid, or if an input in `wrt` also determines another input that exact derivatives hold
+        constant.
     SolveError
-        For a single point without a solution, as in `solve`.
+        If a single point has no solution, as in `solve`.
 
     Examples
     --------
@@ -1973,23 +2006,23 @@ def gradient(
 
 
 def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
-    """Calculate the slip of the balls in motion, as `bsm solve --show slip`.
+    """Calculate the slip of the balls, like `bsm solve --show slip`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`. The model must have a motion of the balls.
+        As in `solve`. The model must calculate the motion of the balls.
 
     Returns
     -------
     SlipReport
-        Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). If there
-        is no motion, `found` is false, and `status` and ``message`` state the reason.
+        Speeds, ratios, moments and powers of the slip at the contacts. The name of each number ends with its unit
+        (see `OUTPUTS`). If there is no steady motion, `found` is false, and `status` and ``message`` state the reason.
 
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2004,24 +2037,24 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
 
 
 def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> EllipsesReport:
-    """Calculate pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
+    """Calculate pressure, slip and friction over the contact ellipses, like `bsm solve --show ellipses`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`. The model must have a motion of the balls and elastic contacts.
+        As in `solve`. The model must calculate the motion of the balls with elastic contacts.
     points : int
         Number of grid points on each semi-axis, 1 to 500.
 
     Returns
     -------
     EllipsesReport
-        `contacts` of nut and screw, each an `Ellipse` with the fields as arrays. `found` is defined as in `slip`.
+        `contacts` contains an `Ellipse` with arrays for each contact. `found` has the same meaning as in `slip`.
 
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2045,24 +2078,24 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
 
 
 def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
-    """Analyze jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
+    """Analyze jamming of the balls in the nut and at its ball return, like `bsm solve --show jam`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`. The ball return is described by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
-        meaning ends in "for jamming" (`INPUTS`).
+        As in `solve`. `apex_half_angle_deg`, `return_angle_deg` and the inputs whose meaning ends in "for jamming" (see
+        `INPUTS`) describe the ball return.
 
     Returns
     -------
     JamReport
-        Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`. If
-        there is no motion, `found` is false, as in `slip`.
+        Contact loads and approaches, forces at wedge and ball return, critical friction, margins, and `jams`. If there
+        is no steady motion, `found` is false, as in `slip`.
 
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2074,26 +2107,27 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
 
 
 def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
-    """Calculate load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
+    """Calculate load ratings, life and stiffness of a nut, like `bsm solve --show ratings`.
 
     Parameters
     ----------
     nut : Case or mapping, optional
-        The nut.
+        Inputs that describe the nut.
     **inputs
-        Inputs that replace inputs of `nut`. Required are balls, conformities, `loaded_balls_per_turn` and
-        `loaded_turns`.
+        Inputs that replace inputs of `nut`. Ball diameter, conformities, `loaded_balls_per_turn` and `loaded_turns` are
+        required.
 
     Returns
     -------
     RatingsReport
         Dynamic and static load rating [N], stiffnesses [N/um], mass [kg] and permissible speed [rpm]. If a load and a
-        speed are given, also the life in revolutions and hours. The life under a cycle is a result of `axis`.
+        speed are given, the report also contains the life in revolutions and hours. To calculate the life under a
+        cycle, use `axis`.
 
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2114,25 +2148,26 @@ def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) ->
 
 
 def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | SampleReport:
-    """Calculate the load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
+    """Calculate the load of every ball of a nut, and its stiffness, preload and life, like `bsm nut`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`. The nut is described by its turns, circuits, preload and loads.
+        As in `solve`. Turns, circuits, preload and loads describe the nut.
     samples : int, optional
-        Number of nuts with random balls, for which the report contains quantiles. The input `seed` is their seed.
+        Number of nuts with random ball diameters and random phases of the lead error. The report then contains
+        quantiles of their results. The input `seed` is the seed of the random numbers.
 
     Returns
     -------
-    NutReport
-        Numbers by name, and `balls` and `curve` as tables. With `samples`, the result is a plain report. If the nut has no
+    NutReport or SampleReport
+        Numbers by name, and the tables `balls` and `curve`. With `samples`, quantiles of the results. If the nut has no
         equilibrium, `found` is false, and `status` and ``message`` state the reason.
 
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2153,25 +2188,26 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
 
 
 def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpack[Inputs]) -> OptimumReport:
-    """Calculate the angles of best efficiency and the limits of self-locking, as `bsm solve --show optimum`.
+    """Calculate the angles of maximum efficiency and the limits of self-locking, like `bsm solve --show optimum`.
 
     Parameters
     ----------
     case, **inputs
-        Screw, with friction coefficient and the angle for which the other angle is optimized.
+        Screw with a friction coefficient and one of the two angles, contact angle or lead angle. The other angle is
+        optimized.
     model : str, optional
-        Also search the optimum contact angle of this model: `rigid`, `elastic` or `traction`. Defaults to the closed form
-        only.
+        Model for which the optimum contact angle is also searched: `rigid`, `elastic` or `traction`. By default, only
+        the optimum of the closed form is calculated.
 
     Returns
     -------
     OptimumReport
-        Angles [deg] and efficiencies for both directions of drive.
+        Angles [deg] and efficiencies for driving and back-driving.
 
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2189,15 +2225,16 @@ def axis(
     figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
 ) -> AxisReport:
-    """Calculate the axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
+    """Calculate a feed axis, like `bsm axis`: rules with limits and margins, torque, power, heat and life.
 
     Parameters
     ----------
     case, **question
-        As in `solve`. The axis is described by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and other inputs of
-        `INPUTS`.
+        As in `solve`. `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and other inputs (see `INPUTS`) describe the
+        axis.
     figures : path, optional
-        Folder for report.html (a sheet of two pages), results.json and figures. It is created if it does not exist.
+        Folder for report.html (a calculation sheet of two pages), results.json and figures. The folder is created if it
+        does not exist.
 
     Returns
     -------
@@ -2207,7 +2244,7 @@ def axis(
     Raises
     ------
     InputError
-        For inputs that are missing or violate a rule.
+        If inputs are missing or violate a rule.
 
     Examples
     --------
@@ -2233,7 +2270,7 @@ def select_nuts(
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """List the nuts of manufacturers' sizes, of standard sizes or of a table, as `bsm select --from`.
+    """List nuts of manufacturers' sizes, of standard sizes or from a table, like `bsm select --from`.
 
     Parameters
     ----------
@@ -2242,36 +2279,36 @@ def select_nuts(
     where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Lists only nuts that meet all limits of this requirement of `select`. Numbers of `axis` become columns for
-        filtering and sorting: life, critical speed, buckling, static safety, stiffness, torque, efficiency, heat, mass,
-        inertia.
+        Requirement as for `select`. The list then contains only nuts that meet all limits of the requirement. Results
+        of `axis` become columns for filtering and sorting: life, critical speed, buckling, static safety, stiffness,
+        torque, efficiency, heat, mass and inertia.
     manufacturers : mapping, frame or path, optional
-        Nuts of a manufacturer instead of the lists, with the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits`
-        or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
-        `static_load_rating_N` and `stiffness_N_um`, in any unit. A path names a CSV table. The manufacturer's
-        ratings are used, and the calculated ratings are added as `our_...`. With `requirement`, each nut is checked as
-        by `axis`, and `passes` is true if it meets all rules. Nuts that pass come first, ordered by the mass of the
-        screw.
+        Table of a manufacturer's nuts, which replaces `lists`. A path names a CSV file. The columns are `nut`,
+        `lead_mm`, `ball_diameter_mm`, `circuits` or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`,
+        `dynamic_load_rating_N`, `static_load_rating_N` and `stiffness_N_um`, in any unit. The program uses the ratings
+        in the table, and adds the calculated ratings as columns `our_...`. With `requirement`, each nut is checked with
+        the rules of `axis`, and `passes` is true if it satisfies all rules. Nuts that pass come first, ordered by the
+        mass of the screw.
     columns_from : mapping, optional
-        Maps the column names of `manufacturers` to names of this package, or to None for columns that are ignored.
+        Maps the column names of `manufacturers` to names of this package. None ignores a column.
     pareto : bool
-        Lists only the Pareto front of dynamic load rating, stiffness and mass.
+        If true, list only the Pareto front of dynamic load rating, stiffness and mass.
     sort : str, optional
         Column by which the nuts are sorted.
     descending : bool
-        Sort in descending order.
+        If true, sort in descending order.
     first : int, optional
         Maximum number of rows.
 
     Returns
     -------
     Nuts
-        One row per nut. `case(row)` is a nut for `ratings`, `nut` and `axis`.
+        Table with one row per nut. `case(row)` returns the nut of a row as a case for `ratings`, `nut` and `axis`.
 
     Raises
     ------
     InputError
-        For invalid lists, conditions, names or requirements.
+        If a list, condition, name or requirement is invalid.
 
     Examples
     --------
@@ -2351,42 +2388,43 @@ def fit(
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> FitReport | CalibrationReport:
-    """Find inputs for which an output has a measured value, or the limit of a rule of the axis, as `bsm fit`.
+    """Find inputs at which an output has a measured value, or at which a rule reaches its limit, like `bsm fit`.
 
     Parameters
     ----------
     case : Case or mapping
         Inputs that are not fitted.
     measured : mapping or str
-        One output of `solve`, `nut` or `axis` and its value, such as `{"screw_torque_Nm": 26.0}`. With `points`, only
-        the name of the output.
+        One output of `solve`, `nut` or `axis` with its measured value, such as `{"screw_torque_Nm": 26.0}`. With
+        `points`, only the name of the output.
     limit : str, optional
-        Title of a rule of the axis, such as `"critical speed"`, whose limit is searched instead of `measured`.
+        Title of a rule of the axis, such as `"critical speed"`. The function then searches for the limit of this rule
+        instead of a measured value.
     points : mapping, frame or path, optional
-        Measured points, with a column of the output and columns of inputs in any units. The other inputs come from
-        `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path
-        names a CSV table.
+        Measured points, with one column for the output and columns for inputs, in any units. A path names a CSV file.
+        All other inputs come from `case`. The fit minimizes the sum of squared residuals, each divided by its error.
     inputs : str, sequence of str or mapping
-        Input to fit, or a mapping of the input to its search range, such as `{"seal_torque_Nm": (0, 1)}`, or to None for
-        the default range. With `points`, there may be several inputs.
+        Name of the input to fit, or a mapping of its name to a search range, such as `{"seal_torque_Nm": (0, 1)}`. None
+        selects the default range. With `points`, several inputs are permitted.
     errors : {"relative", "absolute"}, optional
-        With `points`: assumes that the errors of the measured values are proportional to the values (relative, the
-        default) or equal at all points (absolute). Alternatively, the points may have a column of standard deviations,
-        such as `screw_torque_Nm_error`.
+        Errors of the measured values in `points`: proportional to the values ("relative", the default), or equal at all
+        points ("absolute"). Alternatively, `points` may contain a column of standard deviations, such as
+        `screw_torque_Nm_error`.
     **solver
         As in `solve_many`.
 
     Returns
     -------
     FitReport or CalibrationReport
-        For one measured value, `fitted` is a list of all values of the input. For a rule, `kept` is a list of the ranges in
-        which the axis satisfies the rule. With `points`, `fitted` maps each input to its value and standard deviation, and
-        `points` contains measured and fitted values. `found` is false if no value reproduces the measurement.
+        For one measured value, `fitted` lists all solutions for the input. For a rule, `kept` lists the ranges of the
+        input in which the axis satisfies the rule. With `points`, `fitted` maps each input to its value and standard
+        deviation, and `points` contains measured and fitted values. `found` is false if no value of the input
+        reproduces the measurement.
 
     Raises
     ------
     InputError
-        For invalid inputs, a table that cannot be read, and an input without a known range.
+        If an input is invalid, a table cannot be read, or the search range of an input is unknown.
 
     Examples
     --------
@@ -2430,8 +2468,8 @@ def _sought(inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | Non
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
     """Convert a table to CSV.
 
-    * `names`: maps the column names. `nut` and ignored columns may contain text.
-    * `gaps`: writes NaN as an empty cell.
+    * `names`: new names of columns. The column `nut` and ignored columns may contain text.
+    * `gaps`: if true, NaN is written as an empty cell.
     """
     if isinstance(data, (str, os.PathLike)):
         return Path(data).read_bytes()
@@ -2473,28 +2511,28 @@ def select(
     lists: Mapping[str, Any] | str | None = None,
     **changes: Any,
 ) -> SelectReport:
-    """Select the best screw for a requirement, as `bsm select`.
+    """Select the best screw for a requirement, like `bsm select`.
 
     Parameters
     ----------
     requirement : mapping or path, optional
         Inputs of a case and keys of `REQUIREMENTS`, or the path of a file that contains them.
     free : bool
-        Treat sizes and contact angle as continuous.
+        If true, sizes and contact angle vary continuously.
     lists : mapping or "manufacturers" or "standard", optional
-        Sizes to choose from. Defaults to the sizes of manufacturers.
+        Sizes from which the screw is chosen. Defaults to the sizes of manufacturers.
     **changes
         Keys that replace keys of `requirement`.
 
     Returns
     -------
     SelectReport
-        `case` is the screw as a case for the other functions.
+        `case` contains the selected screw as a case for the other functions.
 
     Raises
     ------
     InputError
-        For a requirement that is incomplete or violates a rule.
+        If the requirement is incomplete or violates a rule.
 
     Examples
     --------
@@ -2508,7 +2546,7 @@ def select(
 
 
 def _sizes(lists: Mapping[str, Any] | str | None) -> str | dict[str, Any] | None:
-    """Return the sizes to choose from as an argument of the core."""
+    """Return the list of sizes as an argument for the core."""
     return lists if lists is None or isinstance(lists, str) else dict(lists)
 
 
@@ -2521,25 +2559,25 @@ def _requirement(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dic
 def validate(
     figures: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
 ) -> Table:
-    """Check the program against published results, as `bsm validate`, with one row per check.
+    """Compare the program with published results, like `bsm validate`.
 
     Parameters
     ----------
     figures : path, optional
-        Folder for report.html, results.json and figures. It is created if it does not exist.
+        Folder for report.html, results.json and figures. The folder is created if it does not exist.
     data : path, optional
         Folder with published data in the layout of `validation/published`. Defaults to the built-in data.
 
     Returns
     -------
     Table
-        `key`, `source`, `claim`, `claimed`, `measured`, `unit`, `criterion`, `note` and `verdict`: pass, fail or
-        finding.
+        Table with one row per check and the columns `key`, `source`, `claim`, `claimed`, `measured`, `unit`,
+        `criterion`, `note` and `verdict` (pass, fail or finding).
 
     Raises
     ------
     InputError
-        For published data that cannot be read.
+        If the published data cannot be read.
     """
     checks, files = _core.validate(figures is not None, Path(data) if data is not None else None)
     _write_report(figures, files)
@@ -2590,14 +2628,14 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
 
 
 def _texts(places: Floats, values: Sequence[str]) -> TextColumn:
-    """Create a column of texts from the indices of the texts. NaN means a missing text."""
+    """Create a text column from indices into `values`. NaN stands for a missing text."""
     import numpy as np
 
     return TextColumn(lambda: (np.where(np.isnan(places), -1, places).astype(np.int8), list(values)))
 
 
 def _number(name: str, value: Any) -> float:
-    """Return a number in the unit of its name."""
+    """Return a number in the unit at the end of its name."""
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         value = _converted(name, value)
     if isinstance(value, (bool, str)):
@@ -2628,7 +2666,7 @@ def _pint_unit(unit: str) -> str:
 
 
 def _no_points(points: Any) -> InputError:
-    """Return the error for an object that is neither a mapping nor a frame."""
+    """Return the error for an object that does not contain columns of points."""
     kind = type(points).__name__
     if hasattr(points, "collect"):
         return InputError(f"points is {kind}, which has no rows yet; give points.collect()")
@@ -2649,7 +2687,7 @@ def _library(name: str, method: str) -> Any:
 
 
 def _column(name: str, values: Any) -> Floats:
-    """Return a column of doubles, contiguous and read-only. Doubles in this layout are not copied."""
+    """Return a contiguous, read-only array of doubles. An array that already has this layout is not copied."""
     import numpy as np
 
     if isinstance(values, (Uniform, Normal)):
@@ -2715,7 +2753,7 @@ def _near(name: str, names: Iterable[str]) -> str:
 
 
 def _few(names: Iterable[str]) -> str:
-    """Return the first few of many names."""
+    """Return a text with the first eight names and the number of further names."""
     shown = list(names)
     more = f", and {len(shown) - 8} more" if len(shown) > 8 else ""
     return ", ".join(shown[:8]) + more
@@ -2726,7 +2764,7 @@ def _is_plain(value: Any) -> bool:
 
 
 def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
-    """Return a table of entries that have the same names. Only the first names are shown."""
+    """Return an HTML table of entries that have the same names. Only the first eight names are shown."""
     names = [name for name in lines[0] if any(_is_plain(line.get(name)) for line in lines)][:8]
     head = "".join(f"<th>{_escape(name)}</th>" for name in names)
 
@@ -2739,7 +2777,7 @@ def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _intervals(entries: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the 90 % intervals of an answer over the possible grooves."""
+    """Return the 90 % intervals of the results over the possible grooves."""
     return dict(entries.get("groove_estimate", {}).get("intervals", {}))
 
 
@@ -2763,7 +2801,7 @@ def _escape(text: Any) -> str:
 
 
 def _html(rows: Iterable[tuple[Any, Any, str]]) -> str:
-    """Return a table of name, value and unit."""
+    """Return an HTML table of names, values and units."""
     body = "".join(
         f"<tr><td>{_escape(name)}</td><td>{_escape(_short(value))}</td><td>{_escape(unit)}</td></tr>"
         for name, value, unit in rows

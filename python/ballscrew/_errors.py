@@ -1,4 +1,4 @@
-"""Errors of the package."""
+"""Exceptions of the package."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = [
 
 
 class BallscrewError(Exception):
-    """Base of all errors of the package."""
+    """Base class of all exceptions of the package."""
 
 
 class InputError(BallscrewError, ValueError):
@@ -27,15 +27,15 @@ class InputError(BallscrewError, ValueError):
     Attributes
     ----------
     key : str or None
-        Name of the input or column.
+        Name of the invalid input or column.
     value : float or None
         Value of the input, if it violates a rule.
     rule : str or None
         Rule for the value, as the text after "must be".
     nearest : str or None
-        Known name that is most similar to an unknown name.
+        Known name that is closest to an unknown name.
     row : int or None
-        Index of the invalid row of a table, from 0.
+        Index of the invalid row of a table. The first row has the index 0.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class NoSolutionError(SolveError):
 
 
 class NotConvergedError(SolveError):
-    """No solution was found, but one may exist."""
+    """The solver found no solution, but a solution may exist."""
 
 
 class PartError(BallscrewError):

@@ -1,4 +1,4 @@
-"""Folders of parts: plans, the solution of parts in any order and on any machine, and the state of a folder."""
+"""Plans of large tables, which are solved in parts in any order and on any machine, and the state of their folders."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ __all__ = [
 
 
 class SolvedPart(TypedDict):
-    """Data of a finished part. It consists of plain numbers and a string, so every task runner can pass it on."""
+    """Data of a finished part. All values are plain numbers and strings, so every task runner can return them."""
 
     part: int
     rows: int
@@ -55,11 +55,13 @@ class Summary(NamedTuple):
     Attributes
     ----------
     parts : int
-        Requested parts that exist now.
+        Number of requested parts that exist now.
     skipped : int
-        Parts that existed before.
-    rows, failed : int
-        Number of rows of these parts, and of rows without a result.
+        Number of parts that existed before the run.
+    rows : int
+        Number of rows in these parts.
+    failed : int
+        Number of rows without a result.
     """
 
     parts: int
@@ -69,7 +71,7 @@ class Summary(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Nominal cost of a plan: core-hours, and an upper bound of the size in bytes."""
+    """Nominal cost of a plan: core-hours, and an upper bound for the size in bytes."""
 
     core_hours: float
     bytes: float
@@ -81,15 +83,18 @@ class Verification(NamedTuple):
     Attributes
     ----------
     missing : list of (int, int)
-        Ranges of missing parts, (first, last + 1).
+        Ranges of missing parts, as pairs (first, last + 1).
     damaged : list of (str, str)
-        Damaged files with the reasons.
+        Damaged files, each with the reason. The list also contains Parquet files and folders that are not part of the
+        plan.
     foreign : list of str
-        Other files among the parts that are not Parquet files. Foreign Parquet files and folders are in `damaged`.
+        All other files in the folder that are not part of the plan.
     complete : bool
         True if no part is missing or damaged.
-    rows, failed : int
-        Number of existing rows, and of rows without a result.
+    rows : int
+        Number of rows in the existing parts.
+    failed : int
+        Number of rows without a result.
     """
 
     missing: list[tuple[int, int]]
@@ -101,18 +106,22 @@ class Verification(NamedTuple):
 
 
 class Plan(_core.Plan):
-    """Plan of a folder, which contains everything that determines the content of its parts.
+    """Plan of a table that is solved in parts. It contains all settings that determine the content of the parts.
 
     Use `plan` or `Plan.open` to create a plan.
 
     Attributes
     ----------
-    id, text : str
-        SHA-256 of the text, and the text of `plan.json`.
-    rows, parts, rows_per_part : int
-        Number of rows, of parts, and of rows per part. The last part may have fewer rows.
+    id : str
+        SHA-256 hash of `text`.
+    text : str
+        Text of `plan.json`.
+    rows, parts : int
+        Number of rows and number of parts.
+    rows_per_part : int
+        Number of rows per part. The last part may have fewer rows.
     folder : path
-        The folder.
+        Folder of the plan and its parts.
     points : path or None
         Path of the table of points. Defaults to the file beside the folder.
     """
@@ -134,11 +143,11 @@ class Plan(_core.Plan):
 
     @property
     def files(self) -> list[str]:
-        """Names of the files of all parts, which are in `data/` of the folder."""
+        """File names of all parts. The files are in the subfolder `data/`."""
         return [f"part-{part:06}.parquet" for part in range(self.parts)]
 
     def estimate(self) -> Estimate:
-        """Expected core-hours (nominal times for rolling balls) and maximum size in bytes."""
+        """Return the expected core-hours (nominal times for rolling balls) and the maximum size in bytes."""
         seconds, size = self._cost()
         return Estimate(seconds / 3600, size)
 
@@ -155,9 +164,9 @@ class Plan(_core.Plan):
         Parameters
         ----------
         parts : iterable of int, optional
-            Numbers of the parts. Defaults to all parts, after which the folder is also finished.
+            Numbers of the parts. By default, all parts are solved, and the folder is then finished (see `finish`).
         repair : bool
-            Verify all bytes of existing parts, and solve damaged parts again.
+            If true, verify all bytes of existing parts and solve damaged parts again.
         threads : int, optional
             Number of threads. Defaults to all cores.
         progress : bool or callable, optional
@@ -168,7 +177,7 @@ class Plan(_core.Plan):
         return Summary(len(solved), len(there), sum(part[2] for part in solved), sum(part[3] for part in solved))
 
     def verify(self, deep: bool = False) -> Verification:
-        """List missing and damaged parts. If `deep` is true, all bytes are read, otherwise only the footers."""
+        """List missing and damaged parts. If `deep` is true, read all bytes; otherwise read only the footers."""
         return self._verified(deep, False)
 
     def _verified(self, deep: bool, finish: bool) -> Verification:
@@ -210,20 +219,20 @@ def plan(
     rows_per_part: int | None = None,
     **solver: Unpack[Solver],
 ) -> Plan:
-    """Create the plan of a folder, or open a folder with the same plan.
+    """Create a plan in a folder, or open a folder that contains the same plan.
 
     Parameters
     ----------
     folder : path
-        Folder of the parts. It must be new or empty, or have the same plan.
+        Folder of the parts. It must be new or empty, or contain the same plan.
     base : Case or mapping, optional
         Inputs that are not varied.
     vary, draw, points
-        Exactly one source of the rows: a grid as in `sweep`; a mapping of names to `uniform(low, high)` or
-        `normal(mean, deviation)`, with the number of rows `samples` and a `seed`; or a file with a table, preferably
-        Parquet.
+        Source of the rows; exactly one source is required. `vary` describes a grid as in `sweep`. `draw` maps names to
+        `uniform(low, high)` or `normal(mean, deviation)`; `samples` is then the number of rows and `seed` the seed of
+        the random numbers. `points` is a file with a table, preferably Parquet.
     keep : sequence of str
-        Further columns of the table to copy.
+        Other columns of the table to copy.
     columns, **solver
         As in `solve_many`.
     rows_per_part : int, optional
@@ -232,7 +241,7 @@ def plan(
     Raises
     ------
     InputError
-        For invalid inputs, and for a folder with another plan.
+        If an input is invalid, or if the folder contains another plan.
 
     Examples
     --------
@@ -273,7 +282,7 @@ def run_part(
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
 ) -> SolvedPart:
-    """Solve one part of a plan. Task runners such as Ray, joblib or Airflow need only this function.
+    """Solve one part of a plan. Tasks of Ray, joblib or Airflow need only this function.
 
     Parameters
     ----------
@@ -282,7 +291,7 @@ def run_part(
     part : int
         Number of the part.
     folder : path
-        Folder of the parts. It is created if it does not exist.
+        Folder of the parts. The folder is created if it does not exist.
     points : path, optional
         Path of the table of points of the plan. Defaults to the file beside the folder.
     threads : int
@@ -301,7 +310,7 @@ def solve_part(
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
 ) -> _core.Arrow:
-    """Solve one part of a plan in memory, for statistics of rows that are not stored.
+    """Solve one part of a plan in memory without storing its rows, for example to calculate statistics.
 
     Parameters
     ----------
@@ -317,7 +326,7 @@ def solve_part(
     Returns
     -------
     Arrow
-        Rows of the part, for `polars.DataFrame`, `pyarrow.table` and any other reader of Arrow streams.
+        Rows of the part. `polars.DataFrame`, `pyarrow.table` and all other readers of Arrow streams accept this object.
 
     Examples
     --------

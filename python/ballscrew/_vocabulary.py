@@ -1,6 +1,6 @@
-"""Names of inputs and outputs, from the compiled module.
+"""Names of inputs and outputs, which are read from the compiled module.
 
-`_vocabulary.pyi` contains the same names for type checkers and editors. It is written when the package is built.
+`_vocabulary.pyi` contains the same names for type checkers and editors. The build of the package writes this file.
 """
 
 from typing import Any, Literal, TypedDict
@@ -34,7 +34,7 @@ def _property(read, place, type_, about, unit, unless=""):
 
 
 class CaseFields(_core.Case):
-    """A property for each input."""
+    """Base class with a property for each input."""
 
     __slots__ = ()
 
@@ -49,7 +49,7 @@ for _name, _about, *_ in _core.case_choices():
 
 
 class SolutionFields(_core.Solution):
-    """A property for each output. It is NaN if the model does not calculate the output."""
+    """Base class with a property for each output. An output that the model does not calculate is NaN."""
 
     __slots__ = ()
 
@@ -71,7 +71,7 @@ def _of_section(section, name):
 
 
 def _section(name, about, *tables):
-    """Create a class with a property for each number of some tables of the program."""
+    """Create a class with a property for each column of the given tables of the program."""
     columns = [column for table in tables for column in _core.columns(table)]
     properties = {column: _property(_of_section, column, _TYPES[kind], meaning, unit) for column, unit, meaning, kind in columns}
     return type(name, (), {"__slots__": (), "__doc__": about, "__module__": __name__, **properties})
@@ -92,4 +92,4 @@ SECTIONS = (
     SlipFields, JamFields, OptimumFields, ModelOptimumFields, RatingsFields, RatingStepsFields, NutFields, AxisFields,
     ScrewFields, PhaseFields,
 )
-"""Classes with a property for each number of a section of an answer."""
+"""All classes with a property for each number in a section of an answer."""

@@ -1,4 +1,4 @@
-"""Figures with matplotlib. Every function draws into axes and returns them."""
+"""Draw figures with matplotlib. Every function except `save` draws into axes and returns the axes."""
 
 from __future__ import annotations
 
@@ -18,18 +18,21 @@ __all__ = ["curves", "heatmap", "pareto", "save"]
 def curves(
     table: Table, x: str, y: str, *, by: str | None = None, error: str | None = None, ax: Axes | None = None
 ) -> Axes:
-    """Draw one output against an input, with a line for each value of another input. Failed rows leave gaps.
+    """Draw an output as a function of an input, with one line for each value of another input.
+
+    Rows without a result leave gaps in the lines.
 
     Parameters
     ----------
     table : Table
         Result of `solve_many` or `sweep`.
     x, y : str
-        Names of columns.
+        Names of the columns on the horizontal and the vertical axis.
     by : str, optional
-        Column with a constant value on each line. For a grid over two inputs, it defaults to the other input.
+        Column whose value is constant on each line. For a grid of two inputs, it defaults to the other input.
     error : str, optional
-        Column with the error of `y`, such as "efficiency_error_bound", drawn as a band on both sides.
+        Column with the error of `y`, such as "efficiency_error_bound". The error is drawn as a band on both sides of
+        the line.
     ax : matplotlib axes, optional
         Axes to draw into.
 
@@ -78,12 +81,14 @@ def curves(
 
 
 def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
-    """Draw an output over the two axes of a grid, with the first axis horizontal. Failed points leave gaps.
+    """Draw an output as a function of the two axes of a grid. The first axis is horizontal.
+
+    Points without a result leave gaps.
 
     Parameters
     ----------
     grid : Grid
-        Result of `sweep` over two inputs.
+        Result of `sweep` for two inputs.
     output : str
         Name of the output.
     ax : matplotlib axes, optional
@@ -113,14 +118,15 @@ def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
 def pareto(
     nuts: Table, x: str = "mass_kg", y: str = "dynamic_load_rating_N", *, ax: Axes | None = None
 ) -> Axes:
-    """Draw the nuts of a catalog, and a line through the nuts that are Pareto-optimal in both quantities.
+    """Draw a point for each nut of a catalog, and a line through the nuts that are Pareto-optimal in both quantities.
 
     Parameters
     ----------
     nuts : Table
         Result of `select_nuts`.
     x, y : str
-        Names of columns. Small values of `x` and large values of `y` are better.
+        Names of the columns on the horizontal and the vertical axis. Small values of `x` and large values of `y` are
+        better.
     ax : matplotlib axes, optional
         Axes to draw into.
 
@@ -143,16 +149,16 @@ def pareto(
 
 
 def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] | None = None, title: str | None = None) -> None:
-    """Write the figure of axes to a file. A PDF embeds its fonts as TrueType, which journals require.
+    """Write the figure that contains the axes to a file. A PDF embeds its fonts as TrueType, which journals require.
 
     Parameters
     ----------
     axes : matplotlib axes
-        Result of a function of this module.
+        Axes that a function of this module returned.
     path : path
         Path of the file. Its ending determines the format.
     size_mm : tuple of float, optional
-        Width and height of the figure.
+        Width and height of the figure in millimeters.
     title : str, optional
         Title above the axes.
 
@@ -187,7 +193,7 @@ def _unit(name: str) -> str:
 
 
 def _quantity(name: str) -> str:
-    """Return the label of a name without its unit."""
+    """Return the words of a name without its unit."""
     unit = _unit(name)
     ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
     bare = name.removesuffix(f"_{ending}") if ending else name

@@ -128,9 +128,9 @@ def fixed() -> list[Row]:
     )
     column = 1e3 * ((four - one) - (bare_four - bare_one)) / 3.0
     return [
-        Row("status and model of 1e6 rows, when they are asked for", f"{1e3 * answers:.1f} ms", "<= 1 ms", 1e3 * answers),
+        Row("reading status and model of 1e6 rows", f"{1e3 * answers:.1f} ms", "<= 1 ms", 1e3 * answers),
         # The difference of four noisy times is shown, but not checked.
-        Row("a further column of 1e6 rows", f"{column:+.2f} ms", "<= 0.1 ms", 0.0),
+        Row("each additional column of 1e6 rows", f"{column:+.2f} ms", "<= 0.1 ms", 0.0),
     ]
 
 
@@ -157,8 +157,11 @@ def one_point() -> list[Row]:
     attribute, nothing = alternating(loop(lambda: answer.efficiency), loop(lambda: answer))
     over, replaced, read = 1e6 * (ours - bare), 1e6 * (keyword - ours), 1e6 * (attribute - nothing)
     return [
-        Row(f"`solve` over the model itself, {1e6 * bare:.1f} us in `rigid`", f"{over:+.1f} us", "<= 2 us", over / 2.0),
-        Row("an input by keyword, checked as all are", f"{replaced:+.1f} us", "", replaced / 4.0),
+        Row(
+            f"`solve` compared with the model in Rust, {1e6 * bare:.1f} us with `rigid`", f"{over:+.1f} us",
+            "<= 2 us", over / 2.0,
+        ),
+        Row("an input given as a keyword, including its check", f"{replaced:+.1f} us", "", replaced / 4.0),
         Row("reading an output", f"{read:.2f} us", "<= 0.1 us", read / 0.1),
     ]
 
@@ -182,7 +185,7 @@ def frames() -> list[Row]:
     times = alternating(*(many(form, "rigid", FOUR) for form in forms.values()))
     base = times[0]
     return [
-        Row(f"{name} in against NumPy in, `rigid`", f"{found / base - 1.0:+.1%}", "<= 10 %", (found / base - 1.0) / 0.10)
+        Row(f"{name} input compared with NumPy input, `rigid`", f"{found / base - 1.0:+.1%}", "<= 10 %", (found / base - 1.0) / 0.10)
         for name, found in list(zip(forms, times, strict=True))[1:]
     ]
 
@@ -210,10 +213,13 @@ def elsewhere() -> list[Row]:
     columns = len(bs.solve_many(points(2), SCREW, model="rigid").column_names) - 6
     return [
         Row("import without numpy", f"{imported:.0f} ms (numpy alone {numpy:.0f} ms)", "<= 20 ms", imported / 20.0),
-        Row("memory for 1e6 rows, 1 output", f"{one:.0f} MB", "no copy of a column: 11 MB", one / 11.0 / 1.5),
+        Row(
+            "memory for 1e6 rows, 1 output", f"{one:.0f} MB",
+            "11 MB, which is the size without a copied column", one / 11.0 / 1.5,
+        ),
         Row(
             f"memory for 1e6 rows, all {columns} outputs", f"{every:.0f} MB",
-            f"no copy of a column: {3 + 8 * columns} MB", every / (3 + 8 * columns) / 1.2,
+            f"{3 + 8 * columns} MB, which is the size without a copied column", every / (3 + 8 * columns) / 1.2,
         ),
     ]
 
@@ -228,7 +234,7 @@ def main() -> None:
     if not KEPT.keys() <= os.environ.keys():
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **KEPT})
     rows = measured()
-    lines = ["| what | measured | target |", "|---|---|---|"]
+    lines = ["| measurement | result | target |", "|---|---|---|"]
     lines += [f"| {row.what} | {row.value} | {row.promised} |" for row in rows]
     print("\n".join(lines))
     if "--write" in sys.argv:

@@ -1,8 +1,9 @@
 # %% [markdown]
 # # Feed axis: which screw moves 10 kN at 30 m/min?
 #
-# A horizontal axis of a machine tool moves 500 kg over a stroke of 1.2 m against 10 kN, at 30 m/min, for 20 000 hours.
-# Which screw is sufficient, and which rule limits it? What would a lighter screw or less heat require?
+# A horizontal axis of a machine tool moves 500 kg over a stroke of 1.2 m against a force of 10 kN. The feed is 30
+# m/min, and the required life is 20 000 hours. Which screw is sufficient, and which rule limits its size? How could the
+# screw be lighter or generate less heat?
 
 # %%
 import matplotlib.pyplot as plt
@@ -33,8 +34,8 @@ print(f"size         {screw.nominal_diameter_mm:g} x {screw.lead_mm:g} mm")
 print(f"balls        {screw.ball_diameter_mm:g} mm, {screw.loaded_turns:g} loaded turns")
 
 # %% [markdown]
-# `select` checks every size in the catalogs of THK and HIWIN against the rules of `axis` and chooses the lightest screw
-# that passes. The result is a case that all other functions accept.
+# `select` checks every size in the catalogs of THK and HIWIN against the rules of `axis`. It chooses the lightest screw
+# that satisfies all rules. The result is a case that all other functions accept.
 #
 # ## Which rule limits the screw?
 
@@ -49,8 +50,9 @@ axes.set_xlabel("margin: allowed / actual value, or actual / required value")
 plt.show()
 
 # %% [markdown]
-# A rule passes if its margin is at least 1. The margins of speed number and life are close to 1. Buckling, static safety
-# and core stress have large margins, so a thicker core would not help. Each rule has a source and, if it fails, a remedy.
+# The screw satisfies a rule if the margin is at least 1. The margins of speed number and life are close to 1. Buckling,
+# static safety and core stress have large margins, so a thicker core would not help. Each rule states its source and,
+# if the screw violates the rule, a remedy.
 
 # %%
 for rule in rules[-3:]:
@@ -58,7 +60,7 @@ for rule in rules[-3:]:
     print(f"{rule.rule}: {rule.value:.6g} {limit}, {rule.source}")
 
 # %% [markdown]
-# How much faster may the axis run? `fit` with `limit` finds the range of an input in which a rule holds.
+# How much faster can the axis run? `fit` with `limit` finds the range of an input in which the axis satisfies a rule.
 
 # %%
 for limit in ("speed number", "life", "critical speed"):
@@ -75,10 +77,10 @@ for name in names:
     print(f"{name:28} {getattr(axis, name):10.5g} {bs.OUTPUTS[name].unit}")
 
 # %% [markdown]
-# ## What would other sizes offer?
+# ## Are other sizes better?
 #
-# The catalogs of manufacturers contain few sizes. The list of standard sizes combines all usual diameters, leads, balls and
-# turns, so it shows the trade-off. Each point is a screw that meets all rules.
+# Manufacturers' catalogs contain few sizes. The list of standard sizes combines all usual diameters, leads, ball
+# diameters and turns, so it shows the trade-off between mass and heat. Each point is a screw that satisfies all rules.
 
 # %%
 nuts = bs.select_nuts("standard", requirement=requirement)
@@ -99,8 +101,8 @@ axes.legend()
 plt.show()
 
 # %% [markdown]
-# A screw with a small lead turns fast, so the friction torque of seals and support bearings produces more heat. A large
-# lead halves the heat but requires a motor with more torque:
+# A screw with a small lead must turn fast, so the friction torque of seals and support bearings generates more heat. A
+# large lead halves the heat but requires more motor torque:
 
 # %%
 names = [
@@ -113,14 +115,15 @@ names = [
 nuts[best[::2]][names]
 
 # %% [markdown]
-# `nuts.case(row)` returns the case of a row for `bs.axis` and `bs.nut`, and `bs.axis(screw, figures="sheet")` writes a
-# calculation sheet of two pages.
+# `nuts.case(row)` returns the nut of a row as a case for `bs.axis` and `bs.nut`. `bs.axis(screw, figures="sheet")`
+# writes a calculation sheet of two pages.
 #
 # ## Limits
 #
-# * A standard size is a combination of usual dimensions. Ask a manufacturer whether the nut exists.
-# * Life, stiffness and critical speed follow from rules of ISO 3408 and of manufacturers, which are conservative to
-#   different degrees. The temperature rise follows from estimated conductances. Its uncertainty is tens of percent.
-# * Wear, shocks, the control of the axis and the bending of the screw by its weight are not included; the report lists
-#   them under `not_modeled`.
+# * A standard size is a combination of usual dimensions. Ask a manufacturer whether a nut of this size is available.
+# * Life, stiffness and critical speed are calculated with rules of ISO 3408 and of manufacturers, which are
+#   conservative to different degrees. The temperature rise is calculated from estimated conductances; its uncertainty
+#   is several tens of percent.
+# * The calculation does not include wear, shocks, the control of the axis, and the bending of the screw due to its
+#   weight. `axis.not_modeled` lists these effects.
 # * [Choose and size a feed axis](../../docs/guide/axis.md) explains the sheet and all rules.

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # First answer: how much torque does a screw need?
 #
-# A feed drive moves 8 kN with a 40 x 20 mm screw at 1500 rpm. How much torque does the screw need, how much of the
-# torque is friction, and how reliable are these numbers?
+# A feed drive moves a load of 8 kN with a 40 x 20 mm screw at 1500 rpm. How much torque does the screw need, how much
+# of this torque is friction, and how reliable are these numbers?
 
 # %%
 import matplotlib.pyplot as plt
@@ -26,9 +26,9 @@ print(f"efficiency  {answer.efficiency:.4f}")
 print(f"pressure    {answer.screw_max_pressure_MPa:.0f} MPa")
 
 # %% [markdown]
-# Each input is a keyword whose name ends with its unit. You can use another unit by changing the ending, for example
+# Each input is a keyword whose name ends with its unit. To use another unit, change this ending, for example to
 # `axial_load_kN=8`. The conformity is the groove radius divided by the ball diameter. If you do not know the grooves of
-# your screw, give [one line of the catalog](../../docs/guide/catalog-line.md) instead.
+# your screw, enter [the data of a catalog line](../../docs/guide/catalog-line.md) instead.
 
 # %%
 parts = answer.to_dict()["torque_parts"]
@@ -37,22 +37,23 @@ for name in names:
     print(f"{name.replace('_', ' '):18} {parts[name + '_torque_Nm']:7.3f} N m")
 
 # %% [markdown]
-# Nearly all of the torque drives the load: a screw without friction would need $F l / 2 \pi$, which is the first row.
-# The friction of the balls adds little. The torques of seals and support bearings count as 0 because this case does not
-# contain them. In a real axis these torques often exceed the friction of the balls, so add `seal_torque_Nm` and
-# `support_bearing_torque_Nm` before you choose a motor.
+# Nearly all of the torque moves the load. The first row, $F l / 2 \pi$, is the torque that a screw without friction
+# would need. The friction of the balls adds little. The torques of seals and support bearings are 0, because this case
+# does not contain them. In a real axis, these torques often exceed the friction of the balls. Therefore, add
+# `seal_torque_Nm` and `support_bearing_torque_Nm` before you choose a motor.
 #
 # ## How accurate is the calculation?
 #
-# The program chose the model automatically, and the answer states why. The error bound applies to the difference from
-# the efficiency of the most detailed model.
+# The program chose the model automatically, and `choice` states the reason. The error bound is an upper limit for the
+# difference in efficiency between the chosen model and the most detailed model.
 
 # %%
 print(answer.regime, "|", answer.choice)
 print("warnings:", answer.warnings)
 
 # %% [markdown]
-# The inputs are less certain than the model. Exact derivatives show which inputs have a large effect on the friction loss.
+# The inputs are less certain than the model. Exact derivatives show which inputs have a large effect on the friction
+# loss.
 
 # %%
 table = bs.sensitivities(answer.case)
@@ -68,11 +69,12 @@ axes.set_xlabel("change of the friction loss per 1 % of the input [%]")
 plt.show()
 
 # %% [markdown]
-# A positive bar means that a larger input increases the loss. The loss is proportional to the friction coefficient,
-# which is known to a few tens of percent at best. The conformity of the nut has the longest bar, but it is known much
-# better: 0.53 with a tolerance of 0.01 is an uncertainty of 2 %.
+# A positive bar means that a larger value of the input increases the loss. The loss is proportional to the friction
+# coefficient, which is known at best to within a few tens of percent. The conformity of the nut has the longest bar,
+# but its value is known much more accurately: a tolerance of 0.01 at 0.53 is an uncertainty of 2 %.
 #
-# Random inputs show how this uncertainty affects the torque. Here the friction coefficient is uncertain by a third.
+# Random inputs show how these uncertainties affect the torque. In this example, the friction coefficient is uncertain
+# by a third.
 
 # %%
 points = bs.draw(
@@ -89,10 +91,10 @@ for name in ("ball_torque_Nm", "efficiency"):
     print(f"{name:15} {middle:.4g}, 90 % of the values from {low:.4g} to {high:.4g}")
 
 # %% [markdown]
-# The torque is known to about 1 %, although the friction coefficient is not, because most of the torque drives the load.
-# The *loss*, and thus the heat, is as uncertain as the friction coefficient.
+# The torque is known to within about 1 %, although the friction coefficient is much less certain. The reason is that
+# most of the torque moves the load. The *loss*, and therefore the heat, is as uncertain as the friction coefficient.
 #
-# ## Does the result hold at other loads and speeds?
+# ## Is the efficiency the same at other loads and speeds?
 
 # %%
 grid = bs.sweep(
@@ -113,14 +115,14 @@ axes.set_xscale("log")
 plt.show()
 
 # %% [markdown]
-# The efficiency hardly depends on speed and load as long as the balls roll. Under a small load at high speed,
-# gyroscopic moments make the balls skid and the efficiency drops. The bands show the error bounds.
-# [A million points](million_points.py) maps this transition.
+# As long as the balls roll, the efficiency hardly depends on speed and load. At small load and high speed, gyroscopic
+# moments make the balls skid, and the efficiency drops. The bands show the error bounds. The notebook [A million
+# points](million_points.py) draws a map of this transition.
 #
 # ## Limits
 #
-# * The state is steady, all balls carry the same load, and the friction coefficient is constant.
-#   [Stribeck curve and fit](stribeck.py) calculates the friction from an oil, and `bs.nut` solves all balls of a nut.
-# * Ball returns and lubricant drag are not included. A preloaded nut has additional drag, which
-#   [third contact and drag](third_contact.py) explains.
+# * The calculation assumes steady motion, equal loads on all balls and a constant friction coefficient. [Stribeck curve
+#   and fit](stribeck.py) calculates the friction of an oil, and `bs.nut` calculates the load of each ball.
+# * The friction in the ball returns and the drag of the lubricant are not included. A preloaded nut has additional
+#   drag, which [third contact and drag](third_contact.py) explains.
 # * [Limits](../../docs/guide/limits.md) states where each model is valid.

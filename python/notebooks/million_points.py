@@ -2,7 +2,8 @@
 # # A million points: where does the screw skid?
 #
 # The balls of a screw roll under load, but skid at high speed and small load. Where is the boundary between rolling and
-# skidding for a 40 x 20 mm feed drive, how much efficiency is lost beyond it, and where does a given work cycle lie?
+# skidding for a 40 x 20 mm feed drive? By how much does the efficiency fall beyond this boundary? Do the balls skid in
+# a given work cycle?
 
 # %%
 import time
@@ -34,9 +35,9 @@ print(f"{np.count_nonzero(~grid.ok)} points without a result")
 grid
 
 # %% [markdown]
-# The grid is solved on all cores. Each row has its own status, and `auto` chooses the fastest model that is accurate to
-# 1 % for each point. Raceway control solves the points at which the balls roll, and more detailed models solve the points
-# at which the balls begin to skid:
+# The program solves the grid on all cores. Each row has its own status. For each point, `auto` chooses the fastest
+# model that is accurate to 1 %. Model `raceway-control` solves the points at which the balls roll, and more detailed
+# models solve the points at which the balls begin to skid:
 
 # %%
 codes, counts = np.unique(grid.model.codes, return_counts=True)
@@ -50,7 +51,7 @@ for code, count in zip(codes, counts, strict=True):
 efficiency, onset = grid.grid("efficiency").T, grid.grid("onset_number").T
 
 figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
-# Every fourth value is enough for a picture of this size.
+# For a picture of this size, every fourth value is sufficient.
 x, y, each = speeds[::4], loads[::4], np.s_[::4, ::4]
 drawn = axes.pcolormesh(x, y, efficiency[each], shading="nearest", rasterized=True)
 axes.contour(x, y, onset[each], levels=[0.1, 2], colors=["black", "white"])
@@ -63,14 +64,14 @@ axes.set(xlabel="screw speed [rpm]", ylabel="axial load [N]")
 plt.show()
 
 # %% [markdown]
-# Along each line, the skid onset number is constant. It compares the gyroscopic moment of a ball with the friction that
-# can resist this moment. Above the black line (0.1) the balls roll, and the efficiency depends little on speed and load.
-# Below the white line (2) the balls are in gross skid. The efficiency falls between the lines, so the black line is a
-# conservative boundary. It has a step where the controlling raceway changes.
+# Each line connects points with the same skid onset number. The onset number compares the gyroscopic moment of a ball
+# with the friction that can resist this moment. Above the black line (0.1), the balls roll, and the efficiency hardly
+# depends on speed and load. Below the white line (2), the balls are in gross skid. Between the lines, the efficiency
+# falls. The black line is therefore a conservative boundary. It has a step where the controlling raceway changes.
 #
-# Both lines rise steeply, because the gyroscopic moment grows with the square of the speed: at twice the speed, the balls
-# need about three times the load to roll. A light axis at rapid traverse can therefore skid although its balls roll in
-# every cut.
+# Both lines rise steeply, because the gyroscopic moment increases with the square of the speed. At twice the speed, the
+# balls need about three times the load to roll. The balls of a light axis can therefore skid at rapid traverse although
+# they roll in every cut.
 
 # %%
 for speed in (1000, 2000, 4000):
@@ -80,8 +81,8 @@ for speed in (1000, 2000, 4000):
 # %% [markdown]
 # ## A work cycle in the map
 #
-# The map answers further questions without the solver. The following code looks up each phase of a cycle at the nearest
-# point.
+# The map answers further questions without new calculations. For each phase of a cycle, the following code looks up the
+# nearest point of the map.
 
 # %%
 data = grid.to_xarray()
@@ -97,13 +98,13 @@ for phase, inputs in cycle.items():
     print(f"{phase:15} onset number {onset_number:7.2g}, heat {heat:5.1f} W")
 
 # %% [markdown]
-# Rapid traverse under a small load heats the ball contacts more than roughing does, because the balls skid.
+# Rapid traverse at a small load generates more heat in the ball contacts than roughing does, because the balls skid.
 #
 # ## Limits
 #
-# * The map applies to a nut without preload. In a preloaded nut, the preload keeps the balls loaded, so that they skid only
-#   at much higher speeds. `bs.nut` calculates such nuts.
-# * The friction coefficient is constant. With a lubricant, the film determines the friction of skidding balls, and a map of
-#   a million points takes minutes.
-# * Write a larger table to a folder of files: see [a million points in files](../../docs/guide/million-points.md) and
-#   [several machines](../../docs/guide/scale-out.md).
+# * The map applies to a nut without preload. In a preloaded nut, the preload keeps the balls loaded, so they skid only
+#   at much higher speeds. `bs.nut` calculates preloaded nuts.
+# * The friction coefficient is constant. With a lubricant, the film determines the friction of skidding balls, and the
+#   calculation of a million points takes minutes.
+# * Larger tables can be written to a folder of files: see [a million points in
+#   files](../../docs/guide/million-points.md) and [several machines](../../docs/guide/scale-out.md).

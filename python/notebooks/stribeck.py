@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Stribeck curve and fit: how much friction does an oil cause?
 #
-# A screw runs in mineral oil ISO VG 68. How does its friction depend on speed and temperature, and what do measured
-# torques say about it?
+# A screw is lubricated with mineral oil ISO VG 68. How does its friction depend on speed and temperature, and how can
+# measured torques improve the calculation?
 
 # %%
 import matplotlib.pyplot as plt
@@ -29,8 +29,8 @@ screw = bs.Case(
 )
 
 # %% [markdown]
-# The case contains an oil and the roughness of the surfaces instead of a friction coefficient. The temperature is the
-# temperature of nut and balls, not of the room.
+# Instead of a friction coefficient, the case contains an oil and the roughness of the surfaces. The temperature is the
+# temperature of nut and balls, not the room temperature.
 #
 # ## The Stribeck curve
 
@@ -53,13 +53,13 @@ right.axhline(1, color="gray", linestyle=":", linewidth=1)
 plt.show()
 
 # %% [markdown]
-# The equivalent friction coefficient is the coefficient of dry friction that would cause the same loss. At low speed
+# The equivalent friction coefficient is the coefficient of dry friction that would cause the same loss. At low speed,
 # the film is thinner than the roughness (film ratio below 1), asperities carry the load, and boundary friction
-# dominates. With increasing speed the film separates the surfaces and the friction falls to a minimum. At
-# high speed the rolling resistance of the oil raises it again. Cold oil is viscous, so its minimum lies at a lower
-# speed.
+# dominates. With increasing speed, the film separates the surfaces, and the friction falls to a minimum. At high speed,
+# the rolling resistance of the oil increases the friction again. Cold oil has a higher viscosity, so the minimum occurs
+# at a lower speed.
 #
-# If you need a single constant coefficient, use the value at the speed that is most important:
+# If you need a constant friction coefficient, use the value at the speed that is most important for your application:
 
 # %%
 for temperature in (20, 40, 60):
@@ -72,8 +72,8 @@ for temperature in (20, 40, 60):
 # %% [markdown]
 # ## How certain is the friction?
 #
-# The answer for one operating point contains the 90 % interval that follows from uncertain viscosity, roughness,
-# boundary friction and oil supply.
+# The result for one operating point contains the 90 % interval that results from the uncertainties of viscosity,
+# roughness, boundary friction and oil supply.
 
 # %%
 band = bs.solve(screw).to_dict()["band"]
@@ -81,12 +81,12 @@ for name, limits in band.items():
     print(f"{name:20} {limits['low']:.4g} to {limits['high']:.4g}")
 
 # %% [markdown]
-# The uncertainty of the contact loss is about a quarter. A measurement on your own screw gives a better value.
+# The uncertainty of the contact loss is about 25 %. A measurement on your own screw reduces it.
 #
 # ## Fit to measured torques
 #
-# The following table has the format of a measurement, but its values are invented for this page. Replace them with your
-# measured points.
+# The following table has the format of a measurement, but its values are invented. Replace them with your measured
+# points.
 
 # %%
 measured = {
@@ -107,9 +107,9 @@ for message in report.warnings:
     print(message)
 
 # %% [markdown]
-# Two inputs explain all seven torques: the boundary friction, which determines the torque at low speed, and the torque
-# of the seals, which is the same at every point. The standard deviations state how well the points determine these inputs. If
-# the condition number exceeds a few thousand, the points do not determine the inputs.
+# Two inputs explain all seven torques: the boundary friction coefficient, which determines the torque at low speed, and
+# the torque of the seals, which is the same at every point. The standard deviations state how accurately the points
+# determine these inputs. If the condition number exceeds a few thousand, the points do not determine the inputs.
 
 # %%
 values = {name: found.value for name, found in report.fitted.items()}
@@ -133,13 +133,15 @@ axes.legend(ncols=2)
 plt.show()
 
 # %% [markdown]
-# The picture shows the friction torque, which is the measured torque minus the torque $F l / 2 \pi$ of the load. Because
-# this difference is small, the torque meter must be accurate: measure the torque to within 2 % of the friction torque.
+# The picture shows the friction torque, which is the measured torque minus the torque $F l / 2 \pi$ that moves the
+# load. Because this difference is small, the torque meter must be accurate: its error should be at most 2 % of the
+# friction torque.
 #
 # ## Limits
 #
-# * Running-in, the start from rest, starvation beyond `film_factor`, and contact between balls are not included.
-# * A fit cannot distinguish two inputs that have similar effects at all measured points. Measure at low and high speed and
-#   at small loads.
-# * [Friction from oil and a measured torque](../../docs/guide/friction-from-oil.md) compares the friction with published
-#   data, and [theory 17](../../docs/theory/17-lubricant.md) derives it.
+# * The calculation does not include running-in, starting from rest, and contact between balls. It includes starvation
+#   only through `film_factor`.
+# * A fit cannot distinguish between two inputs that have similar effects at all measured points. Therefore, measure at
+#   low and high speeds and at small loads.
+# * [Friction from oil and a measured torque](../../docs/guide/friction-from-oil.md) compares the friction with
+#   published data, and [theory 17](../../docs/theory/17-lubricant.md) derives it.

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Third contact and drag: why is a preloaded nut hard to turn?
 #
-# For preloaded nuts, catalogs state a drag torque of several times the friction of two contacts per ball. What causes the
-# difference, and what can a designer do about it?
+# The drag torque that catalogs state for preloaded nuts is several times the friction torque of two contacts per ball.
+# What causes this difference, and what can a designer do about it?
 
 # %%
 import matplotlib.pyplot as plt
@@ -27,13 +27,13 @@ pair = bs.Case(
 )
 
 # %% [markdown]
-# The case is a pair of nuts that are preloaded against each other with 3 kN. A friction coefficient of 0.09 is usual for
-# a lubricated screw at 100 rpm, the speed at which manufacturers measure the drag.
+# The case describes a double nut with a preload of 3 kN. A friction coefficient of 0.09 is typical of a lubricated
+# screw at 100 rpm, the speed at which manufacturers measure the drag torque.
 #
 # ## Two contacts or three?
 #
-# Friction across the grooves pushes each ball sideways. In a gothic arch with little play, the ball touches the opposite
-# flank of its groove. The axial play decides whether this third contact exists.
+# Friction perpendicular to the grooves pushes each ball sideways. In a gothic arch with little play, the ball then
+# touches the opposite flank of its groove. The axial play determines whether this third contact exists.
 
 # %%
 names = [
@@ -48,13 +48,14 @@ nuts = bs.solve_many({"axial_play_um": [40.0, 10.0, 0.0]}, pair, columns=names)
 nuts[["axial_play_um", *names]].to_pandas().set_index("axial_play_um").T.round(3)
 
 # %% [markdown]
-# The first column is a nut with large play: its balls have two contacts, and its drag is a fraction of the drag that the
-# manufacturers' rule predicts (`running_preload_torque_over_rule`). Without play, all balls touch a third flank. This
-# contact carries only a few newtons, but it slides at the rolling speed of the ball, so it causes more than half of the torque.
-# The drag is then close to the rule.
+# The first column applies to a nut with large play. Its balls have two contacts, and its drag torque is only a fraction
+# of the drag torque from the manufacturers' rule (`running_preload_torque_over_rule`). Without play (last column), all
+# balls touch a third flank. This contact carries only a few newtons. However, its slip speed is the rolling speed of
+# the ball, so it causes more than half of the torque. The drag torque is then close to the rule.
 #
-# `running_preload_torque_factor` is the drag coefficient $K_p$ in $T = K_p F_p l / 2 \pi$. The rule states
-# $K_p = 0.05 / \sqrt{\tan \alpha}$ with the lead angle $\alpha$, with an accuracy of 20 to 50 %.
+# `running_preload_torque_factor` is the drag coefficient $K_p$ in $T = K_p F_p l / 2 \pi$. According to the
+# manufacturers' rule, $K_p = 0.05 / \sqrt{\tan \alpha}$, where $\alpha$ is the lead angle. The uncertainty of the rule
+# is 20 to 50 %.
 #
 # ## One ball
 
@@ -104,21 +105,23 @@ right.set(xlabel="friction coefficient", ylabel="axial play [um]")
 plt.show()
 
 # %% [markdown]
-# As the play grows, the drag falls until the third contact opens. It is then constant, because two contacts remain. With a
-# larger friction coefficient, the third contact opens at a larger play, because more friction pushes the balls further.
+# With increasing play, the drag torque falls until the third contact opens. It is then constant, because only two
+# contacts remain. With a larger friction coefficient, the third contact opens at a larger play, because higher friction
+# pushes the balls farther.
 #
-# For a designer this means:
+# Conclusions for a designer:
 #
-# * Ask the manufacturer for the play of the groove. A difference of about twenty micrometers decides whether the drag is a
-#   third of the value by the rule or the whole value.
-# * A lower friction coefficient helps twice: it reduces the friction of each contact and opens the third contact.
-# * If a delivered nut is hard to turn although its preload is correct, too little play is a plausible cause.
+# * Ask the manufacturer for the play of the groove. A difference of about 20 um determines whether the drag torque is a
+#   third of the value from the rule or the whole value.
+# * A lower friction coefficient has two advantages: it reduces the friction of each contact, and it can open the third
+#   contact.
+# * If a delivered nut is hard to turn although its preload is correct, the play may be too small.
 #
 # ## Limits
 #
-# * No manufacturer states the play of the nuts of a pair, and the friction coefficient is not measured either. The
-#   comparison is therefore a consistency check, not a validation. A coefficient of 0.10 to 0.12 reproduces two published
-#   torques ([public measured data](../../docs/evidence/measured.md)).
-# * Ball returns, seals and contact between balls add to the measured drag. These numbers do not include them.
-# * [All balls of a nut](../../docs/guide/nut.md) describes the inputs, and [theory 22](../../docs/theory/22-third-contact.md)
-#   derives the third contact.
+# * No manufacturer states the play of a double nut, and the friction coefficient has not been measured either. This
+#   comparison is therefore a consistency check, not a validation. A friction coefficient of 0.10 to 0.12 reproduces two
+#   published torques ([public measured data](../../docs/evidence/measured.md)).
+# * A measured drag torque also includes ball returns, seals and contact between balls. The calculated values do not.
+# * [All balls of a nut](../../docs/guide/nut.md) describes the inputs, and [theory
+#   22](../../docs/theory/22-third-contact.md) derives the third contact.
