@@ -40,6 +40,8 @@ pub struct Columns {
     pub(crate) kept_types: Vec<DataType>,
     /// Names of the ignored columns.
     pub(crate) unread: Vec<String>,
+    /// Names of columns that are ignored because they have the name of a result.
+    results: Vec<String>,
 }
 
 /// Header of a column in a results table.
@@ -105,6 +107,7 @@ impl Columns {
                 // Some outputs have the same name as an input. In a table with earlier results, the
                 // input columns come first.
                 columns.unread.push(own.to_owned());
+                columns.results.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
                 // This unknown name has already been reported.
             } else if let Ok((key, change)) = InputKey::in_unit(name) {
@@ -114,7 +117,9 @@ impl Columns {
                 columns.inputs.push(key);
                 columns.input_places.push(index);
                 columns.units.push((own.to_owned(), change));
-            } else if !is_answer(name) {
+            } else if is_answer(name) {
+                columns.results.push(own.to_owned());
+            } else {
                 let nearest = nearest_input(name).filter(|nearest| *nearest != name);
                 unknown.push(UnknownName { name: name.to_owned(), nearest });
                 if unknown.len() == UnknownName::NAMED {
@@ -203,6 +208,23 @@ impl Columns {
     /// Returns the indices of the input columns in the table.
     pub fn input_places(&self) -> &[usize] {
         &self.input_places
+    }
+
+    /// Returns a note on the columns that are ignored because they have the name of a result.
+    pub fn ignored_note(&self) -> Option<String> {
+        /// Maximum number of names in the note.
+        const NAMED: usize = 4;
+        let mut names: Vec<_> = self.results.iter().take(NAMED).map(|name| brief(name)).collect();
+        let more = self.results.len().saturating_sub(NAMED);
+        if more > 0 {
+            names.push(format!("{more} more"));
+        }
+        let names = names.join(", ");
+        (!names.is_empty()).then(|| {
+            format!(
+                "The table has columns of results, which are not inputs and are therefore ignored: {names}."
+            )
+        })
     }
 
     /// Returns the input columns as a set.

@@ -112,6 +112,9 @@ fn of_table(
         Failure::Input(format!("{path}: {error}; add columns, a case or --set"))
     })?;
     note_unread(&task, source.columns().set());
+    if let Some(note) = source.columns().ignored_note() {
+        warn("note", &note);
+    }
     note_groove(&task);
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), table_format };
     let job = files.job(task, args, output_format);

@@ -2,13 +2,16 @@
 //! are known, and with an independent implementation.
 
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 
-use bsm_case::units::{MM, UM};
+use bsm_case::units::{MM, RPM, UM};
 use bsm_design::{
     BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate,
     KnownGroove, NutBody, NutSet, Prior, quantile,
 };
-use bsm_dyn::{Material, Reason};
+use bsm_dyn::model::{RacewayControl, RacewayWorkspace};
+use bsm_dyn::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint, Reason};
+use bsm_kin::{Drive, Helix};
 use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
@@ -223,6 +226,7 @@ struct Best {
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "keys of the file")]
 struct Bands {
+    friction_torque_Nm: [f64; 3],
     screw_max_pressure_MPa: [f64; 3],
     secant_contact_stiffness_N_um: [f64; 3],
 }
@@ -364,7 +368,15 @@ struct BandQuantity {
 
 type GrooveValue = fn(&EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason>;
 
-const BAND_QUANTITIES: [BandQuantity; 2] = [
+const BAND_QUANTITIES: [BandQuantity; 3] = [
+    BandQuantity {
+        key: "torque",
+        words: "friction torque of the contacts",
+        value: friction_torque,
+        reference: |bands| bands.friction_torque_Nm,
+        tolerance: (0.01, "1 %: the model of the reference"),
+        widest: 1.5,
+    },
     BandQuantity {
         key: "stiffness",
         words: "secant stiffness of the contacts",
@@ -385,6 +397,34 @@ const BAND_QUANTITIES: [BandQuantity; 2] = [
         widest: 1.35,
     },
 ];
+
+/// Friction coefficient of the reference torques.
+const FRICTION: f64 = 0.08;
+/// Speed of the screw of the reference torques \[rad/s\].
+const SPEED: f64 = 500.0 * RPM;
+/// Density of the balls of the reference torques \[kg/m³\].
+const DENSITY: f64 = 7800.0;
+
+/// Returns the friction torque of the contacts under raceway control \[N·m\].
+fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
+    let nut = groove.nut(lead, (STEEL, STEEL));
+    let point = OperatingPoint {
+        helix: Helix { radius: 0.5 * groove.pitch_diameter, lead_angle: nut.lead_angle() },
+        contact_angle: groove.contact_angle,
+        ball: Ball::of_density(0.5 * groove.ball_diameter, DENSITY),
+        friction: Coulomb(FRICTION),
+        drive: Drive { screw_speed: SPEED, nut_speed: 0.0 },
+        load: Load { axial: load, balls: groove.loaded_balls },
+    };
+    let at = ElasticPoint { point, conformity: groove.conformity, material: (STEEL, STEEL) };
+    let solution = RacewayControl { at, control: None }.solve(&mut RacewayWorkspace::default());
+    if let Some(reason) = solution.reason() {
+        return Err(reason.clone());
+    }
+    let torque = solution.solved().and_then(|solved| solved.transmission.screw_torque);
+    let torque = torque.expect("raceway control calculates the torque of a turning screw");
+    Ok(torque - lead / TAU * load)
+}
 
 /// Returns the secant stiffness of the contacts \[N/µm\].
 fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {

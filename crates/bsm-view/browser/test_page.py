@@ -318,6 +318,21 @@ def columns_of(page) -> dict[str, list[str]]:
     return {row.locator("th").inner_text(): [cell.inner_text() for cell in row.locator("td").all()[1:]] for row in rows}
 
 
+def test_models_of_a_catalog_line_have_intervals(serve, sheet, tmp_path):
+    line = tmp_path / "line.json"
+    line.write_text(json.dumps({
+        "nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "rated_static_load_N": 144400,
+        "axial_load_N": 5130, "screw_speed_rpm": 500, "friction_coefficient": 0.08}))
+    sheet = sheet()
+    page = sheet.open(serve(line).address)
+    row = page.locator("#models tbody tr", has_text="raceway-control").first
+    cells = row.locator("td.number").all_inner_texts()
+    # Efficiency and torque depend on the estimated groove. The time of a solve does not.
+    assert all(re.fullmatch(r"[\d.]+ \([\d.]+ to [\d.]+\)", cell) for cell in cells[:2]), cells
+    assert re.fullmatch(r"[\d.]+", cells[-1]), cells
+    assert sheet.errors == []
+
+
 def test_cases_are_shown_side_by_side(serve, sheet, tmp_path):
     other = tmp_path / "other.json"
     other.write_text(json.dumps(json.loads(FEED.read_text()) | {"lead_mm": 10, "axial_load_N": 4000}))

@@ -349,3 +349,18 @@ fn columns_of_earlier_results_are_ignored() {
     assert_eq!(inputs(&["model", temperature]), [temperature]);
     assert!(inputs(&["model", "status", "message", temperature]).is_empty());
 }
+
+/// A column that has the name of a result is not read, so a note names it. Such columns used to be ignored without a hint.
+#[test]
+fn ignored_columns_are_named() {
+    let note = |names: &[&str]| {
+        let columns = Columns::sort(names.iter().copied(), &[], &TableFormat::default());
+        columns.expect("known names").ignored_note()
+    };
+    assert_eq!(note(&["axial_load_N", "lead_mm"]), None);
+    let some = note(&["axial_load_N", "efficiency", "nut_stiffness_N_um"]).expect("a note");
+    assert!(some.ends_with("ignored: efficiency, nut_stiffness_N_um."), "{some}");
+    let many = ["model", "status", "message", "efficiency", "ball_torque_Nm", "skid_number"];
+    let many = note(&many).expect("a note");
+    assert!(many.ends_with("ignored: model, status, message, efficiency, 2 more."), "{many}");
+}
