@@ -25,7 +25,7 @@ pub(crate) struct Reply<'a> {
     pub(crate) case: Option<Value>,
     /// Table of the answer, if it has one.
     pub(crate) table: Option<WriteTable<'a>>,
-    /// Units of the screen and the figures.
+    /// Units of the screen.
     pub(crate) units: DisplayUnits,
     /// Answer on the screen, if it differs from the parts.
     pub(crate) shown: Option<Answer>,
@@ -38,7 +38,7 @@ pub(crate) struct Destination<'a> {
     inputs: InputFiles,
 }
 
-/// Pictures that belong to an answer.
+/// Pictures that belong to an answer, in displayed units.
 #[derive(Debug, Default)]
 pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
@@ -116,14 +116,11 @@ impl Reply<'_> {
             |path: &&Path| ending_of("-o", path, &["html", "svg", "png", "dxf"]).is_ok();
         let pictures: Vec<&Path> =
             to.output.iter().map(PathBuf::as_path).filter(is_picture).collect();
-        let mut drawn = if to.figures.is_some() || !pictures.is_empty() {
+        let drawn = if to.figures.is_some() || !pictures.is_empty() {
             draw()?
         } else {
             Pictures::default()
         };
-        for figure in &mut drawn.figures {
-            figure.display_in(self.units);
-        }
         let files = match &to.figures {
             Some(folder) => files::drawn_files(folder, &drawn, &json)?,
             None => Vec::new(),
