@@ -1197,8 +1197,9 @@ class Rule(NamedTuple):
         Limit, or None if nothing is required.
     margin : float or None
         Safety margin. The axis satisfies the rule if the margin is at least 1.
-    passes : bool
-        True if the axis satisfies the rule or nothing is required.
+    passes : bool or None
+        True if the axis satisfies the rule or nothing is required, and False if it violates the rule. None if the rule
+        is undecided because the groove is estimated and the 90 % interval of the number contains the limit.
     source : str
         Source of the rule.
     remedy : str or None
@@ -1213,7 +1214,7 @@ class Rule(NamedTuple):
     must_be: str
     limit: float | None
     margin: float | None
-    passes: bool
+    passes: bool | None
     source: str
     remedy: str | None
 
@@ -1231,7 +1232,7 @@ class Phase(PhaseFields, Section):
 
 
 class AxisReport(AxisFields, Report):
-    """Results for an axis, with rules and the phases of the cycle. `found` is true if every rule passes."""
+    """Results for an axis, with rules and the phases of the cycle. `found` is true if no rule fails."""
 
     __slots__ = ()
 
@@ -1239,9 +1240,9 @@ class AxisReport(AxisFields, Report):
         return self["results"][name]
 
     @property
-    def passes(self) -> bool:
-        """True if every rule passes."""
-        passes: bool = self["passes"]
+    def passes(self) -> bool | None:
+        """True if every rule passes, False if a rule fails, and None if a rule is undecided because the groove is estimated."""
+        passes: bool | None = self["passes"]
         return passes
 
     @property
@@ -1272,7 +1273,7 @@ class AxisReport(AxisFields, Report):
     @property
     def not_modeled(self) -> list[str]:
         """Effects that the calculation does not include."""
-        not_modeled: list[str] = self["not_modelled"]
+        not_modeled: list[str] = self["not_modeled"]
         return not_modeled
 
 
@@ -2334,10 +2335,11 @@ def select_nuts(
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
-            columns["passes"] = np.array(keeps, dtype=bool)
+            columns["passes"] = np.array([keep is True for keep in keeps], dtype=bool)
+            columns["undecided"] = np.array([keep is None for keep in keeps], dtype=bool)
         if any(groove is not None for groove in grooves):
             columns["groove"] = np.array(grooves, dtype=object)
-        for name in ("nut", "passes", "groove"):
+        for name in ("nut", "passes", "undecided", "groove"):
             if name in columns:
                 columns[name].flags.writeable = False
     else:

@@ -9,7 +9,7 @@ use bsm_case::{
     DesignReport, EllipseFields, FEW_DRAWS, Fit, FittedInput, ListColumn, ManufacturerNut,
     ManufacturerRow, Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter,
     NutProblem, NutReport, Output, Record, RequirementFile, Samples, Settings, TableFormat,
-    over_grooves, sheet_columns,
+    Verdict, over_grooves, sheet_columns,
 };
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -287,11 +287,7 @@ pub(crate) fn axis(
     let report = on_threads(py, || AxisReport::of(case, &how.0))?;
     let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report, None)?, size_results(&report));
-        let mut figures = size_figures(&report);
-        for figure in &mut figures {
-            figure.display_in(report.case.display_units());
-        }
-        report_files(page, &results, &figures)
+        report_files(page, &results, &size_figures(&report))
     };
     let files = if sheet { made()? } else { Vec::new() };
     Ok((told(&report.answer), files))
@@ -422,10 +418,11 @@ fn requirement_of(
 }
 
 /// Nuts of a manufacturer.
-type ManufacturerTable = (Table, Vec<String>, Vec<bool>, Vec<Option<String>>, Vec<String>, Nuts);
+type ManufacturerTable =
+    (Table, Vec<String>, Vec<Option<bool>>, Vec<Option<String>>, Vec<String>, Nuts);
 
 /// Compares nuts of a manufacturer with the calculation. Returns numeric columns, the names of the
-/// nuts, whether they pass the rules of a requirement, how their grooves are known, and warnings.
+/// nuts, whether they pass the rules of a requirement (`None` if undecided), how their grooves are known, and warnings.
 ///
 /// * `table`: CSV text.
 /// * `names`: maps its column names.
@@ -451,7 +448,7 @@ pub(crate) fn manufacturers(
     };
     let columns = ManufacturerRow::table(&listed).into_iter().filter_map(numbers).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();
-    let passes = rows.iter().filter_map(|row| row.passes).collect();
+    let passes = rows.iter().filter_map(|row| row.verdict).map(Verdict::passes).collect();
     let grooves = rows.iter().map(|row| row.groove.clone()).collect();
     let warnings = ManufacturerRow::answer(&listed, 0, |_| true).warnings;
     let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.case.to_json())));

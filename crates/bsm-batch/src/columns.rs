@@ -7,10 +7,10 @@ use std::sync::Arc;
 use arrow_array::Float64Array;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use bsm_case::units::UnitChange;
-use bsm_case::{InputKey, InputSet, Output, brief, nearest_input};
+use bsm_case::{DisplayUnit, DisplayUnits, InputKey, InputSet, Output, brief, nearest_input};
 
 use crate::error::UnknownName;
-use crate::{TableError, TableFormat};
+use crate::{AnswerSink, Answers, Chunk, TableError, TableFormat};
 
 /// Columns of status information that precede the outputs in a results table.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
@@ -231,6 +231,112 @@ impl Columns {
     pub fn set(&self) -> InputSet {
         self.inputs.iter().copied().collect()
     }
+}
+
+/// Units in which the columns of a table of results are displayed.
+#[derive(Debug, Clone, Default)]
+pub struct ColumnUnits {
+    display: DisplayUnits,
+    /// Names and units of outputs that were selected in another unit.
+    selected: Vec<(&'static str, String, DisplayUnit)>,
+}
+
+impl ColumnUnits {
+    /// Returns the units of a table.
+    ///
+    /// * `columns`: names of selected outputs. A name in a unit that is not a unit of the vocabulary determines the unit of its column.
+    pub fn new(display: DisplayUnits, columns: Option<&[String]>) -> Self {
+        let in_other_unit = |name: &String| {
+            let (output, unit) = Output::in_unit(name)?;
+            (output.name != name).then(|| (output.name, name.clone(), unit))
+        };
+        let names = columns.unwrap_or_default().iter();
+        Self { display, selected: names.filter_map(in_other_unit).collect() }
+    }
+
+    /// Returns true if all columns have the units of the vocabulary.
+    pub fn are_own(&self) -> bool {
+        self.display == DisplayUnits::Metric && self.selected.is_empty()
+    }
+
+    /// Returns the displayed unit of an input.
+    pub fn of_input(&self, key: InputKey) -> DisplayUnit {
+        self.display.of(key.input().unit)
+    }
+
+    /// Returns the displayed name and unit of an output.
+    pub fn of_output(&self, output: &Output) -> (String, DisplayUnit) {
+        match self.selected.iter().find(|(own, ..)| *own == output.name) {
+            Some((_, name, unit)) => (name.clone(), *unit),
+            None => {
+                let unit = self.display.of(output.unit);
+                (unit.name(output.name), unit)
+            }
+        }
+    }
+
+    /// Returns the columns of a table of results, with displayed names and units.
+    pub fn schema(&self, columns: &Columns, outputs: &[&'static Output]) -> SchemaRef {
+        let own = columns.schema(outputs);
+        let first_input = columns.kept.len();
+        let first_output = first_input + columns.inputs.len() + ANSWERS.len();
+        let shown = |(place, own): (usize, &Arc<Field>)| {
+            let (name, unit) = if let Some(place) = place.checked_sub(first_output) {
+                self.of_output(outputs[place])
+            } else if let Some(key) =
+                place.checked_sub(first_input).and_then(|place| columns.inputs.get(place))
+            {
+                let unit = self.of_input(*key);
+                (unit.name(key.name()), unit)
+            } else {
+                return Field::clone(own);
+            };
+            field(&name, unit.text).with_data_type(own.data_type().clone())
+        };
+        Arc::new(Schema::new(own.fields().iter().enumerate().map(shown).collect::<Vec<_>>()))
+    }
+
+    /// Returns a sink that converts rows to displayed units before it writes them to `sink`.
+    pub fn converting<S>(
+        &self,
+        sink: S,
+        columns: &Columns,
+        outputs: &[&'static Output],
+    ) -> ConvertingSink<S> {
+        let inputs = columns.inputs.iter().map(|key| self.of_input(*key)).collect();
+        let outputs = outputs.iter().map(|output| self.of_output(output).1).collect();
+        ConvertingSink { sink, inputs, outputs }
+    }
+}
+
+/// A sink that converts rows to displayed units before it writes them to another sink.
+#[derive(Debug)]
+pub struct ConvertingSink<S> {
+    /// The other sink.
+    pub sink: S,
+    inputs: Vec<DisplayUnit>,
+    outputs: Vec<DisplayUnit>,
+}
+
+impl<S: AnswerSink> AnswerSink for ConvertingSink<S> {
+    fn write(&mut self, mut chunk: Chunk, mut answers: Answers) -> Result<(), TableError> {
+        for (values, unit) in chunk.inputs.iter_mut().zip(&self.inputs) {
+            if !unit.is_own() {
+                *values = values.unary(|value| unit.value(value));
+            }
+        }
+        for (values, unit) in answers.columns.iter_mut().zip(&self.outputs) {
+            if !unit.is_own() {
+                values.iter_mut().for_each(|value| *value = unit.value(*value));
+            }
+        }
+        self.sink.write(chunk, answers)
+    }
+}
+
+/// Returns the unit of a column as text; empty if the column has none.
+pub fn unit_of(field: &Field) -> &str {
+    field.metadata().get(UNIT).map_or("", String::as_str)
 }
 
 /// Returns the schema field of a numeric column with its unit.

@@ -55,7 +55,7 @@ mod task;
 mod text;
 
 pub use bsm_case::TableFormat;
-pub use columns::{Columns, Heading};
+pub use columns::{ColumnUnits, Columns, ConvertingSink, Heading, unit_of};
 pub use draws::{Distribution, Draw, DrawSource, Draws};
 pub use error::{TableError, UnknownName};
 pub use parquet_table::{ParquetSource, catch_panic, silence_caught_panics};

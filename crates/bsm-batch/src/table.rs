@@ -107,7 +107,21 @@ impl<W: Write + Send> TableSink<W> {
         outputs: &[&'static Output],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        let this = Self::of_schema(format, out, columns.schema(outputs), table_format)?;
+        Self::with_schema(format, out, (columns.schema(outputs), outputs), table_format)
+    }
+
+    /// Works like [`new`](Self::new), with other names and units of the columns.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`].
+    pub fn with_schema(
+        format: Format,
+        out: W,
+        (schema, outputs): (SchemaRef, &[&'static Output]),
+        table_format: &TableFormat,
+    ) -> Result<Self, TableError> {
+        let this = Self::of_schema(format, out, schema, table_format)?;
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 

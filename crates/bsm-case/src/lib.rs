@@ -69,7 +69,9 @@ pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, PLAY, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
-pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Section, Table};
+pub use vocabulary::answer::{
+    Answer, Column, Content, Criterion, NotGiven, Section, Table, Verdict,
+};
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::column_values::ColumnValues;
 pub use vocabulary::display::{DisplayUnit, DisplayUnits, ShownColumn};

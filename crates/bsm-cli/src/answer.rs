@@ -26,7 +26,7 @@ pub(crate) struct Reply<'a> {
     pub(crate) case: Option<Value>,
     /// Function that writes the table of the answer; `None` if the answer has no table.
     pub(crate) table: Option<WriteTable<'a>>,
-    /// Units used on the screen and in figures.
+    /// Units of the screen.
     pub(crate) units: DisplayUnits,
     /// Answer to print on the screen instead of `parts`.
     pub(crate) shown: Option<Answer>,
@@ -39,7 +39,7 @@ pub(crate) struct Destination<'a> {
     inputs: InputFiles,
 }
 
-/// Figures and other graphics that belong to an answer.
+/// Pictures that belong to an answer, in displayed units.
 #[derive(Debug, Default)]
 pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
@@ -118,14 +118,11 @@ impl Reply<'_> {
             |path: &&Path| ending_of("-o", path, &["html", "svg", "png", "dxf"]).is_ok();
         let pictures: Vec<&Path> =
             to.output.iter().map(PathBuf::as_path).filter(is_picture).collect();
-        let mut drawn = if to.figures.is_some() || !pictures.is_empty() {
+        let drawn = if to.figures.is_some() || !pictures.is_empty() {
             draw()?
         } else {
             Pictures::default()
         };
-        for figure in &mut drawn.figures {
-            figure.display_in(self.units);
-        }
         let files = match &to.figures {
             Some(folder) => files::drawn_files(folder, &drawn, &json)?,
             None => Vec::new(),

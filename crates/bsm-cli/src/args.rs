@@ -27,7 +27,7 @@ const FILES: [(&str, &str, &str); 4] = [
         "select",
         ".json: case of the screw or of the first nut; .csv, .xlsx or `-`: the steps; for a list of nuts \
          .csv, .xlsx, `-`, .jsonl or .parquet",
-        "Folder for the figures of Sobolewski (2002), drawn for the nuts of the list (SVG and CSV)",
+        "Folder for figures (SVG and CSV) of the nuts of the list: those of Sobolewski (2002), or ratings, stiffness and mass of a TABLE.csv",
     ),
     (
         "solve",
@@ -147,7 +147,7 @@ pub(crate) struct CaseArgs {
 }
 
 /// Appends the option `--units` to the settings.
-fn with_units(settings: &[String], units: Option<&String>) -> Vec<String> {
+pub(crate) fn with_units(settings: &[String], units: Option<&String>) -> Vec<String> {
     let units = units.map(|units| format!("display_units={units}"));
     settings.iter().cloned().chain(units).collect()
 }
@@ -570,6 +570,9 @@ pub(crate) struct SweepArgs {
     /// Set or replace an input of the case. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
+    /// Units of pictures and of the columns of a table. A folder of parts always has metric units.
+    #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
+    pub(crate) units: Option<String>,
     /// Input of a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,.. May be
     /// repeated; the last input varies fastest.
     #[arg(long, value_name = "NAME=VALUES", required_unless_present_any = ["draw", "points"], allow_hyphen_values = true, help_heading = "Points")]
@@ -623,8 +626,8 @@ pub(crate) struct SweepArgs {
     /// of the table. May be repeated.
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Comma-separated outputs to write (see `bsm schema output`). Defaults to all outputs of a
-    /// solve. Plots show the first one.
+    /// Comma-separated outputs to write (see `bsm schema output`), in any unit, for example
+    /// screw_torque_lbf_in. Defaults to all outputs of a solve. Plots show the first one.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "Output")]
     pub(crate) columns: Option<Vec<String>>,
     /// Exit with 0 even if some rows have no result.

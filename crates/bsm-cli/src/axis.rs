@@ -10,10 +10,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, read};
-use crate::progress::{WARM_STATES, waiting};
-
-/// Number of cycle entries above which a spinner is shown. Each entry takes about a millisecond.
-const LONG_CYCLE: usize = 1000;
+use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let files = [Some(args.case.path()), args.other.as_deref(), args.cycle.as_deref()];
@@ -61,14 +58,8 @@ fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Fa
         args.dialect.only_with("--cycle")?;
     }
     let settings = args.model.settings()?;
-    let is_long = case.nut.cycle.as_ref().is_some_and(|cycle| cycle.len() > LONG_CYCLE);
-    let slow = if case.asks_warm() {
-        Some(WARM_STATES)
-    } else {
-        is_long.then_some("calculating loads and torques of all phases of the cycle")
-    };
-    let line = waiting(slow);
+    let line = waiting("calculating the axis");
     let report = AxisReport::of(&case, &settings);
-    line.finish_and_clear();
+    drop(line);
     report.map_err(|error| Failure::case(path, &error))
 }

@@ -12,7 +12,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES};
-use crate::progress::{WARM_STATES, waiting};
+use crate::progress::waiting;
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
@@ -29,11 +29,11 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     if args.points.is_none() {
         args.dialect.only_with("--points")?;
     }
-    let line = waiting(case.asks_warm().then_some(WARM_STATES));
+    let line = waiting("fitting");
     let (answer, figures) = match &args.points {
         Some(points) => {
             let (answer, figure) = to_table(args, points, &case, &settings)?;
-            (answer, vec![figure])
+            (answer, vec![figure.in_units(case.display_units())])
         }
         None if args.out.figures.is_some() => {
             let text =
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None => (to_point(args, &case, &settings)?, Vec::new()),
     };
-    line.finish_and_clear();
+    drop(line);
     Reply { units: case.display_units(), ..Reply::of(answer) }
         .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }

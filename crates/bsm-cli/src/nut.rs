@@ -10,7 +10,7 @@ use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
 use crate::files::InputFiles;
-use crate::progress::{WARM_STATES, waiting};
+use crate::progress::waiting;
 use crate::table_job::write_columns;
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     };
     let to = args.out.check(endings, InputFiles::of([Some(args.case.path())]))?;
     let settings = args.model.settings()?;
-    let line = waiting(case.asks_warm().then_some(WARM_STATES));
+    let line = waiting("calculating all balls of the nut");
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let (mut figures, mut table) = (Vec::new(), None);
     let answer = if let Some(number) = args.samples {
@@ -42,14 +42,16 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                     });
                 }
                 if args.out.figures.is_some() {
-                    figures = nut_figures(&report);
+                    let units = case.display_units();
+                    let drawn = nut_figures(&report).into_iter();
+                    figures = drawn.map(|figure| figure.in_units(units)).collect();
                 }
                 report.answer()
             }
         };
         NutReport::over_grooves(answer, &case, &settings)
     };
-    line.finish_and_clear();
+    drop(line);
     let reply =
         Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))

@@ -7,13 +7,14 @@ use std::path::Path;
 use bsm_case::{
     Case, Catalog, ListColumn, ManufacturerRow, NutFilter, NutList, RequirementFile, ShownColumn,
 };
-use bsm_report::sheets::catalog_figures;
+use bsm_report::sheets::{catalog_figures, table_figures};
 use serde_json::{Value, json};
 
 use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
 use crate::files;
+use crate::progress::waiting;
 use crate::select::{Source, check, requirement};
 use crate::table;
 use crate::table_job::{TABLES, write_columns};
@@ -26,7 +27,10 @@ const PART: usize = 1 << 14;
 
 pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     let to = check(args, &[&TABLES[..], &["json"]].concat())?;
-    let (list, requirement) = list(args, source)?;
+    let line = waiting("calculating the nuts of the list");
+    let list = list(args, source);
+    drop(line);
+    let (list, requirement) = list?;
     let requirement = requirement.as_ref();
     let first = list.chosen.first().map(|place| list.case(*place, requirement));
     let nut = first.and_then(|json| Case::from_json(json.to_string().as_bytes()).ok());
@@ -38,14 +42,20 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     let figures = match (&args.out.figures, list.catalog()) {
         (None, _) => Vec::new(),
         (Some(_), Some(catalog)) => catalog_figures(catalog, &list.within),
-        (Some(_), None) => {
-            let text = "--figures draws standard sizes, not the nuts of --from TABLE.csv";
-            return Err(Failure::Input(text.to_owned()));
-        }
+        (Some(_), None) => table_figures(&list.rows_within()),
     };
-    // The figure of the forces in a preloaded pair needs one nut. The other figures need two nuts.
-    if args.out.figures.is_some() && figures.len() < 2 {
-        let text = "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter";
+    let figures: Vec<_> = figures.into_iter().map(|figure| figure.in_units(units)).collect();
+    let lacking = match list.catalog() {
+        // The figure of the forces of a preloaded pair needs one nut. The other figures need two.
+        Some(_) if figures.len() < 2 => Some(
+            "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter",
+        ),
+        None if figures.is_empty() => {
+            Some("no figure is drawn; the figures need two nuts with a diameter and a lead_mm")
+        }
+        _ => None,
+    };
+    if let Some(text) = lacking.filter(|_| args.out.figures.is_some()) {
         warn("note", text);
     }
     if list.catalog().is_some() {

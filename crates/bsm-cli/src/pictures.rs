@@ -1,8 +1,8 @@
 //! Plots of a grid: curves and maps.
 
-use bsm_batch::{Answers, Chunk};
+use bsm_batch::{Answers, Chunk, ColumnUnits};
 use bsm_case::units::label;
-use bsm_case::{Axis as GridAxis, Grid, Output as OutputColumn, exact};
+use bsm_case::{Axis as GridAxis, DisplayUnit, Grid, Output as OutputColumn, exact, trimmed};
 use bsm_report::{Axis, Curve, Figure, MAX_CELLS, MAX_CURVES, Map, ReportError, Stroke};
 
 use crate::failure::Failure;
@@ -14,11 +14,17 @@ const MAX_POINTS: usize = 100_000;
 /// logarithmic.
 const DECADES: f64 = 100.0;
 
-/// Returns the plot axis for a varied input, labeled with its unit.
-fn axis_of(axis: &GridAxis) -> Axis {
-    let input = axis.key.input();
-    let label = label(input.name, input.unit);
+/// Returns the plot axis of an input, with its displayed unit.
+fn axis_of(axis: &GridAxis, units: &ColumnUnits) -> Axis {
+    let unit = units.of_input(axis.key);
+    let label = label(&unit.name(axis.key.name()), unit.text);
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
+}
+
+/// Returns the label of an output with its displayed unit.
+fn label_of(output: &OutputColumn, units: &ColumnUnits) -> String {
+    let (name, unit) = units.of_output(output);
+    label(&name, unit.text)
 }
 
 /// A plot that is built from the chunks of a grid.
@@ -34,7 +40,9 @@ pub(crate) trait Picture {
 /// A plot with one curve for each value of the second axis.
 pub(crate) struct Curves {
     output: &'static OutputColumn,
+    units: ColumnUnits,
     x: Axis,
+    x_unit: DisplayUnit,
     lines: Vec<Curve>,
     /// For each curve, the model that solved its last point.
     models: Vec<Option<&'static str>>,
@@ -44,7 +52,11 @@ pub(crate) struct Curves {
 }
 
 impl Curves {
-    pub(crate) fn new(grid: &Grid, output: &'static OutputColumn) -> Result<Self, Failure> {
+    pub(crate) fn new(
+        grid: &Grid,
+        output: &'static OutputColumn,
+        units: ColumnUnits,
+    ) -> Result<Self, Failure> {
         let (x, series) = match grid.axes() {
             [x] => (x, None),
             [x, series] => (x, Some(series)),
@@ -71,9 +83,11 @@ impl Curves {
         }
         let name = |axis: &GridAxis, i| {
             let input = axis.key.input();
-            let (words, unit) = (label(input.name, input.unit), input.unit);
+            let (words, unit) = (label(input.name, input.unit), units.of_input(axis.key));
             let words = words.split(',').next().unwrap_or_default();
-            format!("{words} {} {unit}", exact(axis.value(i))).trim_end().to_owned()
+            let value = axis.value(i);
+            let value = if unit.is_own() { exact(value) } else { trimmed(unit.value(value)) };
+            format!("{words} {value} {}", unit.text).trim_end().to_owned()
         };
         let lines = (0..count)
             .map(|i| Curve {
@@ -85,9 +99,10 @@ impl Curves {
             })
             .collect();
         let (low, high) = (x.value(0), x.value(x.len() - 1));
-        let (mut x, models) = (axis_of(x), vec![None; count]);
+        let x_unit = units.of_input(x.key);
+        let (mut x, models) = (axis_of(x, &units), vec![None; count]);
         x.log |= low > 0.0 && high >= DECADES * low;
-        Ok(Self { output, x, lines, models, changes: Vec::new() })
+        Ok(Self { output, units, x, x_unit, lines, models, changes: Vec::new() })
     }
 }
 
@@ -111,7 +126,7 @@ impl Picture for Curves {
     }
 
     fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError> {
-        let Self { output, x, lines: mut curves, changes, .. } = *self;
+        let Self { output, units, x, x_unit, lines: mut curves, changes, .. } = *self;
         let mut names: Vec<_> = changes.iter().flat_map(|(_, names)| *names).collect();
         names.sort_unstable();
         names.dedup();
@@ -120,7 +135,11 @@ impl Picture for Curves {
             let label = format!("model changes: {}", names.join(" / "));
             curves.push(Curve::new(label, curves.len(), Stroke::Circles, points));
         }
-        let y = Axis::linear(&label(output.name, output.unit));
+        let (_, y_unit) = units.of_output(output);
+        for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = (x_unit.value(point.0), y_unit.value(point.1));
+        }
+        let y = Axis::linear(&label_of(output, &units));
         let figure = Figure::new(["", &title, ""], [x, y], curves);
         if is_png { figure.png() } else { Ok(figure.svg().into_bytes()) }
     }
@@ -130,6 +149,7 @@ impl Picture for Curves {
 /// spaced values are drawn.
 pub(crate) struct Cells {
     output: &'static OutputColumn,
+    units: ColumnUnits,
     axes: [Axis; 2],
     /// For each axis, the indices of the values that are drawn.
     places: [Vec<usize>; 2],
@@ -143,7 +163,11 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    pub(crate) fn new(grid: &Grid, output: &'static OutputColumn) -> Result<Self, Failure> {
+    pub(crate) fn new(
+        grid: &Grid,
+        output: &'static OutputColumn,
+        units: ColumnUnits,
+    ) -> Result<Self, Failure> {
         let [x, y] = grid.axes() else {
             let text = "a map needs two varied inputs; give --vary twice";
             return Err(Failure::Input(text.to_owned()));
@@ -153,13 +177,15 @@ impl Cells {
             (0..drawn).map(|i| i * (axis.len() - 1) / (drawn - 1).max(1)).collect::<Vec<_>>()
         });
         let value = |axis: &GridAxis, places: &[usize]| {
-            places.iter().map(|place| axis.value(*place)).collect::<Vec<_>>()
+            let unit = units.of_input(axis.key);
+            places.iter().map(|place| unit.value(axis.value(*place))).collect::<Vec<_>>()
         };
         let values = [value(x, &places[0]), value(y, &places[1])];
         let count = places[0].len() * places[1].len();
         Ok(Self {
             output,
-            axes: [axis_of(x), axis_of(y)],
+            axes: [axis_of(x, &units), axis_of(y, &units)],
+            units,
             values,
             rows: y.len(),
             found: vec![f64::NAN; count],
@@ -190,12 +216,16 @@ impl Picture for Cells {
     }
 
     fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError> {
-        let Self { output, axes: [x, y], values: [xs, ys], found, regions, models, .. } = *self;
+        let Self {
+            output, units, axes: [x, y], values: [xs, ys], mut found, regions, models, ..
+        } = *self;
+        let (_, unit) = units.of_output(output);
+        found.iter_mut().for_each(|value| *value = unit.value(*value));
         let map = Map {
             title,
             x: (x, xs),
             y: (y, ys),
-            label: label(output.name, output.unit),
+            label: label_of(output, &units),
             values: found,
             regions,
             names: models.into_iter().map(str::to_owned).collect(),

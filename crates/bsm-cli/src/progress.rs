@@ -1,9 +1,11 @@
 //! Progress bars on a terminal.
 
 use std::io::{self, IsTerminal};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use indicatif::{HumanCount, ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 
 /// Returns a progress bar, which is hidden if standard error is not a terminal.
 pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
@@ -26,23 +28,47 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     bar.with_style(style)
 }
 
-/// Text shown next to the spinner while warm steady states are calculated.
-pub(crate) const WARM_STATES: &str = "warm steady states";
+/// Time after which a calculation shows that it is working.
+const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Returns a spinner with the elapsed time, which is hidden if standard error is not a terminal.
+/// Calculation whose end is awaited. Its end is announced when the value is dropped.
+pub(crate) struct Waiting {
+    end: Option<Sender<()>>,
+    shown: Option<JoinHandle<()>>,
+}
+
+/// Shows a spinner with the elapsed time on a terminal if a calculation takes longer than a second.
 ///
-/// * `what`: description of the calculation in progress; `None` hides the spinner, because the
-///   calculation is fast.
-pub(crate) fn waiting(what: Option<&'static str>) -> ProgressBar {
-    let Some(what) = what.filter(|_| io::stderr().is_terminal()) else {
-        return ProgressBar::hidden();
+/// * `what`: description of the calculation.
+pub(crate) fn waiting(what: &'static str) -> Waiting {
+    if !io::stderr().is_terminal() {
+        return Waiting { end: None, shown: None };
+    }
+    let (end, ended) = channel();
+    let show = move || {
+        if ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+            let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
+            let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
+            let bar = bar.with_elapsed(PATIENCE);
+            bar.enable_steady_tick(Duration::from_millis(100));
+            // An error means that the calculation ended.
+            let _ = ended.recv();
+            bar.finish_and_clear();
+        }
     };
-    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
-    let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
-    let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
-    let bar = bar.with_finish(ProgressFinish::AndClear);
-    bar.enable_steady_tick(Duration::from_millis(100));
-    bar
+    // Without another thread, the calculation runs without a spinner.
+    Waiting { end: Some(end), shown: thread::Builder::new().spawn(show).ok() }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        self.end.take();
+        if let Some(shown) = self.shown.take() {
+            // The spinner has cleared its line when the thread ends.
+            let _ = shown.join();
+        }
+    }
 }
 
 /// Formats a rate in rows per second, rounded to a whole number.

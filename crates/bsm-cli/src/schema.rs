@@ -72,7 +72,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "axis",
         "axis",
-        "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
+        "program string, passes? boolean?, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
          band? *range, rules [rule], not_given? [lacking], phases [phase], not_modeled texts, back_driving? string?, groove_estimate? groove, @said \
          | offers texts, rules [offered rule], numbers [offered number], inputs [offered input], @said",
     ),
@@ -80,7 +80,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "select",
         "select",
         "found boolean, reasons texts, steps [step], case @case?, @said \
-         | [@catalog, @sheet?] | [nut string, @input?, @manufacturer, @sheet?, passes? boolean, groove? string?, intervals? any, notes? texts, texts? any]",
+         | [@catalog, @sheet?] | [nut string, @input?, @manufacturer, @sheet?, passes? boolean?, groove? string?, intervals? any, notes? texts, texts? any]",
     ),
     (
         "fit",

@@ -12,6 +12,7 @@ use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
 use crate::files::{InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_json};
+use crate::progress::waiting;
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
@@ -102,6 +103,7 @@ pub(crate) fn requirement(
 fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
+    let line = waiting("searching for the best screw");
     let of_sizes = if args.free { None } else { DesignReport::standard(&requirement, sizes) };
     if of_sizes.is_none() && !args.free {
         warn(
@@ -112,6 +114,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
         );
     }
     let report = of_sizes.unwrap_or_else(|| DesignReport::of(&requirement));
+    drop(line);
     let case = report.case.to_json();
     let units = args.display(Some(&report.case));
     let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));

@@ -15,7 +15,7 @@ use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
 use crate::files::InputFiles;
 use crate::nut::columns;
-use crate::progress::{WARM_STATES, waiting};
+use crate::progress::waiting;
 use crate::table_job::write_rows;
 
 /// Sections of the answer, with their names in the JSON object if several sections are requested.
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
         settings.model = settings.model.of_motion(case.stated());
     }
-    let line = waiting(case.asks_warm().then_some(WARM_STATES));
+    let line = waiting("solving");
     let mut figures = Vec::new();
     let mut parts = Vec::new();
     let mut table = None;
@@ -93,7 +93,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         let possible = |possible: &Case| again(part, args, possible, &settings);
         parts.push((name, answer.over_grooves(&case, DRAWS, possible)));
     }
-    line.finish_and_clear();
+    drop(line);
     let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
     let rows: Vec<_> =
         of_ratings.map(|(column, value)| (column.name, column.unit, value)).collect();
@@ -184,7 +184,9 @@ fn analysis(
     of_motion(args, case, settings, |solution| {
         let answer = report(case, settings, solution).map_err(args.case.failure())?;
         if let Some(figures) = figures {
-            figures.extend(study(case, settings, solution)?.figures);
+            let units = case.display_units();
+            let drawn = study(case, settings, solution)?.figures;
+            figures.extend(drawn.into_iter().map(|figure| figure.in_units(units)));
         }
         Ok(answer)
     })

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{Draws, TableFormat, Task, Workers};
+use bsm_batch::{ColumnUnits, Draws, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output as OutputColumn, Settings};
 
-use crate::args::{CsvFormat, SweepArgs};
+use crate::args::{CsvFormat, SweepArgs, with_units};
 use crate::failure::{Failure, note_unused, warn};
 use crate::files::{InputFiles, Output, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
@@ -15,14 +15,15 @@ use crate::table_job::{Job, is_folder, open, outputs};
 
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let case = args.case.as_deref();
-    let base = read_case(case, &args.settings)?;
+    let base = read_case(case, &with_units(&args.settings, args.units.as_ref()))?;
+    let units = ColumnUnits::new(base.display_units(), args.columns.as_deref());
     let path = case.or(args.points.as_deref()).unwrap_or(Path::new("--set"));
     let files = Files::of(args)?;
     let in_file = |e: CaseError| Failure::case(path, &e);
     let settings = args.model.settings()?;
     let chosen = outputs(args.columns.as_deref())?;
     if let Some(points) = &args.points {
-        return of_table(args, points, (base, settings), chosen, &files, workers);
+        return of_table(args, points, (base, settings), (chosen, units), &files, workers);
     }
     args.table.only_with("--points")?;
     let (points, grid) = points_of(args)?;
@@ -37,11 +38,11 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
     let mut pictures: Vec<(&Path, Output, Box<dyn Picture>)> = Vec::new();
     if let Some((path, output)) = files.lines.zip(watched) {
-        let curves = Box::new(Curves::new(&grid, output)?);
+        let curves = Box::new(Curves::new(&grid, output, units.clone())?);
         pictures.push((path, Output::create(path)?, curves));
     }
     if let Some((path, output)) = files.map.zip(watched) {
-        let cells = Box::new(Cells::new(&grid, output)?);
+        let cells = Box::new(Cells::new(&grid, output, units.clone())?);
         pictures.push((path, Output::create(path)?, cells));
     }
     let title = base.description.clone();
@@ -53,6 +54,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     note_unread(&task, grid.varied());
     note_groove(&task);
     if let Some(path) = files.lookup {
+        only_own(&units, path, "a lookup table")?;
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
     let model = task.settings.model.name();
@@ -62,7 +64,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
     let title = format!("{title}{of}, model {model}");
-    let job = files.job(task, args, TableFormat::default());
+    let job = files.job((task, units), args, TableFormat::default())?;
     let mut source = points.open()?;
     let solved = job.run(source.as_mut(), &points, workers, |chunk, answers, values| {
         for (.., picture) in &mut pictures {
@@ -84,7 +86,7 @@ fn of_table(
     args: &SweepArgs,
     path: &Path,
     (base, settings): (Case, Settings),
-    outputs: Vec<&'static OutputColumn>,
+    (outputs, units): (Vec<&'static OutputColumn>, ColumnUnits),
     files: &Files<'_>,
     workers: &Workers<'_>,
 ) -> Result<(), Failure> {
@@ -117,7 +119,7 @@ fn of_table(
     }
     note_groove(&task);
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), table_format };
-    let job = files.job(task, args, output_format);
+    let job = files.job((task, units), args, output_format)?;
     job.run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| match e {
         Failure::Table(error) => Failure::table(path, &error),
         other => other,
@@ -229,9 +231,28 @@ impl<'a> Files<'a> {
         Ok(files)
     }
 
-    fn job(&self, task: Task, args: &'a SweepArgs, table_format: TableFormat) -> Job<'a> {
-        Job { task, args, table: self.table, about: self.about, table_format }
+    fn job(
+        &self,
+        (task, units): (Task, ColumnUnits),
+        args: &'a SweepArgs,
+        table_format: TableFormat,
+    ) -> Result<Job<'a>, Failure> {
+        if let Some(folder) = self.table.filter(|table| is_folder(table)) {
+            only_own(&units, folder, "a folder of parts")?;
+        }
+        Ok(Job { task, args, table: self.table, about: self.about, table_format, units })
     }
+}
+
+/// Refuses other units for files that other programs read with the units of the vocabulary.
+fn only_own(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure> {
+    if units.are_own() {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "-o {}: {what} has metric units; use --units metric and metric names in --columns, or write a .csv table",
+        path.display()
+    )))
 }
 
 /// Returns the points, and a grid with which the task is checked: the grid itself, or the bounds
@@ -250,7 +271,8 @@ fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
 /// Returns the output that a plot shows, which is the first requested column.
 fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColumn, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
-    OutputColumn::named(name).filter(|output| output.json_type == "number").ok_or_else(|| {
+    let found = OutputColumn::in_unit(name).map(|(output, _)| output);
+    found.filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(
             "-o {}: a plot shows the first output of --columns, but {name} is not a number; put a number first, such as \
              --columns efficiency,{name}",

@@ -3,14 +3,23 @@
 use std::collections::BTreeSet;
 
 use bsm_case::{
-    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, interval, number, short,
+    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, Verdict, interval,
+    number, short,
 };
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
 
 /// Returns the table cell that states whether a limit is met. Without a limit, the cell is empty.
-pub(crate) fn verdict(passes: Option<bool>) -> String {
-    passes.map_or("", |passes| if passes { "pass" } else { "FAIL" }).to_owned()
+///
+/// * `verdict`: `None` if there is no limit.
+fn verdict(verdict: Option<Verdict>) -> String {
+    let word = match verdict {
+        None => "",
+        Some(Verdict::Passes) => "pass",
+        Some(Verdict::Undecided) => "undecided",
+        Some(Verdict::Fails) => "FAIL",
+    };
+    word.to_owned()
 }
 
 /// Formats a table without borders. The columns from index `first_number` on are right-aligned.
@@ -88,7 +97,7 @@ fn rule(rule: &Criterion) -> Vec<String> {
     vec![
         rule.title.to_owned(),
         rule.shown_name(),
-        rule.unit.to_owned(),
+        rule.unit.text.to_owned(),
         if rule.value.is_nan() {
             "-".to_owned()
         } else {
@@ -98,7 +107,7 @@ fn rule(rule: &Criterion) -> Vec<String> {
         rule.margin()
             .filter(|margin| !margin.is_nan())
             .map_or_else(String::new, |margin| format!("{} %", short(100.0 / margin))),
-        verdict(rule.limit.map(|_| rule.passes())),
+        verdict(rule.limit.map(|_| rule.verdict())),
         rule.source.clone().into_owned(),
     ]
 }
@@ -112,8 +121,11 @@ fn rows(table: &Rows) -> String {
     let is_text =
         |i: &usize| table.rows.iter().any(|row| row[*i].is_string() || row[*i].is_boolean());
     let cell = |i: usize, value: &Value| match value {
+        Value::Null if table.columns[i].name == "passes" => verdict(Some(Verdict::Undecided)),
+        Value::Bool(passes) if table.columns[i].name == "passes" => {
+            verdict(Some(if *passes { Verdict::Passes } else { Verdict::Fails }))
+        }
         Value::Null => if is_text(&i) { "" } else { "-" }.to_owned(),
-        Value::Bool(passes) if table.columns[i].name == "passes" => verdict(Some(*passes)),
         Value::Bool(holds) => if *holds { "yes" } else { "no" }.to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(count) if !count.is_f64() => count.to_string(),

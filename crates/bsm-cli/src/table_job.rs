@@ -8,8 +8,8 @@ use bsm_batch::dataset::{
     self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
 };
 use bsm_batch::{
-    AnswerSink, Answers, Cell, Chunk, Count, CsvSource, Format, RunError, Source, TableError,
-    TableFormat, TableHead, TableSink, Task, Workers,
+    AnswerSink, Answers, Cell, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format,
+    RunError, Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
 };
 use bsm_case::{
     Axis, ColumnValues, DisplayUnits, Grid, ModelChoice, Output as Column, ShownColumn, exact,
@@ -44,6 +44,8 @@ pub(crate) struct Job<'a> {
     pub(crate) about: Option<&'a Path>,
     /// Format of CSV output: separators and decimal sign.
     pub(crate) table_format: TableFormat,
+    /// Units of the columns.
+    pub(crate) units: ColumnUnits,
 }
 
 /// A sink that discards rows, for runs that only draw plots.
@@ -145,14 +147,16 @@ impl Job<'_> {
             self.task.about(&points, source.columns())
         };
         let failed = |error| stopped(path, error);
+        let outputs = &self.task.outputs;
         let count = match form {
             Form::Table(format) => {
-                let (columns, outputs) = (source.columns(), &self.task.outputs);
                 let out = Output::create(path)?;
-                let sink = TableSink::new(format, out, columns, outputs, &self.table_format);
+                let columns = (self.units.schema(source.columns(), outputs), &outputs[..]);
+                let sink = TableSink::with_schema(format, out, columns, &self.table_format);
                 let sink = sink.map_err(|error| unwritable(path, &error))?;
+                let sink = self.units.converting(sink, source.columns(), outputs);
                 let run = self.task.run(source, sink, u64::MAX, workers, seen);
-                let (sink, count) = run.map_err(failed)?;
+                let (ConvertingSink { sink, .. }, count) = run.map_err(failed)?;
                 let out = sink.finish(Some(&about.to_string()));
                 out.map_err(|error| unwritable(path, &error))?.complete()?;
                 count
@@ -163,10 +167,11 @@ impl Job<'_> {
                     return Err(files::refused(path, &workbook::too_many(&rows.to_string())));
                 }
                 let out = Output::create(path)?;
-                let book = Workbook::of_answers(source.columns(), &self.task.outputs);
+                let book = Workbook::of_answers(&self.units, source.columns(), outputs);
                 let book = book.map_err(|error| unwritable(path, &error))?;
-                let (book, count) =
-                    self.task.run(source, book, u64::MAX, workers, seen).map_err(failed)?;
+                let book = self.units.converting(book, source.columns(), outputs);
+                let run = self.task.run(source, book, u64::MAX, workers, seen);
+                let (ConvertingSink { sink: book, .. }, count) = run.map_err(failed)?;
                 let bytes = book.finish(&about).map_err(|error| unwritable(path, &error))?;
                 files::write_bytes(out, path, &bytes)?;
                 count
@@ -276,9 +281,13 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Returns the outputs that the option `--columns` requests.
+/// Returns the requested outputs. Their names may have any unit.
 pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>, Failure> {
-    let selected = Answers::select(columns);
+    let own = |name: &String| {
+        Column::in_unit(name).map_or_else(|| name.clone(), |(output, _)| output.name.to_owned())
+    };
+    let columns: Option<Vec<_>> = columns.map(|names| names.iter().map(own).collect());
+    let selected = Answers::select(columns.as_deref());
     selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
 }
 
@@ -382,7 +391,7 @@ pub(crate) fn write_columns<'a>(
             let written = move || {
                 let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| TableHead {
                     name,
-                    unit,
+                    unit: unit.text,
                     is_text: false,
                 };
                 let mut heads: Vec<_> = columns.iter().map(head).collect();
@@ -401,7 +410,7 @@ pub(crate) fn write_columns<'a>(
         }
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
-            let heads = columns.iter().map(|column| (column.name.as_str(), column.unit));
+            let heads = columns.iter().map(|column| (column.name.as_str(), column.unit.text));
             write_book(path, heads, about, |book| {
                 for part in parts {
                     for row in 0..part.first().map_or(0, ColumnValues::len) {

@@ -8,6 +8,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::ValidateArgs;
 use crate::failure::Failure;
 use crate::files::InputFiles;
+use crate::progress::waiting;
 use crate::table;
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
@@ -21,7 +22,10 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         Some(folder) => PublishedData::read(folder)?,
         None => PublishedData::default(),
     };
-    let mut report = bsm_validate::run(&published)?;
+    let line = waiting("calculating the published results");
+    let report = bsm_validate::run(&published);
+    drop(line);
+    let mut report = report?;
     if let Some(key) = &args.only {
         report.checks.retain(|check| check.key.contains(key.as_str()));
         if report.checks.is_empty() {

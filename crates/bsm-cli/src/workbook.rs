@@ -4,7 +4,9 @@
 use std::sync::atomic::Ordering;
 use std::{env, io};
 
-use bsm_batch::{AnswerSink, Answers, Cell, Cells, Chunk, Columns, TableError, catch_panic};
+use bsm_batch::{
+    AnswerSink, Answers, Cell, Cells, Chunk, ColumnUnits, Columns, TableError, catch_panic, unit_of,
+};
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::{Number, Value};
@@ -22,6 +24,7 @@ pub(crate) struct Workbook {
     book: Book,
     row: u32,
     columns: Columns,
+    units: ColumnUnits,
     outputs: Vec<&'static Output>,
 }
 
@@ -47,17 +50,21 @@ impl Workbook {
             Ok(())
         };
         written().map_err(|e| failed(&e))?;
-        Ok(Self { book, row: 2, columns: Columns::default(), outputs: Vec::new() })
+        let (columns, units) = (Columns::default(), ColumnUnits::default());
+        Ok(Self { book, row: 2, columns, units, outputs: Vec::new() })
     }
 
     /// Starts a sheet for a results table.
     pub(crate) fn of_answers(
+        units: &ColumnUnits,
         columns: &Columns,
         outputs: &[&'static Output],
     ) -> Result<Self, TableError> {
-        let headings: Vec<_> = columns.headings(outputs).collect();
-        let this = Self::new(headings.iter().map(|heading| (heading.name, heading.unit)))?;
-        Ok(Self { columns: columns.clone(), outputs: outputs.to_vec(), ..this })
+        let schema = units.schema(columns, outputs);
+        let fields = schema.fields().iter();
+        let this = Self::new(fields.map(|field| (field.name().as_str(), unit_of(field))))?;
+        let (columns, units) = (columns.clone(), units.clone());
+        Ok(Self { columns, units, outputs: outputs.to_vec(), ..this })
     }
 
     /// Writes one row of cells.
@@ -117,7 +124,8 @@ fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableEr
 
 impl AnswerSink for Workbook {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
-        let table = answers.table(&chunk, &self.columns.schema(&self.outputs), &self.outputs)?;
+        let schema = self.units.schema(&self.columns, &self.outputs);
+        let table = answers.table(&chunk, &schema, &self.outputs)?;
         let cells = Cells::of(&table, &chunk)?;
         (0..chunk.len).try_for_each(|row| self.row(cells.row(row)))
     }

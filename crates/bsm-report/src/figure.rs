@@ -113,15 +113,16 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Converts both axes to display units. The unit of an axis follows the last comma in its
-    /// label.
-    pub fn display_in(&mut self, units: DisplayUnits) {
+    /// Returns the figure with both axes in displayed units. The unit of an axis stands behind the last comma of its label.
+    #[must_use]
+    pub fn in_units(mut self, units: DisplayUnits) -> Self {
         let (x, x_unit) = units.label(&self.x.label);
         let (y, y_unit) = units.label(&self.y.label);
         (self.x.label, self.y.label) = (x, y);
         for point in self.curves.iter_mut().flat_map(|curve| &mut curve.points) {
             *point = (x_unit.value(point.0), y_unit.value(point.1));
         }
+        self
     }
 }
 

@@ -8,6 +8,7 @@ mod offers;
 mod size;
 mod slip;
 mod study;
+mod table;
 mod warm;
 
 pub use catalog::catalog_figures;
@@ -16,4 +17,5 @@ pub use nut::nut_figures;
 pub use offers::offers_page;
 pub use size::{size_figures, size_page, size_results, size_table};
 pub use study::{Course, Study};
+pub use table::table_figures;
 pub use warm::{warm_figures, warm_preload};

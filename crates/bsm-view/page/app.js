@@ -1,6 +1,6 @@
 // The page shows one case in all panels. Every change sends a new request.
 
-import { html, narrow, parsed } from "bsm/draw";
+import { display, html, narrow, parsed } from "bsm/draw";
 import { ask, Gone, holds, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
@@ -83,6 +83,7 @@ function tell({ case: entries }, point) {
   if (point instanceof Error) { complain(point); stale(panels, true); return; }
   const { solve: solved, slip } = point;
   complain(null);
+  display(start.schema.display[entries.display_units]);
   stale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
   shown.solved = solved;
   at("regime").textContent = solved.regime ?? "";

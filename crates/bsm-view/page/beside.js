@@ -1,6 +1,6 @@
 // Comparison of cases: the inputs that differ, and the numbers of each case.
 
-import { html, unitOf } from "bsm/draw";
+import { html, shown, shownUnit, unitOf } from "bsm/draw";
 import { holds, start } from "bsm/source";
 
 const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
@@ -47,6 +47,12 @@ export class Beside {
       name !== "description" && new Set(columns.map(({ case: entries }) => written(entries[name]))).size > 1);
     const line = (label, unit, values, kind = "number") => html("tr", {}, html("th", { scope: "row" }, label),
       html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
+    /** Creates the row of an input, in its displayed unit. */
+    const given = (name) => {
+      const [label, unit] = LABEL.get(name) ?? [name.replaceAll("_", " "), ""];
+      const value = (own) => { const other = shown(own, unit); return other === own ? own : Number(other.toPrecision(6)); };
+      return line(label, shownUnit(unit), columns.map(({ case: entries }) => written(value(entries[name]))));
+    };
     const numbers = columns.map(({ solved }) => new Map((solved?.shown?.overall ?? []).map(([label, unit, value]) => [label, [unit, value]])));
     const labels = [...new Set(numbers.flatMap((map) => [...map.keys()]))];
     const units = new Map(numbers.flatMap((map) => [...map].map(([label, [unit]]) => [label, unit])));
@@ -62,7 +68,7 @@ export class Beside {
       "aria-label": "Cases side by side" }, html("table", { class: "beside" },
       html("caption", {}, "Cases side by side"),
       html("thead", {}, html("tr", {}, html("td"), html("td"), columns.map(head))),
-      html("tbody", {}, names.map((name) => line(...(LABEL.get(name) ?? [name.replaceAll("_", " "), ""]), columns.map(({ case: entries }) => written(entries[name])))),
+      html("tbody", {}, names.map(given),
         line("model", "", columns.map(({ solved }) => solved?.model ?? "–")), line("regime", "", columns.map(status), "small"),
         labels.map((label) => line(label, units.get(label), numbers.map((map) => map.get(label)?.[1] ?? "–")))))));
   }

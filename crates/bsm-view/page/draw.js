@@ -168,7 +168,37 @@ export function table(caption, head, rows, attributes = {}) {
 }
 
 /** Formats a unit with its usual symbols. */
-export const unitOf = (unit) => unit.replace(/\bum\b/, "µm");
+export const unitOf = (unit) => unit.replace(/\bum\b/, "µm").replace(/\buin\b/, "µin").replace(/\bdegF\b/, "°F").replace(/^C$/, "°C");
+
+/** Displayed units that differ from the units of the program: text, factor and zero by unit. */
+let displayed = {};
+
+/** Sets the displayed units of all pictures. */
+export const display = (units) => { displayed = units ?? {}; };
+
+/** Returns a number in its displayed unit. */
+export const shown = (value, unit) => {
+  const [, factor, zero] = displayed[unit] ?? [];
+  return factor === undefined || typeof value !== "number" ? value : value / factor + zero;
+};
+
+/** Converts a displayed number back to the unit of the program. */
+export const own = (value, unit) => {
+  const [, factor, zero] = displayed[unit] ?? [];
+  return factor === undefined ? value : factor * (value - zero);
+};
+
+/** Returns numbers in their displayed unit. */
+export const shownAll = (values, unit) => values.map((value) => shown(value, unit));
+
+/** Returns the text of the displayed unit. */
+export const shownUnit = (unit) => unitOf(displayed[unit]?.[0] ?? unit);
+
+/** Formats a number with its displayed unit. */
+export const measured = (value, unit) => `${number(shown(value, unit))} ${shownUnit(unit)}`.trim();
+
+/** Returns the label of an axis with the displayed unit. */
+export const labeled = (words, unit) => (unit ? `${words}, ${shownUnit(unit)}` : words);
 
 /** Creates a table row with a label, a unit and values as text. */
 export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label),

@@ -1,6 +1,6 @@
 // The two contact ellipses: pressure, slip and friction, with the spin poles and the lines of pure rolling.
 
-import { html, number, ramp, rampBar, sharp, color, none, legend, table } from "bsm/draw";
+import { html, number, shown, measured, labeled, ramp, rampBar, sharp, color, none, legend, table } from "bsm/draw";
 
 const FIELDS = {
   pressure: ["pressure", "MPa", (c, i) => c.pressure_MPa[i]],
@@ -51,20 +51,20 @@ export class Ellipses {
       const canvas = html("canvas", { role: "img", "aria-label": this.alternative(contact) });
       const figure = html("figure", {}, html("figcaption", {}, html("strong", {}, contact.contact),
         html("span", { class: "faint" },
-          `  ${number(2 * contact.semi_axes_mm[0])} × ${number(2 * contact.semi_axes_mm[1])} mm, ${number(contact.max_pressure_MPa)} MPa, ${number(contact.normal_load_N)} N`)),
+          `  ${number(shown(2 * contact.semi_axes_mm[0], "mm"))} × ${measured(2 * contact.semi_axes_mm[1], "mm")}, ${measured(contact.max_pressure_MPa, "MPa")}, ${measured(contact.normal_load_N, "N")}`)),
         canvas);
       return { figure, paint: () => this.paint(canvas, contact, all[i], [low, high], fastest, widest) };
     });
     const sticks = answer.contacts.some((c) => c.sticking_share > 0);
-    this.stage.replaceChildren(html("div", { class: "pair" }, figures.map(({ figure }) => figure)), rampBar(low, high, `${words}${unit ? `, ${unit}` : ""}`),
+    this.stage.replaceChildren(html("div", { class: "pair" }, figures.map(({ figure }) => figure)), rampBar(shown(low, unit), shown(high, unit), labeled(words, unit)),
       legend([["slip of the ball against the groove", "var(--ink)", "solid"],
         ["pure rolling (no slip along the groove)", "var(--ink)", "dash"], ["spin pole (no slip)", "var(--hot)"],
         ...(sticks ? [["sticking (slower than the creep speed)", "#ffffff"]] : [])]),
       table("Friction of the two contacts", ["", ...answer.contacts.map((c) => c.contact)], [
-        ["friction force, N", ...answer.contacts.map((c) => number(Math.hypot(...c.friction_force_N)))],
+        [labeled("friction force", "N"), ...answer.contacts.map((c) => number(shown(Math.hypot(...c.friction_force_N), "N")))],
         ["ratio of friction to load", ...answer.contacts.map((c) => number(c.friction_over_load))],
         ["spin, rad/s", ...answer.contacts.map((c) => number(c.spin_rad_s))],
-        ["largest slip, m/s", ...answer.contacts.map((c) => number(Math.max(...speeds(c))))],
+        [labeled("largest slip", "m/s"), ...answer.contacts.map((c) => number(shown(Math.max(...speeds(c)), "m/s")))],
         ["sticking fraction of the area", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
       ]),
       html("p", { class: "small faint" },
@@ -73,7 +73,7 @@ export class Ellipses {
   }
 
   alternative(c) {
-    return `Contact ellipse at the ${c.contact}: largest pressure ${number(c.max_pressure_MPa)} megapascals, ${c.spin_poles.length} spin poles, ${c.rolling_lines.length} lines of pure rolling, ratio of friction to load ${number(c.friction_over_load)}, ${number(100 * c.sticking_share)} percent of the area sticks`;
+    return `Contact ellipse at the ${c.contact}: largest pressure ${measured(c.max_pressure_MPa, "MPa")}, ${c.spin_poles.length} spin poles, ${c.rolling_lines.length} lines of pure rolling, ratio of friction to load ${number(c.friction_over_load)}, ${number(100 * c.sticking_share)} percent of the area sticks`;
   }
 
   paint(canvas, contact, values, [low, high], fastest, widest) {

@@ -71,6 +71,10 @@ export class Inputs {
     this.ranges.set(name, range);
     const stop = start.answers?.axes?.find(([axis]) => axis === name);
     const locked = !start.live && !stop;
+    // A field begins with the displayed unit of the case.
+    const [, factor, zero] = schema.display[this.case.display_units]?.[input.unit] ?? [];
+    const usual = input.units.find(([, size, from]) => size === factor && from === zero);
+    if (usual && !this.units.has(name)) this.units.set(name, usual);
     const change = () => this.units.get(name) ?? [input.unit, 1, 0];
     /** Conversions between the unit of the field and the unit of the case. */
     const toCase = (value) => change()[1] * (value - change()[2]), fromCase = (value) => value / change()[1] + change()[2];
@@ -94,7 +98,7 @@ export class Inputs {
         } }, html("option", {}, input.unit),
           input.units.map(([other]) => html("option", { selected: this.units.get(name)?.[0] === other },
           other.replaceAll("_", "/"))))
-      : html("span", { class: "unit" }, input.unit);
+      : html("span", { class: "unit" }, change()[0]);
     const drop = start.live ? html("button",
       { type: "button", "aria-label": `Remove ${input.label}`, title: "Remove", onclick: () => this.drop(name) },
       "×") : html("span");

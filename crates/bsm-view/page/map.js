@@ -1,6 +1,6 @@
 // A map of any output over any two inputs, with the operating point.
 
-import { html, svg, text, number, brief, parsed, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
+import { html, svg, text, number, shown, shownAll, shownUnit, own, labeled, measured, brief, parsed, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
 import { start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
@@ -33,8 +33,8 @@ export class ModelMap {
     const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof entries[name] === "number" && entries[name] !== 0));
     const fill = (select, list, wanted, asked) => { const known = (value) => list.some(({ name }) => name === value),
       former = [asked, select.value].find(known) ?? wanted;
-      select.replaceChildren(...list.map(({ name, label }) => html("option", { value: name, selected: name === former },
-        label))); };
+      select.replaceChildren(...list.map(({ name, label, unit }) => html("option", { value: name, selected: name === former },
+        list === can ? label : labeled(label, unit)))); };
     const has = (name) => can.some((input) => input.name === name);
     fill(this.x, can, ["screw_speed_rpm", "lead_angle_deg", "lead_mm"].find(has) ?? can[0]?.name, chosen.x);
     fill(this.y, can, ["axial_load_N", "contact_angle_deg"].find(has) ?? can[1]?.name, chosen.y);
@@ -61,12 +61,13 @@ export class ModelMap {
     const row = (select) => {
       const name = select.value, value = entries[name];
       if (value == null) return null;
-      const range = this.range(name, value), label = start.schema.inputs.find((input) => input.name === name).label;
-      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: range[end],
+      const range = this.range(name, value), { label, unit } = start.schema.inputs.find((input) => input.name === name);
+      const text = (end) => Number(shown(range[end], unit).toPrecision(6));
+      const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: text(end),
         style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live,
         onchange: (event) => { const value = parsed(event.target.value);
-          if (Number.isNaN(value)) event.target.value = range[end]; else { range[end] = value; this.again(); } } });
-      return html("span", {}, `${label} `, box("low"), " to ", box("high"),
+          if (Number.isNaN(value)) event.target.value = text(end); else { range[end] = own(value, unit); this.again(); } } });
+      return html("span", {}, `${label} `, box("low"), " to ", box("high"), ` ${shownUnit(unit)} `,
         html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live,
           "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked;
             this.again(); } }), "log"));
@@ -129,19 +130,20 @@ export class ModelMap {
     const width = this.stage.clientWidth, height = Math.max(250, Math.min(400, 0.72 * width));
     const box = [PAD.left, PAD.top, width - PAD.right, height - PAD.bottom];
     const [ax, ay] = answer.axes, output = start.schema.outputs.find(({ name }) => name === this.output.value);
-    const values = answer.columns[output.name] ?? [], nx = ax.values.length, ny = ay.values.length;
+    const values = shownAll(answer.columns[output.name] ?? [], output.unit), nx = ax.values.length, ny = ay.values.length;
     const found = values.filter((v) => v !== null);
     const ends = ({ values }) => [values[0], values.at(-1)];
     const x = scale(ends(ax), [box[0], box[2]], ax.log), y = scale(ends(ay), [box[3], box[1]], ay.log);
-    Object.assign(this, { scales: [x, y], box, values, outputWords: output.label });
+    const outputWords = labeled(output.label, output.unit);
+    Object.assign(this, { scales: [x, y], box, values, outputWords });
     const canvas = html("canvas"), label = (axis) => start.schema.inputs.find(({ name }) => name === axis.name);
-    const words = (axis) => { const { label: l, unit } = label(axis); return unit ? `${l}, ${unit}` : l; };
+    const words = (axis) => labeled(label(axis).label, label(axis).unit);
     if (!found.length) { this.cross = null;
-      this.stage.replaceChildren(none(`No point of this map has a value for: ${output.label}.`)); this.under.replaceChildren();
+      this.stage.replaceChildren(none(`No point of this map has a value for: ${outputWords}.`)); this.under.replaceChildren();
       return; }
     let low = Math.min(...found), high = Math.max(...found);
     const overlay = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "group",
-      "aria-label": `Map of ${output.label} as a function of ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
+      "aria-label": `Map of ${outputWords} as a function of ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
     this.stage.replaceChildren(canvas, overlay);
     const g = sharp(canvas, width, height);
     // Each point fills the area up to halfway to its neighbors.
@@ -154,14 +156,14 @@ export class ModelMap {
     const cx = (box[2] - box[0]) / (nx - 1), cy = (box[3] - box[1]) / (ny - 1);
     g.save(); g.beginPath(); g.rect(box[0], box[1], box[2] - box[0], box[3] - box[1]); g.clip(); g.imageSmoothingEnabled = false;
     g.drawImage(small, box[0] - cx / 2, box[1] - cy / 2, box[2] - box[0] + cx, box[3] - box[1] + cy); g.restore();
-    overlay.append(this.contours(values, [nx, ny], low, high, box), this.borders([nx, ny], box), frame(x, y, box, words(ax), words(ay)));
+    overlay.append(this.contours(values, [nx, ny], low, high, box), this.borders([nx, ny], box), frame(...[[x, ax], [y, ay]].map(([place, axis]) => shownScale(place, label(axis).unit)), box, words(ax), words(ay)));
     this.cross = this.crossAt(); overlay.append(this.cross);
     overlay.addEventListener("pointermove", (event) => this.hover(event));
     overlay.addEventListener("pointerdown", (event) => { this.drag(event); overlay.setPointerCapture(event.pointerId); this.dragging = true; });
     overlay.addEventListener("pointerup", () => { this.dragging = false; });
     this.place();
     const models = [...new Set(answer.model.filter((_, i) => values[i] !== null))].map((place) => answer.models[place]), empty = values.length - found.length;
-    this.under.replaceChildren(rampBar(low, high, output.label),
+    this.under.replaceChildren(rampBar(low, high, outputWords),
       html("p", { class: "small faint" },
         `${values.length} points, ${models.length > 1 ? `red lines separate the models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; gray: ${empty} points without a solution` : ""}.`));
   }
@@ -265,7 +267,7 @@ export class ModelMap {
     this.readout.dataset.x = ax.values[i]; this.readout.dataset.y = ay.values[j];
     this.readout.dataset.value = values[at] === null ? "" : number(values[at]);
     const words = (axis, v) => { const { label, unit } = start.schema.inputs.find(({ name }) => name === axis.name);
-      return `${label} ${number(v)} ${unit}`.trim(); };
+      return `${label} ${measured(v, unit)}`; };
     this.readout.replaceChildren(html("strong", {},
       `${this.outputWords}: ${values[at] === null ? answer.statuses[answer.status[at]].replace("_", " ") : number(values[at])}`),
       html("br"), `${words(ax, ax.values[i])}, ${words(ay, ay.values[j])}; model ${answer.models[answer.model[at]]}`);
@@ -282,6 +284,12 @@ function levels(values, low, high) {
     if (v > low && v < high && !list.includes(v) && (!list.length || v - list.at(-1) > 0.015 * (high - low))) list.push(v);
   }
   return list;
+}
+
+/** Returns a scale whose values are in the displayed unit, at the same positions. */
+function shownScale(place, unit) {
+  const [low, high] = place.domain;
+  return scale(shownAll(place.domain, unit), [place(low), place(high)], place.log);
 }
 
 /** Draws the axes on top of the colors, without grid lines. */

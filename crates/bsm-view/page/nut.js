@@ -1,6 +1,6 @@
 // All balls of a nut: their loads, and the displacement of the nut.
 
-import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
+import { html, svg, text, picture, number, shown, shownAll, shownUnit, measured, labeled, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
 
 const SIDES = [["nut_plus_N", "nut, flank +", "--c1", "circle"], ["nut_minus_N", "nut, flank −", "--c2", "square"]];
 /** Returns the width and height of a chart, and the rectangle for its curves. */
@@ -9,13 +9,22 @@ const span = (values) => { const v = values.filter(Number.isFinite); return [Mat
 
 export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
-  const { balls, curve } = answer;
-  host.columns = () => ({ balls, curve });
+  host.columns = () => ({ balls: answer.balls, curve: answer.curve });
+  const [balls, curve] = [inUnits(answer.balls), inUnits(answer.curve)];
   host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls),
     deflection(curve, answer), train(balls, answer), html("div", { class: "warm" }),
     html("div", {}, remarks(answer))),
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
+
+/** Units of the columns that the pictures show, by the ends of their names. The longest end comes first. */
+const UNITS = [["_N_um", "N/um"], ["_N", "N"], ["_mm", "mm"], ["_um", "um"], ["_C", "C"]];
+
+/** Returns columns in their displayed units. */
+const inUnits = (columns) => Object.fromEntries(Object.entries(columns).map(([name, values]) => {
+  const unit = UNITS.find(([end]) => name.endsWith(end))?.[1];
+  return [name, unit && Array.isArray(values) ? shownAll(values, unit) : values];
+}));
 
 /** Creates the notes and warnings of an answer. */
 export const remarks = ({ notes, warnings }) => [...notes.map((note) => html("p", { class: "small faint" }, note)),
@@ -38,14 +47,14 @@ function sharing(balls, answer) {
   const x = scale(first === last ? [first - 1, last + 1] : [first, last], [box[0], box[2]]), y = scale([0, high * 1.06], [box[3], box[1]]);
   const dots = sides.flatMap(([name, , paint, kind]) =>
     balls[name].map((v, i) => (v > 0 ? svg("g", {},
-      svg("title", {}, `ball ${i + 1}: ${number(v)} N at ${number(balls.z_mm[i])} mm`),
+      svg("title", {}, `ball ${i + 1}: ${number(v)} ${shownUnit("N")} at ${number(balls.z_mm[i])} ${shownUnit("mm")}`),
       mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`)) : null)));
-  const words = `Load of each ball along the axis: largest ${number(answer.max_contact_load_N)} newtons, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls unloaded`;
+  const words = `Load of each ball along the axis: largest ${measured(answer.max_contact_load_N, "N")}, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls unloaded`;
   return figure("Load of each ball along the axis",
-    picture(width, height, words, axes(x, y, box, "position along the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
+    picture(width, height, words, axes(x, y, box, labeled("position along the axis", "mm"), labeled("load", "N"), 64), ...dots.filter(Boolean)),
     legend(sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined])),
     html("p", { class: "small" },
-      `The largest load is ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} times the mean. ${answer.unloaded_balls} of ${balls.z_mm.length} balls are unloaded.`));
+      `The largest load is ${measured(answer.max_contact_load_N, "N")}, ${number(answer.max_over_mean)} times the mean. ${answer.unloaded_balls} of ${balls.z_mm.length} balls are unloaded.`));
 }
 
 function developed(balls) {
@@ -56,11 +65,11 @@ function developed(balls) {
   const paint = (v) => (v > 0 ? rampCss(high > low * 1.0001 ? (v - low) / (high - low) : 0.6) : "none");
   const dots = turn.map((v, i) => svg("circle",
     { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 },
-    svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
+    svg("title", {}, `ball ${i + 1}: ${number(load[i])} ${shownUnit("N")}`)));
   return figure("Developed view of the balls and their loads",
-    picture(width, height, `Developed view of the nut with balls colored by load from ${number(low)} to ${number(high)} newtons`,
-      axes(x, y, box, "angle around the axis, °", "position along the axis, mm", 64), ...dots),
-    rampBar(low, high, "load, N"));
+    picture(width, height, `Developed view of the nut with balls colored by load from ${number(low)} to ${number(high)} ${shownUnit("N")}`,
+      axes(x, y, box, "angle around the axis, °", labeled("position along the axis", "mm"), 64), ...dots),
+    rampBar(low, high, labeled("load", "N")));
 }
 
 /** Draws the speeds and the advance of the balls along the helix. If the gap is given, it also shows the balls that touch and their forces. */
@@ -85,8 +94,8 @@ function train(balls, answer) {
   const dot = (v, i, y, attributes, words) => (Number.isFinite(v) ?
     svg("circle", { cx: x(turns[i]), cy: y(v), r: 2.6, ...attributes }, svg("title", {}, `ball ${i + 1}: ${words}`)) : null);
   const speeds = strip([...free, ...moving], "speed deviation, %", 130);
-  const pushes = most > 0 ? strip([0, most], "force, N", 60) : null;
-  const advances = strip([0, ...balls.advance_mm.map((v) => v ?? NaN)], "advance, mm", 90, "position along the helix, turns");
+  const pushes = most > 0 ? strip([0, most], labeled("force", "N"), 60) : null;
+  const advances = strip([0, ...balls.advance_mm.map((v) => v ?? NaN)], labeled("advance", "mm"), 90, "position along the helix, turns");
   const lines = trains.map(({ circuit, train_rate: rate }) => {
     const places = turns.filter((_, i) => balls.circuit[i] === circuit);
     return pushed.some((is, i) => is && balls.circuit[i] === circuit) ? svg("path", { class: "train", fill: "none",
@@ -101,26 +110,26 @@ function train(balls, answer) {
   });
   const forces = pushes && turns.map((v, i) => (front[i] > 0 ?
     svg("path", { class: "push", d: `M${x(v)} ${pushes.y(0)}V${pushes.y(front[i])}`, stroke: "var(--c2)", "stroke-width": 2.4 },
-      svg("title", {}, `ball ${i + 1} is pushed back with ${number(front[i])} N`)) : null));
+      svg("title", {}, `ball ${i + 1} is pushed back with ${number(front[i])} ${shownUnit("N")}`)) : null));
   const dots = turns.map((_, i) => [
     dot(free[i], i, speeds.y, { class: "free", fill: "none", stroke: "var(--c1)" }, `${number(free[i])} % without pushes`),
     pushed[i] ? dot(moving[i], i, speeds.y, { class: "moving", fill: "var(--c2)" }, `${number(moving[i])} %`) : null,
-    dot(balls.advance_mm[i] ?? NaN, i, advances.y, { class: "advance", fill: "var(--c1)" }, `${number(balls.advance_mm[i])} mm`)]);
+    dot(balls.advance_mm[i] ?? NaN, i, advances.y, { class: "advance", fill: "var(--c1)" }, `${number(balls.advance_mm[i])} ${shownUnit("mm")}`)]);
   const [slow, fast] = span(free), touching = pushed.filter(Boolean).length;
   const words = `Speeds of the balls without pushes, from ${number(slow)} to ${number(fast)} percent relative to their mean${most > 0 ?
-    `, ${touching} touching balls with forces of up to ${number(most)} newtons between them` : ""}`;
+    `, ${touching} touching balls with forces of up to ${number(most)} ${shownUnit("N")} between them` : ""}`;
   return figure("Speeds and advance of the balls along the helix",
     picture(width, from + 12, words, ...[speeds, pushes, advances].flatMap((strip) => strip?.frame ?? []),
       ...[shade.flat(), lines, forces, dots].flat(2).filter(Boolean)),
     legend([["speed without pushes, relative to the mean", "var(--c1)", "circle"],
       ...(most > 0 ? [["with pushes", "var(--c2)", "circle"], ["speed of touching balls", "var(--c2)", "solid"],
         ["touching balls", "color-mix(in srgb, var(--c5) 30%, transparent)"],
-        [`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]),
-    html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${number(answer.needed_gap_mm)} mm.`));
+        [`force of the ball in front, up to ${number(most)} ${shownUnit("N")}`, "var(--c2)"]] : [])]),
+    html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${measured(answer.needed_gap_mm, "mm")}.`));
 }
 
 function deflection(curve, answer) {
-  const [cold, warm] = [number(answer.cold_preload_N), number(answer.warm_preload_N)];
+  const [cold, warm] = [measured(answer.cold_preload_N, "N"), measured(answer.warm_preload_N, "N")];
   const [width, height, box] = sizes();
   const loads = curve.axial_load_N, shift = curve.nut_displacement_um;
   const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));
@@ -130,26 +139,26 @@ function deflection(curve, answer) {
       stroke: `var(${paint})`, "stroke-width": 2.2, "stroke-dasharray": dash });
   const k = span(curve.nut_stiffness_N_um.map((v) => v ?? NaN)), y2 = scale([0, k[1] * 1.05], [box[3], box[1]]), right = box[2] - 52;
   const preload = curve.preload_left_N.some((v) => v > 0) ? scale([0, Math.max(...curve.preload_left_N.map((v) => v ?? 0)) * 1.05], [box[3], box[1]]) : null;
-  const here = answer.reaction_SI?.[0], mark = Number.isFinite(here) && here >= x.domain[0] && here <= x.domain[1] &&
+  const here = shown(answer.reaction_SI?.[0], "N"), mark = Number.isFinite(here) && here >= x.domain[0] && here <= x.domain[1] &&
     answer.nut_displacement_um != null ? svg("circle",
-    { cx: x(here), cy: y(answer.nut_displacement_um), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 },
+    { cx: x(here), cy: y(shown(answer.nut_displacement_um, "um")), r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 },
     svg("title", {}, "this load")) : null;
-  const limit = answer.limit_load_N;
+  const limit = shown(answer.limit_load_N, "N");
   const ends = [0, 0.5, 1].map((part) => text(right + 6, y2(part * y2.domain[1]) + 4,
     number(part * y2.domain[1]).replace(/\.?0+$/, "") || "0", { class: "small", style: "fill:var(--c3)" }));
   return figure("Displacement and stiffness as functions of the load",
-    picture(width, height, `Displacement up to ${number(high)} micrometers and tangent stiffness up to ${number(k[1])} newtons per micrometer as functions of the axial load`,
-    axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"),
+    picture(width, height, `Displacement up to ${number(high)} ${shownUnit("um")} and tangent stiffness up to ${number(k[1])} ${shownUnit("N/um")} as functions of the axial load`,
+    axes(x, y, [box[0], box[1], right, box[3]], labeled("axial load", "N"), labeled("displacement", "um"), 64), line(shift, y, "--c1"),
       line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
     limit && limit <= x.domain[1] ? svg("g", {},
       svg("path", { d: `M${x(limit)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" }),
       text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" })) : null),
     legend([["displacement, left scale", "var(--c1)", "solid"],
-      ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"],
-      ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
+      [`tangent stiffness, ${shownUnit("N/um")}, right scale`, "var(--c3)", "dash"],
+      ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} ${shownUnit("N")}`, "var(--c2)", "dots"]] : [])]),
     html("p", { class: "small" },
-      `The stiffness at this load is ${number(answer.nut_stiffness_N_um)} N/µm.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} N cold and ${warm}`} N${cold === warm ? "" : " warm"}; ${number(answer.preload_left_N)} N of the preload remain.`}${limit == null ? "" : ` Above ${number(limit)} N, no preload remains.`}`));
+      `The stiffness at this load is ${measured(answer.nut_stiffness_N_um, "N/um")}.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} cold and ${warm} warm`}; ${measured(answer.preload_left_N, "N")} of the preload remain.`}${limit == null ? "" : ` Above ${number(limit)} ${shownUnit("N")}, no preload remains.`}`));
 }
 
 /** Draws the preload of the warm steady states as a function of the speed. The curve is solid up to the fold and dashed beyond the fold. */
@@ -161,7 +170,7 @@ export function showWarm(host, branch, answer) {
 
 function warm(branch, answer) {
   const [width, height, box] = sizes();
-  const { screw_speed_rpm: speed, warm_preload_N: preload, stable, asked_rpm: asked } = branch, turn = stable.indexOf(false);
+  const { screw_speed_rpm: speed, warm_preload_N: preload, stable, asked_rpm: asked } = inUnits(branch), turn = stable.indexOf(false);
   const x = scale([0, Math.max(...speed, asked) * 1.05], [box[0], box[2]]), y = scale([0, Math.max(...preload, 1) * 1.06], [box[3], box[1]]);
   const line = (part, dash) => svg("path", { d: path(part.map((i) => [x(speed[i]), y(preload[i])])), fill: "none",
     stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });
@@ -169,10 +178,10 @@ function warm(branch, answer) {
   const { nut_temperature_C: nut, screw_temperature_C: screw, balls_temperature_C: balls } = answer.warm;
   return figure("Warm preload against speed",
     picture(width, height, `Warm preload as a function of the screw speed${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
-    axes(x, y, box, "screw speed, rpm", "warm preload, N", 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
+    axes(x, y, box, "screw speed, rpm", labeled("warm preload", "N"), 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
     turn < 0 ? null : svg("circle", { cx: x(speed[fold]), cy: y(preload[fold]), r: 5, fill: "none",
       stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
     svg("path", { d: `M${x(asked)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" })),
     html("p", { class: "small" },
-      `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle), no steady state exists and the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
+      `Nut ${measured(nut, "C")}, screw ${measured(screw, "C")}, balls ${measured(balls, "C")} at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle), no steady state exists and the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
 }

@@ -1,6 +1,6 @@
 // Cross section of the grooves through the center of a ball, to scale.
 
-import { html, svg, text, picture, path, number, legend, none, narrow } from "bsm/draw";
+import { html, svg, text, picture, path, number, measured, legend, none, narrow } from "bsm/draw";
 
 const DEG = Math.PI / 180;
 
@@ -53,10 +53,10 @@ export function showSection(host, given, result) {
   const labels = said.flatMap(([name, angle, load, , color, far]) => {
     const left = far[0] < width / 2, up = far[1] < height / 2, x = left ? 8 : width - 8, y = up ? 22 : height - 30, anchor = left ? "start" : "end";
     const halo = { "text-anchor": anchor, style: `fill:${color};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
-    return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, `at ${number(angle)}°`, halo)];
+    return [text(x, y, `${name}: ${measured(load, "N")}`, halo), text(x, y + 17, `at ${number(angle)}°`, halo)];
   });
   const words = said.map(([name, angle, load, a]) =>
-    `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimeters wide`}`).join("; ");
+    `${name} contact at ${number(angle)} degrees under ${measured(load, "N")}${a == null ? "" : `, ellipse ${measured(2 * a, "mm")} wide`}`).join("; ");
   host.replaceChildren(
     picture(width, height, `Section of ball and grooves. Without load the contact angle is ${number(start)} degrees; ${words}.`,
       clip, ...grooves, svg("circle", { cx: width / 2, cy: height / 2, r: k * r, fill: "var(--steel)", "fill-opacity": 0.55, stroke: "var(--ink)" }),

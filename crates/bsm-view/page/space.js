@@ -2,7 +2,7 @@
 
 import * as three from "three";
 import { OrbitControls } from "three";
-import { html, svg, picture, number, brief, none, ramp, rampBar, color, path } from "bsm/draw";
+import { html, svg, picture, number, shown, measured, labeled, brief, none, ramp, rampBar, color, path } from "bsm/draw";
 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
 /** Speed of the faster of screw and nut in the animation [rev/s]. */
@@ -213,11 +213,11 @@ export class Space {
     const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
     const spin = spins ? ` The spin is ${spins[0]} rad/s at the nut and ${spins[1]} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`
       : "";
-    const label = `Screw with a pitch circle of ${number(found.pitch)} millimeters, ${found.balls.length} balls of ${number(found.ball)} millimeters and a lead of ${number(found.lead)} millimeters; loads from ${number(low)} to ${number(high)} newtons`;
-    const balls = shared ? rampBar(low, high, "load of a ball, N")
+    const label = `Screw with a pitch circle of ${measured(found.pitch, "mm")}, ${found.balls.length} balls of ${measured(found.ball, "mm")} and a lead of ${measured(found.lead, "mm")}; loads from ${number(shown(low, "N"))} to ${measured(high, "N")}`;
+    const balls = shared ? rampBar(shown(low, "N"), shown(high, "N"), labeled("load of a ball", "N"))
       : html("p", { class: "small" }, found.balls.length === 1 ?
-      `The picture shows one ball under ${number(high)} N.`
-      : `${found.balls.length} balls, each under ${number(high)} N. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`);
+      `The picture shows one ball under ${measured(high, "N")}.`
+      : `${found.balls.length} balls, each under ${measured(high, "N")}. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`);
     const axes = this.one ? html("p", { class: "small faint" },
       "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.")
       : null;

@@ -251,8 +251,12 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
     let mut answer = size_results(&report);
     let displayed = report.answer.clone().in_units(case.display_units());
     answer["shown"] = shown(&displayed);
+    // The page shows rules and their intervals in displayed units.
     if let Some(rules) = displayed.to_json().get_mut("rules") {
         answer["rules"] = rules.take();
+    }
+    if let Some(estimate) = answer.get_mut("groove_estimate") {
+        estimate["intervals"] = displayed.intervals();
     }
     if rest.get("sheet") == Some(&Value::Bool(true)) {
         let sheet = size_page(&report, None).map_err(|error| Refusal::Input(error.to_string()))?;

@@ -1,8 +1,11 @@
 //! Data for the input form of the page: grouped inputs with their units and permitted values, and
 //! the names of all choices.
 
-use bsm_case::units::{label, other_units};
-use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Settings, input_schema, output_schema};
+use bsm_case::units::{UnitChange, label, other_units};
+use bsm_case::{
+    Choice, DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, Settings, input_schema,
+    output_schema,
+};
 use bsm_dyn::{Control, model::RacewayFriction};
 use serde_json::{Value, json};
 
@@ -34,10 +37,21 @@ pub(crate) fn schema() -> Value {
             "units": units,
         })
     });
-    let outputs = OUTPUTS.iter().filter(|output| output.json_type == "number").map(
-        |output| json!({ "name": output.name, "label": label(output.name, output.unit), "about": output.about }),
-    );
+    let outputs = OUTPUTS.iter().filter(|output| output.json_type == "number").map(|output| {
+        let whole = label(output.name, output.unit);
+        let words = whole.rsplit_once(", ").map_or(&*whole, |(words, _)| words);
+        json!({ "name": output.name, "label": words, "unit": output.unit, "about": output.about })
+    });
+    // Displayed units by the name of the system: text, factor and zero of each unit that differs.
+    let display = DisplayUnits::NAMES.iter().map(|(name, units)| {
+        let unit = |(own, shown): (&str, DisplayUnit)| {
+            let UnitChange { factor, zero } = shown.change();
+            (own.to_owned(), json!([shown.text, factor, zero]))
+        };
+        ((*name).to_owned(), units.changed().map(unit).collect::<Value>())
+    });
     json!({
+        "display": display.collect::<Value>(),
         "input": input_schema(),
         "output": output_schema(),
         "groups": groups,

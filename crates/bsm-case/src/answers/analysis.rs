@@ -6,10 +6,11 @@ use super::moving::MotionAnswer;
 use super::{axis, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
+use crate::vocabulary::display::in_unit;
 use crate::vocabulary::error::list;
 use crate::{
-    AnalysisKind, Answer, Case, CaseError, InputSet, ModelChoice, Numbers, NutProblem, OUTPUTS,
-    Output, Quantity, Settings, nearest,
+    AnalysisKind, Answer, Case, CaseError, DisplayUnit, InputSet, ModelChoice, Numbers, NutProblem,
+    OUTPUTS, Output, Quantity, Settings, nearest,
 };
 
 impl AnalysisKind {
@@ -155,6 +156,15 @@ impl Output {
     /// Returns the output with the given name, either of a solution or of an analysis.
     pub fn named(name: &str) -> Option<&'static Self> {
         Self::all().find(|output| output.name == name).or_else(|| Self::interval_end(name))
+    }
+
+    /// Returns the output with the given name, which may have another unit, and the unit of the name.
+    pub fn in_unit(name: &str) -> Option<(&'static Self, DisplayUnit)> {
+        if let Some(output) = Self::named(name) {
+            return Some((output, DisplayUnit::own(output.unit)));
+        }
+        let (own, unit) = in_unit(name, Self::all().map(|output| output.name))?;
+        Some((Self::named(own)?, unit))
     }
 
     /// Returns the output name that is most similar to `name`, if any is similar enough.

@@ -36,7 +36,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
-    NutReport, Output, OutputName, Quantity, Settings, Table, WarmBranch, output,
+    NutReport, Output, OutputName, Quantity, Section, Settings, Table, Verdict, WarmBranch, output,
 };
 
 /// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
@@ -446,7 +446,7 @@ impl AxisReport {
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         let full = Detail { fold: true, band: true };
         let line = case.without_estimates();
-        let (mut report, refused) = match line.with_groove() {
+        let (report, refused) = match line.with_groove() {
             // Life, speed limits and buckling can be calculated without groove data, but a warm
             // state cannot.
             Err(CaseError::NoGroove(why)) if !line.asks_warm() => {
@@ -465,8 +465,7 @@ impl AxisReport {
         // Searching for the fold takes several times as long as calculating the warm state.
         let has_fold = report.number(output!(fold_speed_factor)).is_some();
         let quick = Detail { fold: has_fold, band: false };
-        let answer = std::mem::take(&mut report.answer);
-        report.answer = answer.over_grooves(&report.case, FEW_DRAWS, |possible| {
+        let mut report = report.over_grooves(|possible| {
             Self::with(possible, settings, quick).ok().map(|report| report.answer)
         });
         if let Some(why) = refused {
@@ -474,6 +473,20 @@ impl AxisReport {
             report.answer.warnings.push(why);
         }
         Ok(report)
+    }
+
+    /// Adds the 90 % intervals over the possible grooves. A rule that fails for the best estimate of the groove may then be undecided.
+    ///
+    /// * `answer`: answers the case with one of the possible grooves.
+    #[must_use]
+    pub(crate) fn over_grooves(mut self, answer: impl Fn(&Case) -> Option<Answer> + Sync) -> Self {
+        self.answer = self.answer.over_grooves(&self.case, FEW_DRAWS, answer);
+        // Without a steady state, there are no phases.
+        if !self.phases.is_empty() {
+            self.answer.fails = self.answer.rules.iter().any(Criterion::fails);
+            self.answer = self.answer.with_verdict();
+        }
+        self
     }
 
     /// Calculates numbers and rules, but omits the notes that require additional solves.
@@ -533,7 +546,7 @@ impl AxisReport {
         );
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
-        let fails = !rules.iter().all(Criterion::passes);
+        let fails = rules.iter().any(Criterion::fails);
         let mut notes = worked.notes();
         if detail.band {
             notes.extend(worked.uncertainty_note());
@@ -597,9 +610,14 @@ impl AxisReport {
         Self { phases, answer: self.answer.clone().in_units(units), ..self.clone() }
     }
 
+    /// Returns the verdict on all rules.
+    pub fn verdict(&self) -> Verdict {
+        self.answer.verdict()
+    }
+
     /// Returns true if every rule is met.
     pub fn passes(&self) -> bool {
-        !self.answer.fails
+        self.verdict() == Verdict::Passes
     }
 
     /// Returns the output with the given name.
@@ -662,15 +680,27 @@ fn sheet(
     (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
     not_modeled: Vec<String>,
 ) -> Answer {
-    let passes = !of.fails;
     let answer = of
-        .with("passes", Content::Json(passes.into()))
+        .with_verdict()
         .with("inputs", Content::Json(case.to_json()))
         .with("phases", Content::Table(of_phases(phases)))
         .with("results", Content::numbers(numbers, "axis"));
     Warm::add_to(warm, answer)
         .with("screw", Content::numbers(screw, "screw"))
         .with("not_modeled", Content::Texts("not modeled", not_modeled))
+}
+
+impl Answer {
+    /// Sets the member `passes` to the verdict on all rules.
+    fn with_verdict(mut self) -> Self {
+        const MEMBER: &str = "passes";
+        let verdict = Content::Json(json!(self.verdict().passes()));
+        match self.sections.iter_mut().find(|section| section.member == Some(MEMBER)) {
+            Some(section) => section.content = verdict,
+            None => self.sections.push(Section { member: Some(MEMBER), content: verdict }),
+        }
+        self
+    }
 }
 
 /// Builds the table of phases with one row per phase. The screen shows only the columns in `SHOWN`.

@@ -19,7 +19,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Content, Criterion, INPUTS, Output,
-    OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, output, sheet_columns,
+    OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, Verdict, output, sheet_columns,
 };
 
 /// A result of the selection procedure and the requirement that it must meet.
@@ -181,7 +181,7 @@ impl DesignReport {
         }
         let rows = rows_of(&design, &rules);
         if !found && reasons.is_empty() {
-            reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
+            reasons.extend(rules.iter().filter(|rule| rule.fails()).map(breaks));
             let limits = of_axis.iter().filter(|warning| requirement.forbids(warning).is_some());
             reasons.extend(limits.map(|warning| warning.text.clone()));
         }
@@ -295,13 +295,21 @@ impl RequirementFile {
         })
     }
 
+    /// Returns the verdict on a screw by the rules of its sheet and by the limits that its warnings state.
+    pub(crate) fn verdict(&self, sheet: &AxisReport) -> Verdict {
+        match self.objections(sheet).next() {
+            Some(_) => Verdict::Fails,
+            None => sheet.verdict(),
+        }
+    }
+
     /// Returns the reasons why a screw is not selected: the names of the violated rules on its
     /// sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
         &'a self,
         sheet: &'a AxisReport,
     ) -> impl Iterator<Item = &'static str> + 'a {
-        let broken = sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name);
+        let broken = sheet.answer.rules.iter().filter(|rule| rule.fails()).map(|rule| rule.name);
         let limits = sheet.warnings.iter().filter_map(|warning| self.forbids(warning));
         broken.chain(limits.map(SelectionLimit::label))
     }
@@ -317,7 +325,7 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     if !case.asks_warm() {
         let sheet = requirement.judge(&case.clone().without_friction()).map_err(|_| Vec::new())?;
         let judged = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
-        let broken: Vec<_> = judged.filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
+        let broken: Vec<_> = judged.filter(|rule| rule.fails()).map(|rule| rule.name).collect();
         if !broken.is_empty() {
             return Err(broken);
         }
@@ -455,7 +463,7 @@ fn of_rule(rule: &Criterion) -> DesignRow {
         step: 11,
         name: rule.name,
         label: label(rule.name).unwrap_or(rule.title),
-        unit: rule.unit,
+        unit: rule.unit.text,
         value: Some(rule.value),
         requirement: rule.must_be(),
         passes: rule.passes(),
@@ -481,7 +489,7 @@ fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
 /// Describes a rule of the sheet that the best screw within all other limits violates.
 fn breaks(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
-    let number = |value: f64| format!("{} {unit}", trimmed(value)).trim_end().to_owned();
+    let number = |value: f64| format!("{} {}", trimmed(value), unit.text).trim_end().to_owned();
     let than = if *at_least { "at least" } else { "at most" };
     let limit = limit.map_or_else(String::new, number);
     let help =

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table};
+use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table, Verdict};
 
 /// Smallest ratio of an interval's width to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
@@ -70,7 +70,7 @@ impl Case {
     /// Returns a note about the estimated groove, or `None` if the groove is given.
     pub fn groove_note(&self) -> Option<String> {
         let (line, estimate) = self.estimate()?;
-        Some(note(&line, &estimate))
+        Some(note(&estimate, &narrowing(&line, &estimate)))
     }
 }
 
@@ -107,7 +107,9 @@ impl Answer {
         let answers = estimate.map(count, |draw, groove| answer(&line.possible(draw, groove)));
         let solved: Vec<_> = answers.into_iter().flatten().collect();
         self.add_bands(&solved);
-        self.notes.insert(0, note(&line, &estimate));
+        let deciding = narrowing(&line, &estimate);
+        self.name_deciding_inputs(&deciding);
+        self.notes.insert(0, note(&estimate, &deciding));
         self.notes.extend(about_ratings(&line, &estimate));
         self.notes.extend(self.doubtful_rules(&solved));
         self.notes.extend(self.shares(&solved));
@@ -173,9 +175,12 @@ impl Answer {
             }
         }
         for rule in &mut self.rules {
-            let is_same = |other: &&Criterion| (other.title, other.name) == (rule.title, rule.name);
-            let others = answers.iter().filter_map(|answer| answer.rules.iter().find(is_same));
-            rule.band = band(rule.value, others.map(|other| other.value));
+            let others: Vec<_> = answers.iter().filter_map(|answer| rule.same_in(answer)).collect();
+            let margins = others.iter().filter_map(|other| other.margin());
+            let margins = margins.filter(|margin| !margin.is_nan());
+            let margins = rule.margin().and_then(|margin| interval_of(margin, margins));
+            rule.band = band(rule.value, others.iter().map(|other| other.value));
+            rule.margins = margins;
         }
     }
 
@@ -195,23 +200,33 @@ impl Answer {
         numbers.flat_map(Numbers::all)
     }
 
+    /// Adds to each undecided rule the inputs that would decide it.
+    fn name_deciding_inputs(&mut self, deciding: &[&str]) {
+        let undecided = |rule: &&mut Criterion| rule.verdict() == Verdict::Undecided;
+        for rule in self.rules.iter_mut().filter(undecided).filter(|_| !deciding.is_empty()) {
+            let decide = format!("{} to decide the rule", alternatives(deciding));
+            rule.remedy = Some(match rule.remedy.take() {
+                Some(remedy) => format!("{decide}; or {remedy}"),
+                None => decide,
+            });
+        }
+    }
+
     /// Returns a note for each rule that is met with some possible grooves and violated with
     /// others.
     fn doubtful_rules(&self, answers: &[Self]) -> Vec<String> {
         let doubt = |rule: &Criterion| {
-            let same = |answer: &Self| {
-                let mut rules = answer.rules.iter();
-                let found = rules.find(|own| (own.title, own.name) == (rule.title, rule.name));
-                found.map(Criterion::passes)
-            };
-            let passes: Vec<_> = answers.iter().filter_map(same).collect();
-            let others = passes.iter().filter(|passes| **passes != rule.passes()).count();
-            let verb = if rule.passes() { "fails" } else { "passes" };
-            (others > 0).then(|| {
+            let same: Vec<_> = answers.iter().filter_map(|answer| rule.same_in(answer)).collect();
+            let failing = same.iter().filter(|other| other.fails()).count();
+            (0 < failing && failing < same.len()).then(|| {
+                let undecided = match rule.verdict() {
+                    Verdict::Undecided => "is undecided: it ",
+                    _ => "",
+                };
                 format!(
-                    "The rule `{}` {verb} for {others} of {} possible grooves.",
+                    "The rule `{}` {undecided}fails for {failing} of {} possible grooves.",
                     rule.title,
-                    answers.len()
+                    same.len()
                 )
             })
         };
@@ -263,7 +278,7 @@ impl Answer {
     /// Returns all intervals as a JSON object. The keys are the names of numbers, the titles of
     /// rules, and the member names of tables. The intervals of a table have the layout of the
     /// table.
-    pub(crate) fn intervals(&self) -> Value {
+    pub fn intervals(&self) -> Value {
         let mut map = Map::new();
         for row in self.all_rows() {
             for (column, band) in row.quantity.columns.iter().zip(row.bands) {
@@ -340,11 +355,22 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     rows.iter().find(is_same).copied()
 }
 
-/// Returns the interval of a value over the possible grooves, or `None` if the value does not
-/// depend on the groove.
+/// Returns the interval of the finite values, or `None` if the value does not depend on the groove.
 fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
-    let band = Band::of(others.filter(|other| other.is_finite()))?;
+    interval_of(value, others.filter(|other| other.is_finite()))
+}
+
+/// Returns the interval of the values, or `None` if the value does not depend on the groove.
+fn interval_of(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
+    let band = Band::of(others)?;
     (band.high - band.low > ROUNDING * value.abs()).then_some(band)
+}
+
+impl Criterion {
+    /// Returns the same rule in another answer.
+    fn same_in<'a>(&self, answer: &'a Answer) -> Option<&'a Self> {
+        answer.rules.iter().find(|own| (own.title, own.name) == (self.title, self.name))
+    }
 }
 
 /// Returns pairs of ball diameter \[mm\] and probability for all balls with a probability of at
@@ -359,16 +385,8 @@ fn likely(estimate: &GrooveEstimate) -> Vec<f64> {
     estimate.likely_balls().iter().map(|ball| ball.ball_diameter / MM).collect()
 }
 
-/// Describes the groove estimate, the meaning of the intervals, and the inputs that would improve
-/// the estimate.
-fn note(line: &Case, estimate: &GrooveEstimate) -> String {
-    let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
-        estimate.best();
-    let conformities = if (conformity.0 - conformity.1).abs() <= 0.0 {
-        format!("conformities {}", trimmed(conformity.0))
-    } else {
-        format!("conformities {} and {}", trimmed(conformity.0), trimmed(conformity.1))
-    };
+/// Returns the names of the missing inputs that would narrow the intervals.
+fn narrowing(line: &Case, estimate: &GrooveEstimate) -> Vec<&'static str> {
     let several = estimate.likely_balls().len() > 1;
     let narrowing = [
         (InputKey::nut_conformity, true),
@@ -376,17 +394,34 @@ fn note(line: &Case, estimate: &GrooveEstimate) -> String {
         (InputKey::ball_diameter_mm, several),
         (InputKey::contact_angle_deg, line.groove_bottom_distance_mm.is_none()),
     ];
-    let names: Vec<_> = narrowing
+    narrowing
         .into_iter()
         .filter(|(key, helps)| *helps && line[*key].is_none())
         .map(|(key, _)| key.name())
-        .collect();
-    let narrow = match &names[..] {
-        [] => String::new(),
-        [only] => format!(" Give {only} for a better estimate."),
-        [others @ .., last] => {
-            format!(" Give {} or {last} for a better estimate.", others.join(", "))
-        }
+        .collect()
+}
+
+/// Joins names with commas and "or".
+fn alternatives(names: &[&str]) -> String {
+    match names {
+        [others @ .., last] if !others.is_empty() => format!("{} or {last}", others.join(", ")),
+        names => names.concat(),
+    }
+}
+
+/// Describes the estimate, the meaning of the intervals, and the inputs that would narrow them.
+fn note(estimate: &GrooveEstimate, narrowing: &[&str]) -> String {
+    let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
+        estimate.best();
+    let conformities = if (conformity.0 - conformity.1).abs() <= 0.0 {
+        format!("conformities {}", trimmed(conformity.0))
+    } else {
+        format!("conformities {} and {}", trimmed(conformity.0), trimmed(conformity.1))
+    };
+    let narrow = if narrowing.is_empty() {
+        String::new()
+    } else {
+        format!(" Give {} for a better estimate.", alternatives(narrowing))
     };
     format!(
         "The groove is estimated from the load ratings: ball {} mm, {loaded_balls} loaded balls in {} turns, {conformities}, contact \

@@ -17,7 +17,8 @@ use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, InputKey, Output,
-    OutputName, RequirementFile, Table, TableFormat, output, over_grooves, ratings, sheet_columns,
+    OutputName, RequirementFile, Table, TableFormat, Verdict, output, over_grooves, ratings,
+    sheet_columns,
 };
 
 /// Known columns that are not named after an input.
@@ -202,9 +203,8 @@ pub struct ManufacturerRow {
     /// Numbers stated by the manufacturer and numbers calculated for the same nut, followed by the
     /// numbers of the axis sheet if there is a requirement.
     pub numbers: Vec<ListNumber>,
-    /// True if the axis sheet violates no rule and no selection limit; `None` without a
-    /// requirement.
-    pub passes: Option<bool>,
+    /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
+    pub verdict: Option<Verdict>,
     /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
     /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
@@ -280,7 +280,7 @@ impl ManufacturerRow {
             let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
             screw + row.value("mass_kg").unwrap_or(0.0)
         };
-        rows.sort_by(|a, b| b.passes.cmp(&a.passes).then(mass(a).total_cmp(&mass(b))));
+        rows.sort_by(|a, b| b.verdict.cmp(&a.verdict).then(mass(a).total_cmp(&mass(b))));
         Ok(rows)
     }
 
@@ -305,7 +305,7 @@ impl ManufacturerRow {
             name: nut.name.clone(),
             case: nut.case.clone(),
             numbers: numbers_of(&compared, BESIDE.iter().flat_map(|of| of.columns)).collect(),
-            passes: None,
+            verdict: None,
             warnings: Vec::new(),
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
@@ -315,18 +315,19 @@ impl ManufacturerRow {
         let Some(requirement) = requirement else { return Ok(row) };
         row.case = nut.within(requirement);
         if other.is_some() {
-            row.passes = Some(false);
+            row.verdict = Some(Verdict::Fails);
             row.numbers.extend(numbers_of(&Answer::default(), sheet_columns()));
             return Ok(row);
         }
         let (case, _) = groove_or_reason(row.case.clone())?;
-        let sheet = requirement.judge(&case)?;
-        row.passes = Some(requirement.objections(&sheet).next().is_none());
+        let mut sheet = requirement.judge(&case)?;
         row.warnings.clone_from(&sheet.answer.warnings);
         let own_notes = sheet.answer.notes.len();
-        let sheet = sheet.answer.over_grooves(&case, FEW_DRAWS, |possible| {
+        sheet = sheet.over_grooves(|possible| {
             Some(AxisReport::without_fold(possible, &requirement.settings).ok()?.answer)
         });
+        row.verdict = Some(requirement.verdict(&sheet));
+        let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
         // The first note describes the estimate, and the notes of the sheet follow it. Only the
         // notes after them concern the estimated groove.
@@ -413,7 +414,7 @@ impl ManufacturerRow {
         let places: Vec<_> = places
             .iter()
             .copied()
-            .filter(|place| rows[*place as usize].passes != Some(false))
+            .filter(|place| rows[*place as usize].verdict != Some(Verdict::Fails))
             .collect();
         let costs = |place: &u32| {
             let row = &rows[*place as usize];
@@ -448,8 +449,11 @@ impl ManufacturerRow {
                 columns.push((high, column.unit, values(|number| Some(number.band?.high))));
             }
         }
-        if first.passes.is_some() {
-            columns.push(text("passes", &|row| Some(row.passes?.to_string())));
+        if first.verdict.is_some() {
+            columns.push(text("passes", &|row| {
+                let passes = row.verdict?.passes();
+                Some(passes.map_or_else(|| "undecided".to_owned(), |passes| passes.to_string()))
+            }));
         }
         columns.push(text("groove", &|row| {
             Some(row.groove.clone().unwrap_or_else(|| "given".to_owned()))
@@ -474,7 +478,7 @@ impl ManufacturerRow {
             let head = is_shown(place).then_some(column.name.into());
             Column { unit: column.unit, head, ..Column::of(column.name) }
         });
-        let passes = first.passes.map(|_| Column::of("passes="));
+        let passes = first.verdict.map(|_| Column::of("passes:boolean?="));
         let are_estimated = rows.iter().any(|row| row.groove.is_some());
         let of_grooves = ["groove:string?", "-intervals:any", "-notes:texts"].map(Column::of);
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
@@ -486,7 +490,7 @@ impl ManufacturerRow {
                 row.texts.iter().map(|(name, text)| (name.clone(), json!(text))).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
-                .chain(row.passes.map(|passes| json!(passes)))
+                .chain(row.verdict.map(|verdict| json!(verdict.passes())))
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
                 .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
                 .collect()
@@ -514,15 +518,17 @@ impl ManufacturerRow {
             (high > 0.0).then(|| format!("{name} {} to {}", short(low), short(high)))
         };
         let ratios: Vec<_> = RATED.into_iter().filter_map(ratio).collect();
-        let passing = rows.iter().filter(|row| row.passes == Some(true)).count();
-        let sized = first.passes.is_some();
-        let mut answer = Answer { fails: sized && passing == 0, ..Answer::default() }
+        let judged = |verdict| rows.iter().filter(|row| row.verdict == Some(verdict)).count();
+        let (passing, undecided) = (judged(Verdict::Passes), judged(Verdict::Undecided));
+        let sized = first.verdict.is_some();
+        let mut answer = Answer { fails: sized && passing + undecided == 0, ..Answer::default() }
             .with("", Content::Table(table))
             .with_shown(Content::Text(
                 "calculated / stated:",
                 (!ratios.is_empty()).then(|| ratios.join(", ")),
             ));
-        let choice = rows.first().filter(|row| row.passes == Some(true));
+        let choice =
+            rows.first().filter(|row| row.verdict.is_some_and(|verdict| verdict != Verdict::Fails));
         let warning = |row: &Self| {
             let name = row.name.clone();
             row.warnings.clone().into_iter().map(move |text| format!("{name}: {text}"))
@@ -551,6 +557,13 @@ impl ManufacturerRow {
             format!("These columns are kept as text and have no effect: {}.", kept.join(", "))
         }));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
+        answer.notes.extend((undecided > 0).then(|| {
+            format!(
+                "{undecided} of {} nuts neither pass nor fail: the 90 % interval of a number contains its limit because the groove is \
+                 estimated. `bsm axis` on such a nut names the inputs that decide the rule.",
+                rows.len()
+            )
+        }));
         answer
     }
 }

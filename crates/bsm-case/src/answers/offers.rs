@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
-use crate::{Answer, Content, Criterion, Table};
+use crate::{Answer, Content, Criterion, Table, Verdict};
 
 /// Columns of the tables of rules, numbers and inputs of two offers.
 pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
@@ -50,10 +50,15 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
 pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> Answer {
     let verdict = |name: &str, report: &AxisReport| {
         let lacks = report.answer.all_not_given();
-        let words = match (report.passes(), &lacks[..]) {
-            (false, _) => "a rule fails".to_owned(),
-            (true, []) => "all rules pass".to_owned(),
-            (true, lacks) => format!("all rules pass for the given inputs ({})", lacks.join("; ")),
+        let words = match (report.verdict(), &lacks[..]) {
+            (Verdict::Fails, _) => "a rule fails".to_owned(),
+            (Verdict::Undecided, _) => {
+                "no rule fails, but a rule is undecided because the groove is estimated".to_owned()
+            }
+            (Verdict::Passes, []) => "all rules pass".to_owned(),
+            (Verdict::Passes, lacks) => {
+                format!("all rules pass for the given inputs ({})", lacks.join("; "))
+            }
         };
         format!("{name}: {words}; order: {}", report.order)
     };
@@ -68,7 +73,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let limit = one.or(other).and_then(|rule| rule.limit);
         let better = better(margin, other_margin, false);
         let bands = [one, other].map(|rule| rule?.band);
-        let unit = one.or(other).map_or("", |rule| rule.unit);
+        let unit = one.or(other).map_or("", |rule| rule.unit.text);
         let cells =
             vec![json!(title), json!(unit), json!(limit), json!(value(one)), json!(value(other))];
         (unit, beside(cells, better, bands))
@@ -87,8 +92,8 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             (column.unit, beside(cells, best, bands))
         })
     });
-    let failing = !(first.passes() && second.passes());
-    Answer { fails: failing, ..Answer::default() }
+    let fails = first.verdict().min(second.verdict()) == Verdict::Fails;
+    Answer { fails, ..Answer::default() }
         .with("offers", Content::Texts("", offers))
         .with("rules", Content::Table(table(RULES, rules)))
         .with("numbers", Content::Table(table(NUMBERS, numbers)))

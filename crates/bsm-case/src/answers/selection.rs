@@ -296,14 +296,14 @@ impl NutFilter {
         if let Some((column, descending)) = &self.order {
             // A row without this number comes last in ascending and descending order.
             chosen.sort_by(|a, b| {
-                let passes = |place: &u32| rows[*place as usize].passes;
+                let verdict = |place: &u32| rows[*place as usize].verdict;
                 let [one, other] = [a, b].map(|place| number(*place, column));
                 let ordered = match (one, other) {
                     (Some(one), Some(other)) if *descending => other.total_cmp(&one),
                     (Some(one), Some(other)) => one.total_cmp(&other),
                     (one, other) => other.is_some().cmp(&one.is_some()),
                 };
-                passes(b).cmp(&passes(a)).then(ordered)
+                verdict(b).cmp(&verdict(a)).then(ordered)
             });
         }
         let near = |condition: &Condition| {
@@ -565,6 +565,11 @@ impl NutList {
                 table.into_iter().map(|(.., values)| values.part(places.clone())).collect()
             }
         }
+    }
+
+    /// Returns the rows of a manufacturer's table that meet the conditions; none for a list of sizes.
+    pub fn rows_within(&self) -> Vec<&ManufacturerRow> {
+        self.rows_of(&self.within)
     }
 
     /// Returns the rows of a manufacturer's table.

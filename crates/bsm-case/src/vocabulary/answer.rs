@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use bsm_design::Band;
 use serde_json::{Map, Value, json};
 
-use crate::{Numbers, Output, OutputName, Scope, trimmed};
+use crate::{DisplayUnit, Numbers, Output, OutputName, Scope, trimmed};
 
 /// An answer of the program, such as an axis sheet.
 #[derive(Debug, Clone, Default)]
@@ -123,8 +123,8 @@ pub struct Criterion {
     pub name: &'static str,
     /// Symbol of the number.
     pub symbol: &'static str,
-    /// Unit of the number as text.
-    pub unit: &'static str,
+    /// Displayed unit.
+    pub unit: DisplayUnit,
     /// Value of the number.
     pub value: f64,
     /// Limit; `None` if there is no requirement.
@@ -133,17 +133,66 @@ pub struct Criterion {
     pub at_least: bool,
     /// Source of the rule, with the equation tag of the theory.
     pub source: Cow<'static, str>,
-    /// Smallest changes of single inputs that would meet the rule, if it is violated.
+    /// Smallest change of one input with which the rule would be met, if it is violated. If the rule is undecided, also the
+    /// inputs that would decide it.
     pub remedy: Option<String>,
     /// 90 % interval of the number, if it depends on an estimated groove.
     pub band: Option<Band>,
+    /// 90 % interval of the margin, if it depends on an estimated groove.
+    pub margins: Option<Band>,
+}
+
+/// Verdict on a rule, or on all rules of an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The rule is violated.
+    Fails,
+    /// The groove is estimated, and the 90 % interval of the number contains the limit.
+    Undecided,
+    /// The rule is met, or nothing is required.
+    Passes,
+}
+
+impl Verdict {
+    /// Returns true if the rule is met, false if it is violated, and `None` if it is undecided.
+    pub fn passes(self) -> Option<bool> {
+        match self {
+            Self::Fails => Some(false),
+            Self::Undecided => None,
+            Self::Passes => Some(true),
+        }
+    }
+
+    /// Returns the verdict as a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Fails => "fails",
+            Self::Undecided => "undecided",
+            Self::Passes => "passes",
+        }
+    }
 }
 
 impl Criterion {
+    /// Returns the verdict on the rule.
+    pub fn verdict(&self) -> Verdict {
+        // A decimal limit can differ from the value by a rounding error.
+        let meets = |margin: f64| margin >= 1.0 - 1e-9;
+        match (self.margin(), self.margins) {
+            (Some(_), Some(Band { low, high })) if !meets(low) && meets(high) => Verdict::Undecided,
+            (Some(margin), _) if !meets(margin) => Verdict::Fails,
+            _ => Verdict::Passes,
+        }
+    }
+
     /// Returns true if the rule is met or there is no requirement.
     pub fn passes(&self) -> bool {
-        // A decimal limit can differ from the value by a rounding error.
-        self.margin().is_none_or(|margin| margin >= 1.0 - 1e-9)
+        self.verdict() == Verdict::Passes
+    }
+
+    /// Returns true if the rule is violated.
+    pub fn fails(&self) -> bool {
+        self.verdict() == Verdict::Fails
     }
 
     /// Returns the margin of the rule. The rule is met if the margin is at least 1.
@@ -167,12 +216,12 @@ impl Criterion {
             json!(self.title),
             json!(self.name),
             json!(self.symbol),
-            json!(self.unit),
+            json!(self.unit.text),
             json!(self.value),
             json!(self.sign()),
             json!(self.limit),
             json!(self.margin()),
-            json!(self.passes()),
+            json!(self.verdict().passes()),
             json!(self.source),
             json!(self.remedy),
         ]
@@ -180,7 +229,7 @@ impl Criterion {
 }
 
 /// Columns of the table of rules.
-pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean | source:string | remedy:string?";
+pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean? | source:string | remedy:string?";
 
 /// Columns of the table of missing inputs.
 pub(crate) const NOT_GIVEN: &str = "number:string | text:string";
@@ -340,6 +389,13 @@ impl Answer {
             }
         }
         texts
+    }
+
+    /// Returns the verdict on all rules: the worst one.
+    pub fn verdict(&self) -> Verdict {
+        let of_rules = self.rules.iter().map(Criterion::verdict).min();
+        let verdict = if self.fails { Verdict::Fails } else { Verdict::Passes };
+        of_rules.unwrap_or(verdict).min(verdict)
     }
 
     /// Returns the number with the given name.

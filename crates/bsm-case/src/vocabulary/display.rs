@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::entries::Named;
 use super::number::trimmed;
-use super::units::{UnitChange, change_of, convert};
+use super::units::{Counterpart, UnitChange, convert_with_text, counterpart};
 use crate::{
     Answer, Case, CaseError, ColumnValues, Content, Criterion, Known, Numbers, Section, Table,
     nearest,
@@ -21,32 +21,31 @@ pub enum DisplayUnits {
     Inch,
 }
 
-/// Units of the vocabulary and their counterparts in the inch system, each with the suffix that it
-/// has in names. Units that are not listed are the same in both systems.
-const INCH: [[(&str, &str); 2]; 23] = [
-    [("mm", "mm"), ("in", "in")],
-    [("um", "um"), ("uin", "uin")],
-    [("m", "m"), ("ft", "ft")],
-    [("km", "km"), ("million in", "million_in")],
-    [("mm2", "mm2"), ("in2", "in2")],
-    [("N", "N"), ("lbf", "lbf")],
-    [("kN", "kN"), ("klbf", "klbf")],
-    [("N m", "Nm"), ("lbf in", "lbf_in")],
-    [("N mm", "Nmm"), ("lbf in", "lbf_in")],
-    [("m/min", "m_min"), ("in/min", "in_min")],
-    [("m/s", "m_s"), ("in/s", "in_s")],
-    [("mm/s", "mm_s"), ("in/s", "in_s")],
-    [("mm/min", "mm_min"), ("in/min", "in_min")],
-    [("m/s2", "m_s2"), ("in/s2", "in_s2")],
-    [("kg", "kg"), ("lb", "lb")],
-    [("kg/m", "kg_m"), ("lb/in", "lb_in")],
-    [("kg/m3", "kg_m3"), ("lb/in3", "lb_in3")],
-    [("kg m2", "kg_m2"), ("lb in2", "lb_in2")],
-    [("N/um", "N_um"), ("lbf/in", "lbf_in")],
-    [("MPa", "MPa"), ("psi", "psi")],
-    [("GPa", "GPa"), ("Mpsi", "Mpsi")],
-    [("C", "C"), ("degF", "degF")],
-    [("K", "K"), ("degF", "degF")],
+/// Units of the vocabulary with their counterparts in the inch system. Other units are the same in both systems.
+const INCH: [(&str, &str); 23] = [
+    ("mm", "in"),
+    ("um", "uin"),
+    ("m", "ft"),
+    ("km", "million in"),
+    ("mm2", "in2"),
+    ("N", "lbf"),
+    ("kN", "klbf"),
+    ("N m", "lbf in"),
+    ("N mm", "lbf in"),
+    ("m/min", "in/min"),
+    ("m/s", "in/s"),
+    ("mm/s", "in/s"),
+    ("mm/min", "in/min"),
+    ("m/s2", "in/s2"),
+    ("kg", "lb"),
+    ("kg/m", "lb/in"),
+    ("kg/m3", "lb/in3"),
+    ("kg m2", "lb in2"),
+    ("N/um", "lbf/in"),
+    ("MPa", "psi"),
+    ("GPa", "Mpsi"),
+    ("C", "degF"),
+    ("K", "degF"),
 ];
 
 /// A displayed unit, and the conversion to it.
@@ -54,16 +53,32 @@ const INCH: [[(&str, &str); 2]; 23] = [
 pub struct DisplayUnit {
     /// Unit as text.
     pub text: &'static str,
-    /// Suffixes of the displayed unit and of the unit of the vocabulary, if the units differ.
-    suffixes: Option<(&'static str, &'static str)>,
-    change: UnitChange,
+    /// Suffix of the unit of the vocabulary, suffix of the displayed unit, and change from the displayed unit; `None` if both
+    /// units are the same.
+    other: Option<Counterpart>,
 }
 
 impl DisplayUnit {
-    /// Converts a number from the unit of the vocabulary. If the unit is the same in both systems,
-    /// the number is returned unchanged, including the sign of zero.
+    /// Displays numbers in the unit of the vocabulary.
+    ///
+    /// * `unit`: the unit as text.
+    pub const fn own(unit: &'static str) -> Self {
+        Self { text: unit, other: None }
+    }
+
+    /// Returns the change from the displayed unit to the unit of the vocabulary.
+    pub fn change(self) -> UnitChange {
+        self.other.map_or(UnitChange::NONE, |(.., change)| change)
+    }
+
+    /// Returns true if numbers keep the unit of the vocabulary.
+    pub const fn is_own(self) -> bool {
+        self.other.is_none()
+    }
+
+    /// Converts a number of the vocabulary.
     pub fn value(self, value: f64) -> f64 {
-        if self.suffixes.is_none() { value } else { self.change.back(value) }
+        self.other.map_or(value, |(.., change)| change.back(value))
     }
 
     /// Converts both ends of an interval.
@@ -73,7 +88,7 @@ impl DisplayUnit {
 
     /// Returns the name of a quantity with the suffix of the displayed unit.
     pub fn name(self, name: &str) -> String {
-        let renamed = self.suffixes.and_then(|(shown, own)| {
+        let renamed = self.other.and_then(|(own, shown, _)| {
             Some(format!("{}_{shown}", name.strip_suffix(own)?.strip_suffix('_')?))
         });
         renamed.unwrap_or_else(|| name.to_owned())
@@ -103,31 +118,31 @@ impl Case {
 }
 
 impl DisplayUnits {
+    /// Returns the units that are displayed differently from the units of the vocabulary: the unit of the vocabulary as text, and
+    /// the displayed unit.
+    pub fn changed(self) -> impl Iterator<Item = (&'static str, DisplayUnit)> {
+        let of_inch = INCH.iter().filter(move |_| self == Self::Inch);
+        of_inch.map(|(own, text)| (*own, DisplayUnit { text, other: counterpart(own, text) }))
+    }
+
     /// Returns the displayed unit that corresponds to a unit of the vocabulary.
     pub fn of(self, unit: &'static str) -> DisplayUnit {
-        let found = INCH.iter().find(|[(own, _), _]| *own == unit).filter(|_| self == Self::Inch);
-        match found {
-            Some([(_, own), (text, shown)]) => DisplayUnit {
-                text,
-                suffixes: Some((shown, own)),
-                change: change_of(shown, own).unwrap_or(UnitChange::NONE),
-            },
-            None => DisplayUnit { text: unit, suffixes: None, change: UnitChange::NONE },
-        }
+        self.found(unit).unwrap_or(DisplayUnit::own(unit))
+    }
+
+    fn found(self, unit: &str) -> Option<DisplayUnit> {
+        self.changed().find_map(|(own, shown)| (own == unit).then_some(shown))
     }
 
     /// Replaces the unit in a label such as "axial load, N" by the displayed unit, and returns the
     /// label and this unit.
     pub fn label(self, label: &str) -> (String, DisplayUnit) {
-        let (words, unit) = label.rsplit_once(", ").unwrap_or((label, ""));
-        let known = INCH.iter().map(|[(own, _), _]| *own).find(|own| *own == unit);
-        let shown = self.of(known.unwrap_or_default());
-        let text = if shown.text.is_empty() {
-            label.to_owned()
-        } else {
-            format!("{words}, {}", shown.text)
-        };
-        (text, shown)
+        let found =
+            label.rsplit_once(", ").and_then(|(words, unit)| Some((words, self.found(unit)?)));
+        match found {
+            Some((words, shown)) => (format!("{words}, {}", shown.text), shown),
+            None => (label.to_owned(), DisplayUnit::own("")),
+        }
     }
 
     /// Formats a length with its unit, rounded to 1 mm or to 0.01 in.
@@ -149,9 +164,8 @@ pub struct ShownColumn {
     pub place: usize,
     /// Name, with the displayed unit as suffix.
     pub name: String,
-    /// Displayed unit as text.
-    pub unit: &'static str,
-    change: UnitChange,
+    /// Displayed unit.
+    pub unit: DisplayUnit,
 }
 
 impl ShownColumn {
@@ -170,8 +184,8 @@ impl ShownColumn {
         display: DisplayUnits,
     ) -> Result<Vec<Self>, CaseError> {
         let displayed = |(place, (name, unit)): (usize, &(String, &'static str))| {
-            let shown = display.of(unit);
-            Self { place, name: shown.name(name), unit: shown.text, change: shown.change }
+            let unit = display.of(unit);
+            Self { place, name: unit.name(name), unit }
         };
         let Some(wanted) = wanted else {
             return Ok(heads.iter().enumerate().map(displayed).collect());
@@ -181,10 +195,10 @@ impl ShownColumn {
             if let Some(own) = heads.iter().enumerate().find(|(_, (own, _))| own == name) {
                 return Ok(displayed(own));
             }
-            let (own, change) = convert(name, names())
+            let (own, unit) = in_unit(name, names())
                 .ok_or_else(|| CaseError::unknown(Known::Column, name, nearest(name, names())))?;
             let place = names().position(|known| known == own).unwrap_or_default();
-            Ok(Self { place, name: name.clone(), unit: unit_of(name), change })
+            Ok(Self { place, name: name.clone(), unit })
         };
         wanted.iter().map(named).collect()
     }
@@ -195,20 +209,21 @@ impl ShownColumn {
     pub fn values(&self, columns: &[ColumnValues]) -> ColumnValues {
         match &columns[self.place] {
             ColumnValues::Numbers(values) => {
-                ColumnValues::Numbers(values.iter().map(|value| self.change.back(*value)).collect())
+                ColumnValues::Numbers(values.iter().map(|value| self.unit.value(*value)).collect())
             }
             texts @ ColumnValues::Texts(_) => texts.clone(),
         }
     }
 }
 
-/// Returns the unit that a name has as its suffix, as text. The text is empty if [`INCH`] does not
-/// contain the suffix.
-fn unit_of(name: &str) -> &'static str {
-    let is_suffix =
-        |suffix: &str| name.strip_suffix(suffix).is_some_and(|stem| stem.ends_with('_'));
-    let known = INCH.iter().flatten().filter(|(_, suffix)| is_suffix(suffix));
-    known.max_by_key(|(_, suffix)| suffix.len()).map_or("", |(text, _)| text)
+/// Returns the name in `known` that differs from `name` only in its unit, and the unit of `name`.
+pub(crate) fn in_unit<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<(&'a str, DisplayUnit)> {
+    let (own, change, text) = convert_with_text(name, known)?;
+    // The name already has the suffix of its unit.
+    Some((own, DisplayUnit { text, other: Some(("", "", change)) }))
 }
 
 impl Numbers {
@@ -266,23 +281,18 @@ impl Table {
 impl Criterion {
     /// Returns the name of the number with the suffix of its displayed unit.
     pub fn shown_name(&self) -> String {
-        let renamed =
-            INCH.iter().filter(|[_, (text, _)]| *text == self.unit).find_map(|[own, shown]| {
-                let stem = self.name.strip_suffix(own.1)?.strip_suffix('_')?;
-                Some(format!("{stem}_{}", shown.1))
-            });
-        renamed.unwrap_or_else(|| self.name.to_owned())
+        self.unit.name(self.name)
     }
 
     /// Returns the rule in displayed units.
     #[must_use]
     fn in_units(self, display: DisplayUnits) -> Self {
-        let shown = display.of(self.unit);
+        let unit = display.of(self.unit.text);
         Self {
-            unit: shown.text,
-            value: shown.value(self.value),
-            limit: self.limit.map(|limit| shown.value(limit)),
-            band: shown.band(self.band),
+            unit,
+            value: unit.value(self.value),
+            limit: self.limit.map(|limit| unit.value(limit)),
+            band: unit.band(self.band),
             ..self
         }
     }
@@ -319,8 +329,8 @@ mod tests {
     /// Each counterpart has the correct size. The expected values were calculated by hand.
     #[test]
     fn units_have_their_counterparts() {
-        for [(own, suffix), (text, shown)] in INCH {
-            assert!(change_of(shown, suffix).is_some(), "{own} {text}");
+        for (own, text) in INCH {
+            assert!(counterpart(own, text).is_some(), "{own} {text}");
         }
         for (unit, value, expected) in [
             ("mm", 25.4, 1.0),
@@ -342,5 +352,46 @@ mod tests {
         assert_eq!(name, "screw_torque_lbf_in");
         let (label, _) = DisplayUnits::Inch.label("axial load, kN");
         assert_eq!(label, "axial load, klbf");
+    }
+
+    /// A column in another unit than the one of the display has the text of its own unit.
+    #[test]
+    fn selected_columns_have_the_unit_of_their_name() {
+        let heads = [
+            ("screw_torque_Nm", "N m"),
+            ("axis_stiffness_N_um", "N/um"),
+            ("cycle_life_h", "h"),
+            ("max_pressure_MPa", "MPa"),
+        ];
+        let heads = heads.map(|(name, unit)| (name.to_owned(), unit));
+        let names = [
+            "screw_torque_kgf_cm",
+            "axis_stiffness_lbf_in",
+            "cycle_life_d",
+            "max_pressure_kgf_mm2",
+        ];
+        let wanted = names.map(str::to_owned);
+        let columns =
+            ShownColumn::select(&heads, Some(&wanted), DisplayUnits::Metric).expect("columns");
+        let found: Vec<_> =
+            columns.iter().map(|column| (&*column.name, column.unit.text)).collect();
+        let units = ["kgf cm", "lbf/in", "d", "kgf/mm2"];
+        assert_eq!(found, names.into_iter().zip(units).collect::<Vec<_>>());
+        assert!((columns[0].unit.value(9.806_65) - 100.0).abs() < 1e-12);
+    }
+
+    /// A table can contain -0, which stays -0 in every unit without an offset.
+    #[test]
+    fn columns_keep_the_sign_of_zero() {
+        let heads = [("axial_load_N".to_owned(), "N")];
+        for display in [DisplayUnits::Metric, DisplayUnits::Inch] {
+            let columns = ShownColumn::select(&heads, None, display).expect("columns");
+            let ColumnValues::Numbers(values) =
+                columns[0].values(&[ColumnValues::Numbers(vec![-0.0])])
+            else {
+                panic!("a column of numbers");
+            };
+            assert!(values[0].is_sign_negative(), "{display:?}");
+        }
     }
 }

@@ -84,14 +84,23 @@ impl UnitChange {
         self.factor * difference
     }
 
-    /// Converts a value from the unit of the vocabulary to the other unit.
+    /// Converts a value of the vocabulary back. Without an offset, the result keeps the sign of zero.
     pub fn back(self, value: f64) -> f64 {
-        value / self.factor + self.zero
+        let scaled = value / self.factor;
+        if self.zero == 0.0 { scaled } else { scaled + self.zero }
     }
 }
 
-/// Suffix of a unit in names, and its size in SI units.
-type Unit = (&'static str, f64);
+/// A unit.
+#[derive(Debug)]
+struct Unit {
+    /// Suffix in names.
+    suffix: &'static str,
+    /// Text, as it stands behind numbers.
+    text: &'static str,
+    /// Size in SI units.
+    size: f64,
+}
 
 /// A physical quantity with its units.
 struct Dimension {
@@ -120,47 +129,66 @@ const DIMENSIONS: &[Dimension] = {
     const BTU: f64 = 1_055.055_852_62;
     const HORSEPOWER: f64 = 550.0 * POUND_FORCE * FOOT;
     macro_rules! dimensions {
-        ($($name:literal of $($own:literal)+: $($unit:literal $size:expr),+;)+) => {
-            &[$(Dimension { name: $name, own: &[$($own),+], units: &[$(($unit, $size)),+] }),+]
+        ($($name:literal of $($own:literal)+: $($suffix:literal $(as $text:literal)? $size:expr),+;)+) => {
+            &[$(Dimension {
+                name: $name,
+                own: &[$($own),+],
+                units: &[$(Unit { suffix: $suffix, text: dimensions!(@text $suffix $($text)?), size: $size }),+],
+            }),+]
         };
+        (@text $suffix:literal) => { $suffix };
+        (@text $suffix:literal $text:literal) => { $text };
     }
     dimensions! {
-        "length" of "mm" "um" "m" "km": "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "km" 1e3, "inch" INCH, "in" INCH,
-            "ft" FOOT, "million_in" 1e6 * INCH, "mil" 1e-3 * INCH, "uin" 1e-6 * INCH, "mi" 5280.0 * FOOT, "yd" 3.0 * FOOT;
+        "length" of "mm" "um" "m" "km": "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "km" 1e3, "in" INCH,
+            "inch" as "in" INCH, "ft" FOOT, "million_in" as "million in" 1e6 * INCH, "mil" 1e-3 * INCH, "uin" 1e-6 * INCH,
+            "mi" 5280.0 * FOOT, "yd" 3.0 * FOOT;
         "area" of "m2" "mm2": "m2" 1.0, "cm2" 1e-4, "mm2" MM2, "in2" INCH * INCH, "ft2" FOOT * FOOT;
-        "volume flow" of "l_min": "l_min" 1e-3 / MINUTE, "l_s" 1e-3, "m3_h" 1.0 / HOUR, "gal_min" GALLON / MINUTE;
+        "volume flow" of "l_min": "l_min" as "l/min" 1e-3 / MINUTE, "l_s" as "l/s" 1e-3, "m3_h" as "m3/h" 1.0 / HOUR,
+            "gal_min" as "gal/min" GALLON / MINUTE;
         "angle" of "deg" "urad": "rad" 1.0, "mrad" 1e-3, "urad" 1e-6, "deg" DEG, "arcmin" DEG / 60.0, "arcsec" DEG / 3600.0;
-        "rotary speed" of "rpm" "rad_s": "rad_s" 1.0, "rpm" RPM, "1_min" RPM, "1_s" 2.0 * PI, "rps" 2.0 * PI, "deg_s" DEG;
-        "velocity" of "m_s" "m_min" "mm_s": "m_s" 1.0, "mm_s" MM, "m_min" 1.0 / MINUTE, "mm_min" MM / MINUTE,
-            "inch_s" INCH, "in_s" INCH, "inch_min" INCH / MINUTE, "in_min" INCH / MINUTE, "ipm" INCH / MINUTE,
-            "ft_s" FOOT, "ft_min" FOOT / MINUTE;
-        "speed number" of "mm_min": "mm_min" MM / MINUTE, "in_min" INCH / MINUTE;
-        "acceleration" of "m_s2": "m_s2" 1.0, "mm_s2" MM, "cm_s2" 1e-2, "g" GRAVITY, "in_s2" INCH, "ft_s2" FOOT;
-        "force" of "N": "N" 1.0, "kN" 1e3, "MN" 1e6, "daN" 10.0, "kgf" GRAVITY, "tf" 1e3 * GRAVITY,
-            "lbf" POUND_FORCE, "klbf" 1e3 * POUND_FORCE, "ozf" OUNCE_FORCE;
-        "torque" of "Nm" "Nmm": "Nm" 1.0, "Nmm" MM, "Ncm" 1e-2, "mNm" 1e-3, "kNm" 1e3, "kgf_cm" GRAVITY * 1e-2, "kgf_m" GRAVITY,
-            "lbf_in" POUND_FORCE * INCH, "in_lbf" POUND_FORCE * INCH, "lbf_ft" POUND_FORCE * FOOT,
-            "ft_lbf" POUND_FORCE * FOOT, "ozf_in" OUNCE_FORCE * INCH, "oz_in" OUNCE_FORCE * INCH;
-        "pressure" of "MPa" "GPa" "N_mm2": "Pa" 1.0, "MPa" MPA, "GPa" GPA, "N_mm2" MPA, "bar" 1e5, "psi" PSI, "ksi" 1e3 * PSI,
-            "Mpsi" 1e6 * PSI, "kgf_mm2" GRAVITY / MM2;
+        "rotary speed" of "rpm" "rad_s": "rad_s" as "rad/s" 1.0, "rpm" RPM, "1_min" as "1/min" RPM, "1_s" as "1/s" 2.0 * PI,
+            "rps" 2.0 * PI, "deg_s" as "deg/s" DEG;
+        "velocity" of "m_s" "m_min" "mm_s": "m_s" as "m/s" 1.0, "mm_s" as "mm/s" MM, "m_min" as "m/min" 1.0 / MINUTE,
+            "mm_min" as "mm/min" MM / MINUTE, "in_s" as "in/s" INCH, "inch_s" as "in/s" INCH,
+            "in_min" as "in/min" INCH / MINUTE, "inch_min" as "in/min" INCH / MINUTE, "ipm" as "in/min" INCH / MINUTE,
+            "ft_s" as "ft/s" FOOT, "ft_min" as "ft/min" FOOT / MINUTE;
+        "speed number" of "mm_min": "mm_min" as "mm/min" MM / MINUTE, "in_min" as "in/min" INCH / MINUTE;
+        "acceleration" of "m_s2": "m_s2" as "m/s2" 1.0, "mm_s2" as "mm/s2" MM, "cm_s2" as "cm/s2" 1e-2, "g" GRAVITY,
+            "in_s2" as "in/s2" INCH, "ft_s2" as "ft/s2" FOOT;
+        "force" of "N": "N" 1.0, "kN" 1e3, "MN" 1e6, "daN" 10.0, "kgf" GRAVITY, "tf" 1e3 * GRAVITY, "lbf" POUND_FORCE,
+            "klbf" 1e3 * POUND_FORCE, "ozf" OUNCE_FORCE;
+        "torque" of "Nm" "Nmm": "Nm" as "N m" 1.0, "Nmm" as "N mm" MM, "Ncm" as "N cm" 1e-2, "mNm" as "mN m" 1e-3,
+            "kNm" as "kN m" 1e3, "kgf_cm" as "kgf cm" GRAVITY * 1e-2, "kgf_m" as "kgf m" GRAVITY,
+            "lbf_in" as "lbf in" POUND_FORCE * INCH, "in_lbf" as "lbf in" POUND_FORCE * INCH,
+            "lbf_ft" as "lbf ft" POUND_FORCE * FOOT, "ft_lbf" as "lbf ft" POUND_FORCE * FOOT,
+            "ozf_in" as "ozf in" OUNCE_FORCE * INCH, "oz_in" as "ozf in" OUNCE_FORCE * INCH;
+        "pressure" of "MPa" "GPa" "N_mm2": "Pa" 1.0, "MPa" MPA, "GPa" GPA, "N_mm2" as "N/mm2" MPA, "bar" 1e5, "psi" PSI,
+            "ksi" 1e3 * PSI, "Mpsi" 1e6 * PSI, "kgf_mm2" as "kgf/mm2" GRAVITY / MM2;
         "mass" of "kg": "kg" 1.0, "g" 1e-3, "t" 1e3, "lb" POUND, "oz" OUNCE, "slug" POUND_FORCE / FOOT;
-        "mass per length" of "kg_m": "kg_m" 1.0, "g_mm" 1.0, "lb_ft" POUND / FOOT, "lb_in" POUND / INCH;
-        "density" of "kg_m3": "kg_m3" 1.0, "g_cm3" 1e3, "lb_in3" POUND / (INCH * INCH * INCH);
-        "inertia" of "kg_m2": "kg_m2" 1.0, "kg_cm2" 1e-4, "kg_mm2" 1e-6, "g_cm2" 1e-7, "lb_in2" POUND * INCH * INCH,
-            "lb_ft2" POUND * FOOT * FOOT, "lbf_in_s2" POUND_FORCE * INCH, "ozf_in_s2" OUNCE_FORCE * INCH,
-            "ozf_in2" OUNCE * INCH * INCH;
-        "inertia per length" of "kg_m2_m": "kg_m2_m" 1.0;
-        "stiffness" of "N_um": "N_m" 1.0, "N_mm" 1e3, "N_um" 1e6, "kN_mm" 1e6, "kgf_um" GRAVITY / UM, "kgf_mm" GRAVITY / MM,
-            "lbf_in" POUND_FORCE / INCH, "lbf_uin" POUND_FORCE / (1e-6 * INCH);
+        "mass per length" of "kg_m": "kg_m" as "kg/m" 1.0, "g_mm" as "g/mm" 1.0, "lb_ft" as "lb/ft" POUND / FOOT,
+            "lb_in" as "lb/in" POUND / INCH;
+        "density" of "kg_m3": "kg_m3" as "kg/m3" 1.0, "g_cm3" as "g/cm3" 1e3,
+            "lb_in3" as "lb/in3" POUND / (INCH * INCH * INCH);
+        "inertia" of "kg_m2": "kg_m2" as "kg m2" 1.0, "kg_cm2" as "kg cm2" 1e-4, "kg_mm2" as "kg mm2" 1e-6,
+            "g_cm2" as "g cm2" 1e-7, "lb_in2" as "lb in2" POUND * INCH * INCH, "lb_ft2" as "lb ft2" POUND * FOOT * FOOT,
+            "lbf_in_s2" as "lbf in s2" POUND_FORCE * INCH, "ozf_in_s2" as "ozf in s2" OUNCE_FORCE * INCH,
+            "ozf_in2" as "oz in2" OUNCE * INCH * INCH;
+        "inertia per length" of "kg_m2_m": "kg_m2_m" as "kg m2/m" 1.0;
+        "stiffness" of "N_um": "N_m" as "N/m" 1.0, "N_mm" as "N/mm" 1e3, "N_um" as "N/um" 1e6, "kN_mm" as "kN/mm" 1e6,
+            "kgf_um" as "kgf/um" GRAVITY / UM, "kgf_mm" as "kgf/mm" GRAVITY / MM, "lbf_in" as "lbf/in" POUND_FORCE / INCH,
+            "lbf_uin" as "lbf/uin" POUND_FORCE / (1e-6 * INCH);
         "power" of "W": "W" 1.0, "kW" 1e3, "hp" HORSEPOWER, "PS" 75.0 * GRAVITY;
         "energy" of "J": "J" 1.0, "kJ" 1e3, "Wh" HOUR;
         "time" of "s" "h": "s" 1.0, "ms" 1e-3, "min" MINUTE, "h" HOUR, "d" 24.0 * HOUR;
-        "temperature" of "C": "C" 1.0, "degC" 1.0, "degF" FAHRENHEIT, "K" 1.0;
-        "temperature difference" of "K": "K" 1.0, "degC" 1.0, "degF" FAHRENHEIT;
-        "thermal conductance" of "W_K": "W_K" 1.0, "Btu_h_F" BTU / HOUR / FAHRENHEIT;
-        "film coefficient" of "W_m2K": "W_m2K" 1.0, "Btu_h_ft2_F" BTU / HOUR / (FOOT * FOOT * FAHRENHEIT);
-        "thermal expansion" of "um_m_K": "um_m_K" 1e-6, "1_K" 1.0, "uin_in_F" 1e-6 / FAHRENHEIT;
-        "viscosity" of "mm2_s": "m2_s" 1.0, "mm2_s" 1e-6, "cSt" 1e-6;
+        "temperature" of "C": "C" 1.0, "degC" as "C" 1.0, "degF" FAHRENHEIT, "K" 1.0;
+        "temperature difference" of "K": "K" 1.0, "degC" as "C" 1.0, "degF" FAHRENHEIT;
+        "thermal conductance" of "W_K": "W_K" as "W/K" 1.0, "Btu_h_F" as "Btu/(h degF)" BTU / HOUR / FAHRENHEIT;
+        "film coefficient" of "W_m2K": "W_m2K" as "W/(m2 K)" 1.0,
+            "Btu_h_ft2_F" as "Btu/(h ft2 degF)" BTU / HOUR / (FOOT * FOOT * FAHRENHEIT);
+        "thermal expansion" of "um_m_K": "um_m_K" as "um/(m K)" 1e-6, "1_K" as "1/K" 1.0,
+            "uin_in_F" as "uin/(in degF)" 1e-6 / FAHRENHEIT;
+        "viscosity" of "mm2_s": "m2_s" as "m2/s" 1.0, "mm2_s" as "mm2/s" 1e-6, "cSt" 1e-6;
     }
 };
 
@@ -182,7 +210,7 @@ pub(crate) fn long_name(short: &str) -> Option<&'static str> {
 
 /// Returns true if the text is the suffix of a known unit.
 pub(crate) fn is_unit(text: &str) -> bool {
-    units().any(|(unit, _)| *unit == text)
+    units().any(|unit| unit.suffix == text)
 }
 
 /// Returns the name in `known` that differs from `name` only in its unit, and the conversion to the
@@ -191,33 +219,53 @@ pub(crate) fn convert<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
 ) -> Option<(&'a str, UnitChange)> {
+    convert_with_text(name, known).map(|(other, change, _)| (other, change))
+}
+
+/// Works like [`convert`], and also returns the unit of `name` as text.
+pub(crate) fn convert_with_text<'a>(
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<(&'a str, UnitChange, &'static str)> {
     known.into_iter().find_map(|other| {
         let (stem, own, dimension) = own_unit(other)?;
         let unit = suffix(name, stem).or_else(|| {
             let (short, _) = SHORT_NAMES.iter().find(|(_, long)| *long == stem)?;
             suffix(name, short)
         })?;
-        Some((other, dimension.change(unit, own)?))
+        let [unit, own] = [dimension.unit(unit)?, dimension.unit(own)?];
+        Some((other, dimension.change(unit, own), unit.text))
     })
 }
 
-/// Returns the conversion from a unit to a unit of the vocabulary. Both units are given by their
-/// suffixes.
-pub(crate) fn change_of(unit: &str, own: &str) -> Option<UnitChange> {
-    let of_own = DIMENSIONS.iter().filter(|dimension| dimension.own.contains(&own));
-    of_own.chain(DIMENSIONS).find_map(|dimension| dimension.change(unit, own))
+/// Suffix of a unit of the vocabulary, suffix of another unit of the same quantity, and the change from the other unit to the first one.
+pub(crate) type Counterpart = (&'static str, &'static str, UnitChange);
+
+/// Returns the suffixes of a unit of the vocabulary and of another unit of the same quantity, both given as text, and the change from
+/// the other unit.
+pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
+    DIMENSIONS.iter().find_map(|dimension| {
+        let mut of_vocabulary = dimension.own.iter().filter_map(|own| dimension.unit(own));
+        let own = of_vocabulary.find(|unit| unit.text == own)?;
+        // The first of several suffixes with the same text is the usual one.
+        let other = dimension.units.iter().find(|unit| unit.text == other)?;
+        Some((own.suffix, other.suffix, dimension.change(other, own)))
+    })
 }
 
 impl Dimension {
+    /// Returns the unit with the given suffix.
+    fn unit(&self, suffix: &str) -> Option<&Unit> {
+        self.units.iter().find(|unit| unit.suffix == suffix)
+    }
+
     /// Returns the conversion from one unit of this quantity to another.
-    fn change(&self, from: &str, to: &str) -> Option<UnitChange> {
-        let size =
-            |unit: &str| self.units.iter().find(|(known, _)| *known == unit).map(|(_, size)| *size);
-        let zero = ZEROS.iter().find(|(name, unit, _)| *name == self.name && *unit == from);
-        Some(UnitChange {
-            factor: digits(size(from)? / size(to)?),
+    fn change(&self, from: &Unit, to: &Unit) -> UnitChange {
+        let zero = ZEROS.iter().find(|(name, unit, _)| *name == self.name && *unit == from.suffix);
+        UnitChange {
+            factor: digits(from.size / to.size),
             zero: zero.map_or(0.0, |(.., zero)| *zero),
-        })
+        }
     }
 }
 
@@ -235,8 +283,9 @@ fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
 /// the name. The list is empty if the unit has no alternatives.
 pub fn other_units(name: &str) -> Vec<(&'static str, UnitChange)> {
     let Some((_, own, dimension)) = own_unit(name) else { return Vec::new() };
-    let others = dimension.units.iter().filter(|(unit, _)| *unit != own);
-    others.filter_map(|(unit, _)| Some((*unit, dimension.change(unit, own)?))).collect()
+    let Some(own) = dimension.unit(own) else { return Vec::new() };
+    let others = dimension.units.iter().filter(|unit| unit.suffix != own.suffix);
+    others.map(|unit| (unit.suffix, dimension.change(unit, own))).collect()
 }
 
 /// Returns the suffixes of all units that a known name can have, beginning with its own unit.
@@ -251,7 +300,7 @@ pub(crate) fn units_of_stem(name: &str, known: &str) -> Option<Vec<&'static str>
 /// vocabulary.
 pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
     DIMENSIONS.iter().map(|dimension| {
-        let all = dimension.units.iter().map(|(unit, _)| *unit);
+        let all = dimension.units.iter().map(|unit| unit.suffix);
         let others = all.filter(|unit| !dimension.own.contains(unit));
         (dimension.name, dimension.own.iter().copied().chain(others).collect())
     })
@@ -400,9 +449,10 @@ mod tests {
     #[test]
     fn each_unit_has_one_size() {
         for dimension in DIMENSIONS {
-            for (i, (unit, size)) in dimension.units.iter().enumerate() {
+            for (i, Unit { suffix, size, .. }) in dimension.units.iter().enumerate() {
                 assert!(*size > 0.0);
-                assert!(!dimension.units[..i].iter().any(|(other, _)| other == unit), "{unit}");
+                let same = dimension.units[..i].iter().any(|other| other.suffix == *suffix);
+                assert!(!same, "{suffix}");
             }
         }
     }

@@ -7,7 +7,7 @@ use approx::assert_relative_eq;
 use bsm_case::{
     Answer, AxisReport, Case, CaseError, ColumnValues, DRAWS, FEW_DRAWS, Fit, ManufacturerNut,
     ManufacturerRow, NutProblem, NutReport, Record, RequirementFile, Samples, Settings, Supplement,
-    TableFormat, comparison, output, over_grooves, ratings,
+    TableFormat, Verdict, comparison, output, over_grooves, ratings,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -391,8 +391,8 @@ given,15,10,3.175,3,12.32,9600,19300";
     let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
     let judged = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
-    let passes = |name: &str| judged.iter().find(|row| row.name == name).expect("a row").passes;
-    assert_eq!((passes("other"), passes("line")), (Some(false), Some(true)));
+    let verdict = |name: &str| judged.iter().find(|row| row.name == name).expect("a row").verdict;
+    assert_eq!((verdict("other"), verdict("line")), (Some(Verdict::Fails), Some(Verdict::Passes)));
     let stiffness = judged.iter().find(|row| row.name == "line").expect("a row");
     assert!(stiffness.value("axis_stiffness_N_um").is_some());
 }
@@ -520,4 +520,85 @@ fn results_for_a_complete_groove_match_the_stored_results() {
         }
     }
     assert!(compared > 100, "{compared}");
+}
+
+/// The edge load depends on the groove. A load within the 90 % interval of an estimated groove leaves the rule undecided, with the
+/// inputs that would decide it; a load below the interval passes, and a load above the interval fails.
+#[test]
+fn rule_is_undecided_where_the_interval_of_an_estimated_groove_contains_its_limit() {
+    let line = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "screw_speed_rpm": 100,
+        "stroke_mm": 500}"#;
+    let line = Case::from_json(line.as_bytes()).expect("a catalog line");
+    let sheet = |load: f64| {
+        let mut case = line.clone();
+        case.axial_load_N = Some(load);
+        AxisReport::of(&case, &Settings::default()).expect("a sheet")
+    };
+    let edge = |report: &AxisReport| {
+        let mut rules = report.answer.rules.iter();
+        rules.find(|rule| rule.name == "edge_load_N").expect("the rule").clone()
+    };
+    let band = edge(&sheet(1000.0)).band.expect("an interval");
+    let margin = (band.high / band.low).powf(0.1);
+    for (load, verdict) in [
+        (band.low / margin, Verdict::Passes),
+        (band.low * margin, Verdict::Undecided),
+        (band.high / margin, Verdict::Undecided),
+        (band.high * margin, Verdict::Fails),
+    ] {
+        let report = sheet(load);
+        let rule = edge(&report);
+        assert_eq!(rule.verdict(), verdict, "{load} {rule:?}");
+        let json = report.answer.to_json();
+        let rules = json["rules"].as_array().expect("rules");
+        let row = rules.iter().find(|row| row["name"] == "edge_load_N").expect("a row");
+        assert_eq!(row["passes"], serde_json::json!(verdict.passes()));
+        assert_eq!(report.answer.fails, report.verdict() == Verdict::Fails);
+        if report.verdict() == Verdict::Undecided {
+            assert!(json["passes"].is_null() && !report.passes(), "{}", json["passes"]);
+            let remedy = rule.remedy.expect("the inputs that decide the rule");
+            assert!(remedy.contains("nut_conformity") && remedy.contains("to decide"), "{remedy}");
+            let notes = &report.answer.notes;
+            assert!(notes.iter().any(|note| note.contains("is undecided")), "{notes:?}");
+        }
+    }
+    // With the groove, the rule is decided.
+    let mut given = sheet(band.low * margin).case.with_groove().expect("a groove");
+    given.nut.estimated_inputs = None;
+    given.axial_load_N = Some(band.low * margin);
+    let decided = AxisReport::of(&given, &Settings::default()).expect("a sheet");
+    assert_ne!(edge(&decided).verdict(), Verdict::Undecided);
+}
+
+/// A nut of a table whose rules are undecided comes after the nuts that pass and before the nuts that fail.
+#[test]
+fn undecided_nuts_of_a_table_come_between_passing_and_failing_nuts() {
+    let line = br#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "axial_load_N": 1000,
+        "screw_speed_rpm": 100, "stroke_mm": 500}"#;
+    let line = Case::from_json(line).expect("a catalog line");
+    let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
+    let edge = report.answer.rules.iter().find(|rule| rule.name == "edge_load_N");
+    let band = edge.and_then(|rule| rule.band).expect("an interval");
+    let load = (band.low * band.high).sqrt();
+    let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N
+weak,20,20,9000
+open,40,20,51300
+strong,80,20,250000";
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
+    let requirement =
+        format!(r#"{{"axial_load_N": {load}, "screw_speed_rpm": 100, "stroke_mm": 500}}"#);
+    let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
+    let requirement =
+        RequirementFile::from_json(requirement.as_bytes(), &[], lists).expect("a requirement");
+    let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
+    let found: Vec<_> = rows.iter().map(|row| (&*row.name, row.verdict)).collect();
+    let verdicts = [Verdict::Passes, Verdict::Undecided, Verdict::Fails].map(Some);
+    assert_eq!(found, ["strong", "open", "weak"].into_iter().zip(verdicts).collect::<Vec<_>>());
+    let listed: Vec<_> = rows.iter().collect();
+    let answer = ManufacturerRow::answer(&listed, listed.len(), |_| true);
+    assert!(
+        answer.notes.iter().any(|note| note.contains("1 of 3 nuts neither pass nor fail")),
+        "{:?}",
+        answer.notes
+    );
 }

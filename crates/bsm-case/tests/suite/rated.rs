@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use approx::assert_relative_eq;
 use bsm_case::{
     AxisReport, Case, CaseError, Catalog, ManufacturerNut, ManufacturerRow, NutProblem, Output,
-    Record, RequirementFile, Settings, TableFormat, output,
+    Record, RequirementFile, Settings, TableFormat, Verdict, output,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -233,7 +233,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
         RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     // A load of 5 kN at 500 rpm gives a life of at least 37 497 h.
-    assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
+    assert!(rows.iter().all(|row| row.verdict == Some(Verdict::Passes)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
     let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
     for name in ["cycle_life_h", "screw_mass_kg", "buckling_safety"] {

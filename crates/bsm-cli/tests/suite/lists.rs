@@ -211,3 +211,26 @@ fn sheet_contains_process_force_and_signature_fields() {
     // An entry of the order must not repeat its own title.
     assert!(!sheet.contains(">thread 1"), "{sheet}");
 }
+
+/// A table of nuts has figures of its ratings, in displayed units.
+#[test]
+fn a_table_of_nuts_has_figures() {
+    let dir = folder();
+    let path = dir.path();
+    let table = "nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N\n\
+                 a,16,5,13533,29930\nb,40,20,51300,144400\nc,50,20,80000,250000\n";
+    fs::write(path.join("table.csv"), table).expect("a table");
+    run(path, &["select", "--from", "table.csv", "--figures", "metric"]);
+    let read = |folder: &str, name: &str| {
+        fs::read_to_string(path.join(folder).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    };
+    let rating = read("metric", "nuts-dynamic-rating.csv");
+    assert!(rating.contains("nominal diameter, mm") && rating.contains("13.533"), "{rating}");
+    assert!(rating.contains("lead 20 mm"), "{rating}");
+    run(path, &["select", "--from", "table.csv", "--units", "inch", "--figures", "inch"]);
+    let rating = read("inch", "nuts-dynamic-rating.csv");
+    assert!(rating.contains("nominal diameter, in") && rating.contains("rating, klbf"), "{rating}");
+    // Only the nuts that meet the conditions are drawn.
+    run(path, &["select", "--from", "table.csv", "--where", "lead_mm>=20", "--figures", "some"]);
+    assert!(!read("some", "nuts-dynamic-rating.csv").contains("13.533"));
+}

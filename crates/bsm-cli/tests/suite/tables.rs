@@ -360,3 +360,63 @@ fn a_sweep_notes_where_auto_changes_the_model() {
     assert_eq!(note.matches("7000 and 8000").count(), 1, "{note}");
     assert!(!note.contains("more"), "{note}");
 }
+
+/// With inch units, names, units and numbers of the columns of a sweep are converted, and so are the axes of its pictures. A column can
+/// also be requested in a unit of its own.
+#[test]
+fn sweep_columns_and_pictures_have_displayed_units() {
+    let dir = folder();
+    let case = example("feed_drive.json");
+    let sweep = |columns: &str, more: &[&str]| {
+        let args = [
+            "sweep",
+            &case,
+            "--vary",
+            "axial_load_N=4448.2216152605,8896.443230521",
+            "--columns",
+            columns,
+        ];
+        run(dir.path(), &[&args[..], more].concat(), 0).0
+    };
+    let cells = |table: &str| -> Vec<Vec<String>> {
+        table.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let columns = "screw_torque_Nm,efficiency";
+    let metric = cells(&sweep(columns, &["-o", "-"]));
+    let inch = cells(&sweep(columns, &["--units", "inch", "-o", "-"]));
+    assert_eq!(
+        metric[0],
+        ["axial_load_N", "model", "status", "message", "screw_torque_Nm", "efficiency"]
+    );
+    assert_eq!(
+        inch[0],
+        ["axial_load_lbf", "model", "status", "message", "screw_torque_lbf_in", "efficiency"]
+    );
+    let number = |cell: &str| cell.parse::<f64>().expect("a number");
+    for (row, pounds) in [(1, 1000.0), (2, 2000.0)] {
+        let (own, shown) = (&metric[row], &inch[row]);
+        // The tolerances allow for two roundings of each value.
+        assert!((number(&shown[0]) / pounds - 1.0).abs() < 1e-14, "{shown:?}");
+        let ratio = number(&own[4]) / number(&shown[4]);
+        assert!((ratio / 0.112_984_829_027_616_7 - 1.0).abs() < 1e-14, "{ratio}");
+        assert_eq!(own[5], shown[5]);
+    }
+    let other = cells(&sweep("screw_torque_kgf_cm", &["-o", "-"]));
+    assert_eq!(other[0][4], "screw_torque_kgf_cm");
+    assert!((number(&other[1][4]) * 0.098_066_5 / number(&metric[1][4]) - 1.0).abs() < 1e-14);
+    sweep(columns, &["--units", "inch", "-o", "lines.svg", "-o", "book.xlsx"]);
+    let picture = fs::read_to_string(dir.path().join("lines.svg")).expect("a picture");
+    assert!(
+        picture.contains("axial load, lbf") && picture.contains("screw torque, lbf in"),
+        "{picture}"
+    );
+    let map = ["--vary", "screw_speed_rpm=500,1000", "--units", "inch", "-o", "a.map.svg"];
+    sweep(columns, &map);
+    let map = fs::read_to_string(dir.path().join("a.map.svg")).expect("a map");
+    assert!(map.contains("axial load, lbf") && map.contains("screw torque, lbf in"), "{map}");
+    // Parts of a folder and lookup tables are read by other programs with the units of their names.
+    let folder =
+        ["sweep", &case, "--vary", "axial_load_N=1000,2000", "--units", "inch", "-o", "parts/"];
+    let (_, message) = run(dir.path(), &folder, 2);
+    assert!(message.contains("a folder of parts has metric units"), "{message}");
+}

@@ -46,15 +46,17 @@ pub fn points(
     values.iter().map(point).collect()
 }
 
-/// Draws Figs 3 to 7 of Lin, Velinsky and Ravani (1994) for a case: efficiency against both angles,
-/// normal loads, efficiency against the slip direction, optimum contact angle, and self-locking
-/// limits. Figures and exact solutions are omitted if the case lacks an input for them.
+/// Returns Figs 3 to 7 of Lin, Velinsky and Ravani (1994) around a case: efficiency against both
+/// angles, normal loads, efficiency against the direction of slip, optimum contact angle, and
+/// limits of self-locking, in the displayed units of the case. Figures for which the case lacks an
+/// input are omitted, and so are the exact equations.
 ///
 /// # Errors
 ///
 /// [`ReportError::Case`] if a value of the case is not permitted.
 pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
-    around_cases(case, case)
+    let units = case.display_units();
+    Ok(around_cases(case, case)?.into_iter().map(|figure| figure.in_units(units)).collect())
 }
 
 /// Same as [`lin_figures`], but with a separate case for Fig 5, for which the paper uses a smaller

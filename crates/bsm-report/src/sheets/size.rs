@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use bsm_case::units::label;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, DisplayUnit, GrooveSection, Numbers, OutputName,
-    Quantity, Row, ScrewTorque, digits, exact, interval, output, trimmed,
+    Quantity, Row, ScrewTorque, Verdict, digits, exact, interval, output, trimmed,
 };
 use serde_json::{Value, json};
 
@@ -109,15 +109,15 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
         let value = exact(rule.value);
         let numbers = std::iter::once(&value).chain(ends.iter().filter(|_| is_estimated));
         let [limit, margin] = [text(rule.limit), text(rule.margin())];
-        let verdict = if rule.limit.is_none() {
-            ""
-        } else if rule.passes() {
-            "passes"
-        } else {
-            "fails"
-        };
+        let verdict = rule.limit.map_or("", |_| rule.verdict().word());
         let words = [rule.title, rule.symbol].into_iter().chain(numbers.map(String::as_str));
-        table.write_record(words.chain([rule.unit, &limit, &margin, verdict, &rule.source]))?;
+        table.write_record(words.chain([
+            rule.unit.text,
+            &limit,
+            &margin,
+            verdict,
+            &rule.source,
+        ]))?;
     }
     text_of_table(table)
 }
@@ -130,10 +130,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
 ///
 /// [`ReportError::Page`] if the template is invalid.
 pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, ReportError> {
-    let mut figures = size_figures(report);
-    for figure in &mut figures {
-        figure.display_in(report.case.display_units());
-    }
+    let figures = size_figures(report);
     let page = Page {
         title: "Ball screw axis: calculation sheet",
         command: "bsm axis CASE.json --figures DIR",
@@ -175,7 +172,8 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "input": input,
         "head": head_of(report),
         "equations": equations(rules),
-        "failed": limited.iter().filter(|rule| !rule.passes()).count(),
+        "failed": limited.iter().filter(|rule| rule.fails()).count(),
+        "undecided": limited.iter().filter(|rule| rule.verdict() == Verdict::Undecided).count(),
         "limited": limited.len(),
         "headlines": headlines.collect::<Vec<_>>(),
         "rules": rows.map(rule_row).collect::<Vec<_>>(),
@@ -352,14 +350,15 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
-/// Returns the figures of an axis sheet: load and speed over the cycle, the phases and their limits
-/// in a speed-load diagram, the groove section and, if requested, the warm states against the
-/// speed.
+/// Returns the figures in the displayed units of the case: load and speed of the screw over the cycle, the cycle among its limits
+/// and, if requested, the warm states against the speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // If there is only one phase, nothing varies over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
     let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(report, &branch));
-    [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().chain(warm).collect()
+    let figures = [Some(among_limits(report)), cycle, section(report)].into_iter().flatten();
+    let units = report.case.display_units();
+    figures.chain(warm).map(|figure| figure.in_units(units)).collect()
 }
 
 /// Draws the groove profiles of nut and screw around a ball, with a line through the two contacts.

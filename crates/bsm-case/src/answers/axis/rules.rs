@@ -11,7 +11,8 @@ use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::number::number;
 use crate::vocabulary::units::{MM, UM};
 use crate::{
-    Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, OutputName, Quantity, output,
+    Answer, Case, Criterion, DisplayUnit, INPUTS, InputKey as K, Numbers, OutputName, Quantity,
+    output,
 };
 
 /// Title of the rule that a warm steady state must exist.
@@ -164,11 +165,21 @@ fn criterion(
         return None;
     }
     let (value, remedy_of, remedy) = (value?, remedy, None);
-    let band = None;
-    let mut rule =
-        Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy, band };
+    let mut rule = Criterion {
+        title,
+        name,
+        symbol,
+        unit: DisplayUnit::own(unit),
+        value,
+        limit,
+        at_least,
+        source,
+        remedy,
+        band: None,
+        margins: None,
+    };
     // No remedy is given for a number that cannot be calculated. A note states the reason.
-    rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy_of);
+    rule.remedy = rule.margin().filter(|m| !m.is_nan() && rule.fails()).map(remedy_of);
     Some(rule)
 }
 

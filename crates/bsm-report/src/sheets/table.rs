@@ -1,0 +1,85 @@
+//! Figures of a table of nuts.
+
+use bsm_case::{ManufacturerRow, trimmed};
+
+use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
+
+/// Size of a nut on the horizontal axis: the first of these numbers that the table contains.
+const SIZES: [(&str, &str); 2] = [
+    ("nominal_diameter_mm", "nominal diameter, mm"),
+    ("pitch_circle_diameter_mm", "pitch circle diameter, mm"),
+];
+
+/// A number on the vertical axis of a figure: name of its files, title, label, alternatives in the
+/// order of preference, and size in the unit of the label.
+type Drawn = (&'static str, &'static str, &'static str, &'static [&'static str], f64);
+
+/// Numbers that are drawn against the size. The last ones need the axis of a requirement.
+const DRAWN: [Drawn; 6] = [
+    (
+        "nuts-dynamic-rating",
+        "Dynamic load rating against size",
+        "dynamic load rating, kN",
+        &["dynamic_load_rating_N", "our_dynamic_load_rating_N"],
+        1e-3,
+    ),
+    (
+        "nuts-static-rating",
+        "Static load rating against size",
+        "static load rating, kN",
+        &["static_load_rating_N", "our_static_load_rating_N"],
+        1e-3,
+    ),
+    (
+        "nuts-stiffness",
+        "Stiffness of the nut against size",
+        "stiffness of one nut, N/um",
+        &["stiffness_N_um", "our_stiffness_N_um"],
+        1.0,
+    ),
+    ("nuts-mass", "Mass of the nut against size", "mass of a nut, kg", &["mass_kg"], 1.0),
+    ("nuts-life", "Life in the axis against size", "life of the cycle, h", &["cycle_life_h"], 1.0),
+    (
+        "nuts-motor-torque",
+        "Peak motor torque against size",
+        "peak motor torque, N m",
+        &["peak_motor_torque_Nm"],
+        1.0,
+    ),
+];
+
+/// Returns figures of the ratings, stiffness and mass of the nuts of a table and, with a
+/// requirement, of life and motor torque. Each nut is a circle; nuts with the same lead have the same
+/// color. A figure of fewer than two nuts is omitted.
+pub fn table_figures(rows: &[&ManufacturerRow]) -> Vec<Figure> {
+    let has_size = |(name, _): &(&str, &str)| rows.iter().any(|row| row.value(name).is_some());
+    let Some((size, x)) = SIZES.into_iter().find(has_size) else { return Vec::new() };
+    let figure = |(key, title, label, names, scale): Drawn| {
+        let read = |row: &ManufacturerRow| {
+            let value = names.iter().find_map(|name| row.value(name))?;
+            Some((row.value(size)?, scale * value))
+        };
+        let points: Vec<(f64, (f64, f64))> =
+            rows.iter().filter_map(|row| Some((row.value("lead_mm")?, read(row)?))).collect();
+        let mut leads: Vec<_> = points.iter().map(|(lead, _)| *lead).collect();
+        leads.sort_by(f64::total_cmp);
+        leads.dedup();
+        let left_out = leads.len().saturating_sub(MAX_CURVES);
+        let curve = |(color, lead): (usize, &f64)| {
+            let same = points.iter().filter(|(own, _)| own.to_bits() == lead.to_bits());
+            let label = format!("lead {} mm", trimmed(*lead));
+            Curve::new(label, color, Stroke::Circles, same.map(|(_, point)| *point).collect())
+        };
+        let curves = leads.iter().take(MAX_CURVES).enumerate().map(curve).collect();
+        let rest = if left_out > 0 {
+            format!(" The figure shows the {MAX_CURVES} smallest leads.")
+        } else {
+            String::new()
+        };
+        let caption = format!("Each circle is a nut of the table.{rest}");
+        (points.len() > 1).then(|| {
+            Figure::new([key, title, &caption], [Axis::linear(x), Axis::linear(label)], curves)
+        })
+    };
+    DRAWN.into_iter().filter_map(figure).collect()
+}
