@@ -200,7 +200,8 @@ impl<P: Scalar> Balance<'_, P> {
         let point = &self.at.point;
         let (zero, radius) = (approach.constant(0.0), point.ball.radius);
         let arc = point.helix.arc_length_per_radian();
-        // N = ±(0, cosβ, sinβ)                                            (K9)
+        // The normal (K9) has components sinβ along b and cosβ along n at the nut, and the opposite
+        // ones at the screw.
         let angle = if i < 2 { (b, n) } else { (-b, -n) };
         let (rate, omega) = if i < 2 {
             (rate, omega)
@@ -210,8 +211,7 @@ impl<P: Scalar> Balance<'_, P> {
         };
         let local = ContactMotion::at_angle(site(i), rate * arc, omega, angle);
         // Friction depends only on the ratio of slip speed to creep speed, so all speeds are
-        // divided by r_b
-        // |W|.
+        // divided by r_b |W|.
         let (unit, [t, n, c]) = (radius.recip(), local.omega);
         let semi_axes = self.grooves.semi_axes(i, approach);
         let patch = Patch {
