@@ -233,26 +233,6 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     }
 }
 
-/// Returns the friction at two contacts for a constant coefficient, as in [`Integrate::dry`].
-pub(crate) fn dry_friction<P: Scalar, D: Integrate<P>>(
-    patches: &[Patch<D>; 2],
-    nodes: &[Placement<'_>; 2],
-    alone: bool,
-) -> [(Integral<D>, D); 2] {
-    struct Call<'a, D, P>(&'a [Patch<D>; 2], &'a [Placement<'a>; 2], bool, PhantomData<P>);
-
-    impl<P: Scalar, D: Integrate<P>> WithSimd for Call<'_, D, P> {
-        type Output = [(Integral<D>, D); 2];
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            D::dry(simd, self.0, self.1, self.2)
-        }
-    }
-
-    Arch::new().dispatch(Call(patches, nodes, alone, PhantomData))
-}
-
 /// Returns the friction of a lubricant at two contacts, as in [`Integrate::lubricated`].
 pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
@@ -431,6 +411,26 @@ mod tests {
 
     use super::kernel::sums_on;
     use super::*;
+
+    /// Returns the friction at two contacts for a constant coefficient, as in [`Integrate::dry`].
+    fn dry_friction<P: Scalar, D: Integrate<P>>(
+        patches: &[Patch<D>; 2],
+        nodes: &[Placement<'_>; 2],
+        alone: bool,
+    ) -> [(Integral<D>, D); 2] {
+        struct Call<'a, D, P>(&'a [Patch<D>; 2], &'a [Placement<'a>; 2], bool, PhantomData<P>);
+
+        impl<P: Scalar, D: Integrate<P>> WithSimd for Call<'_, D, P> {
+            type Output = [(Integral<D>, D); 2];
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+                D::dry(simd, self.0, self.1, self.2)
+            }
+        }
+
+        Arch::new().dispatch(Call(patches, nodes, alone, PhantomData))
+    }
 
     fn ellipse() -> (Ellipse<f64>, Quadrature) {
         let frame = BallFrame::turned(0.17, 0.0);

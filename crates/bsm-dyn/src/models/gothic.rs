@@ -12,8 +12,8 @@ mod pair;
 
 use std::array::from_fn;
 
-use bsm_kin::{BallFrame, Jet, Motion, Scalar, Site};
-use bsm_newton::{Continuation, Convergence, JacobianUpdate, Options, follow};
+use bsm_kin::{BallFrame, Contact, Jet, Motion, Scalar, Site};
+use bsm_newton::{Continuation, Convergence, JacobianUpdate, Options, Outcome, follow};
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS, FlankApproach, Grooves};
@@ -113,6 +113,12 @@ impl Root {
         Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
     }
 
+    /// Returns the gap between the ball and the nearer far flank \[m\], negative for an overlap.
+    fn far_gap(&self, grooves: &Grooves) -> f64 {
+        let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &self.place).approach);
+        -nut.max(screw)
+    }
+
     /// Returns the unknowns of the balance, with lengths divided by `length` \[m\].
     fn unknowns(&self, length: f64) -> [f64; UNKNOWNS] {
         from_fn(|i| match i {
@@ -138,8 +144,8 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 /// balls need at most 11 steps in total.
 const MAX_STEPS: usize = 25;
 
-/// Residual tolerance and residual goal of a root.
-const ROOT: [f64; 2] = [1e-10, 1e-12];
+/// Maximum scaled residual of a root before the final Newton step, which is not evaluated.
+const ROOT: f64 = 1e-10;
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
 /// without numerical factors, for which a third contact is assumed to stop the spin first. For 200
@@ -193,11 +199,11 @@ impl GothicBall {
             Start::TwoContacts if force < 0.0 => {
                 let turned = self.back_driven();
                 let two_contacts = turned.two_contacts(-force, traction)?;
-                Some(turned.root_of(&grooves, &two_contacts)?.turned())
+                Some(turned.root_of(&grooves, &two_contacts.ball)?.turned())
             }
             Start::TwoContacts => {
                 let two_contacts = self.two_contacts(force, traction)?;
-                self.root_of(&grooves, &two_contacts)
+                self.root_of(&grooves, &two_contacts.ball)
             }
         })
     }
@@ -226,6 +232,14 @@ impl GothicBall {
         Some(play.max(0.0))
     }
 
+    /// Returns the gap between the nearer far flank and this ball \[m\] for a given state on two
+    /// contacts, negative if the flank overlaps the ball. Returns `None` if the state has no motion
+    /// or no ellipses.
+    pub fn far_gap_on_two_contacts(&self, two_contacts: &BallState) -> Option<f64> {
+        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        Some(self.root_of(&grooves, two_contacts)?.far_gap(&grooves))
+    }
+
     /// Returns an error if the ball has no friction or no relative speed.
     fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
@@ -252,6 +266,8 @@ impl GothicBall {
         let [[coarse, _], [smooth, _], [quadrature, _]] =
             rules.dry([COARSE, SEARCH, self.accuracy]);
         let balance = self.balance(grooves, condition, at_rest, quadrature);
+        let coarse = Balance { quadrature: coarse, coarse: true, ..balance };
+        let smooth = Balance { quadrature: smooth, ..balance };
         let mut search = Search { balance, coarse, smooth, newton, steps: 0 };
         let near = start(Start::Near, traction).and_then(|near| {
             let place = search.settled_place(&near, [true; FLANKS], rest)?;
@@ -281,7 +297,7 @@ impl GothicBall {
     /// [`NoAnswer`] if the grooves have no room for the ball.
     pub fn first_touch(&self) -> Result<f64, NoAnswer> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
-        Ok(grooves.first_touch() / grooves.cos_lead)
+        Ok(grooves.first_touch() / grooves.lead.1)
     }
 
     /// Returns the axial force of the nut without friction \[N\] for a displacement beyond first
@@ -296,7 +312,7 @@ impl GothicBall {
         work: &mut GothicWorkspace,
     ) -> Result<f64, NoAnswer> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
-        let u = grooves.first_touch() / grooves.cos_lead + deflection;
+        let u = grooves.first_touch() / grooves.lead.1 + deflection;
         let place = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
         Ok(grooves.axial_force(&place))
     }
@@ -314,7 +330,7 @@ impl GothicBall {
     ) -> Result<f64, NoAnswer> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         let place = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
-        Ok((place[2] - grooves.first_touch()) / grooves.cos_lead)
+        Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
     }
 
     /// Returns the ball with reversed speeds, which is the ball of the other nut of a pair mirrored
@@ -341,11 +357,11 @@ impl GothicBall {
     }
 
     /// Returns position and motion of a ball on two contacts.
-    fn root_of(&self, grooves: &Grooves, found: &SteadyState) -> Option<Root> {
-        let [nut, screw] = [&found.ball.nut, &found.ball.screw];
+    fn root_of(&self, grooves: &Grooves, found: &BallState) -> Option<Root> {
+        let [nut, screw] = [&found.nut, &found.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
         let Motion { precession, omega } =
-            found.ball.motion?.relative_to(self.at.point.drive.nut_speed, &self.frame());
+            found.motion?.relative_to(self.at.point.drive.nut_speed, &self.frame());
         let speed = self.at.point.drive.relative_speed().abs();
         Some(Root {
             place: grooves.between([at_nut, at_screw], [nut.angle, screw.angle]),
@@ -378,6 +394,7 @@ impl GothicBall {
             units: (load.max(centrifugal), approach),
             creep: self.creep,
             quadrature,
+            coarse: false,
             frozen_rules: None,
         }
     }
@@ -391,10 +408,13 @@ impl GothicBall {
     ) -> Result<GothicState, NoAnswer> {
         let point = &self.at.point;
         let frame = self.frame();
-        let state = balance.state(unknowns);
-        let ArchState { place, to_nut, approaches, pressed, .. } = &state;
+        let state = balance.evaluated(unknowns);
+        let ArchState { place, approaches, pressed, .. } = &state;
         let carried = axial_force(&state.wrench(0..2).force, &frame);
         let speed = point.drive.relative_speed();
+        let (rate, omega) = state.to_nut;
+        let to_nut =
+            Motion::new(rate * speed.abs(), omega.map(|component| component * speed.abs()));
         // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
         let screw_torque = torque(&state.wrench(2..FLANKS), point.helix.radius, &frame);
         let ideal = ideal_torque(carried, point.helix.radius, point.helix.lead_angle.tan());
@@ -405,14 +425,14 @@ impl GothicBall {
             return Err(NoAnswer::not_converged(Reason::PowerDoesNotBalance { imbalance }));
         }
         let contacts =
-            from_fn(|i| pressed[i].as_ref().map(|pressed| self.contact(i, pressed, &state)));
+            from_fn(|i| pressed[i].as_ref().map(|pressed| self.contact(i, pressed, &to_nut)));
         let carries = carried > AXIAL_FORCE_TOL * balance.units.0;
         let cos_lead = point.helix.lead_angle.cos();
         Ok(GothicState {
             contacts,
             approaches: *approaches,
             motion: to_nut.relative_to(-point.drive.nut_speed, &frame),
-            to_nut: *to_nut,
+            to_nut,
             relative_speed: speed,
             axial_force: carried,
             axial_displacement: place[2] / cos_lead,
@@ -426,10 +446,18 @@ impl GothicBall {
         })
     }
 
-    fn contact(&self, i: usize, pressed: &Pressed<f64>, state: &ArchState<f64>) -> FlankContact {
-        let motion = if site(i) == Site::Nut { &state.to_nut } else { &state.to_screw };
-        let arc = self.at.point.helix.arc_length_per_radian();
-        let slip = motion.slip_velocity(arc, &pressed.contact.point(self.at.point.ball.radius));
+    /// Returns a contact of a ball with a given motion relative to the nut.
+    fn contact(&self, i: usize, pressed: &Pressed<f64>, to_nut: &Motion<f64>) -> FlankContact {
+        let (point, frame) = (&self.at.point, self.frame());
+        let motion = match site(i) {
+            Site::Screw => to_nut.relative_to(point.drive.relative_speed(), &frame),
+            Site::Nut | Site::NutUnloaded => *to_nut,
+        };
+        let (sin, cos) = pressed.angle;
+        let angle = sin.atan2(cos);
+        let contact = Contact::new(site(i), angle, &frame);
+        let arc = point.helix.arc_length_per_radian();
+        let slip = motion.slip_velocity(arc, &contact.point(point.ball.radius));
         let ellipse = HertzContact {
             semi_axes: pressed.semi_axes,
             max_pressure: max_pressure(pressed.load, pressed.semi_axes),
@@ -437,10 +465,10 @@ impl GothicBall {
         };
         FlankContact {
             state: ContactState {
-                angle: pressed.angle.abs(),
+                angle: angle.abs(),
                 load: Some(pressed.load),
-                slip_angle: Some(pressed.contact.slip_angle(&slip)),
-                slip: Some(Slip { speed: slip.norm(), spin: motion.spin(&pressed.contact) }),
+                slip_angle: Some(contact.slip_angle(&slip)),
+                slip: Some(Slip { speed: slip.norm(), spin: motion.spin(&contact) }),
                 pressed: Some(ellipse),
             },
             power: pressed.power,
@@ -503,11 +531,10 @@ impl GothicBall {
         let is_oversize = self.fit.oversize > 0.0;
         let two = (!is_oversize).then(|| self.two_contacts(load.per_ball(), &mut work.traction));
         let two = two.flatten();
-        let start = two.as_ref().and_then(|two| self.root_of(&grooves, two));
+        let start = two.as_ref().and_then(|two| self.root_of(&grooves, &two.ball));
         let two_contact_power = two.and_then(|two| Some(two.transmission.power?.dissipated));
         if let Some((two, root)) = two.zip(start) {
-            let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &root.place).approach);
-            let gap = -nut.max(screw);
+            let gap = root.far_gap(&grooves);
             if gap >= 0.0 {
                 let far_flank = FarFlank { gap, contact: None, two_contact_power };
                 return Ok((SteadyState { far_flank: Some(far_flank), ..two }, None));
@@ -600,13 +627,14 @@ impl<const M: usize> GothicBall<Jet<M>> {
             units: balance.units,
             creep: balance.creep,
             quadrature,
+            coarse: false,
             frozen_rules: None,
         };
         let unknowns = root.unknowns(balance.units.1);
         let residual = |y: &_| inputs.residual(y);
         let y = moving_root(&balance, &unknowns, &[1.0; UNKNOWNS], residual, newton)?;
         let point = &self.at.point;
-        let wrench = inputs.state(&y).wrench(2..FLANKS);
+        let wrench = inputs.evaluated(&y).wrench(2..FLANKS);
         let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
         // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
         let screw_torque = torque(&wrench, point.helix.radius, &frame) * load.balls;
@@ -639,10 +667,10 @@ enum Start {
 /// Search for the root from successive starts.
 struct Search<'a> {
     balance: Balance<'a>,
-    /// Quadrature of the first steps.
-    coarse: &'a Quadrature,
-    /// Quadrature whose sums are smooth enough for continuation.
-    smooth: &'a Quadrature,
+    /// Balance with the quadrature of the first steps.
+    coarse: Balance<'a>,
+    /// Balance with a quadrature whose sums are smooth enough for continuation.
+    smooth: Balance<'a>,
     newton: &'a mut Workspace<UNKNOWNS>,
     steps: usize,
 }
@@ -659,12 +687,11 @@ impl Search<'_> {
     /// Returns the root that Newton's method finds from a start, or `None`.
     fn from(&mut self, start: &Root) -> Option<Found> {
         let y = start.unknowns(self.balance.units.1);
-        let coarse = Balance { quadrature: self.coarse, ..self.balance };
-        let near = self.solved(&coarse, y, [COARSE_RESIDUAL; 2]);
+        let Self { balance, coarse, .. } = *self;
+        let near = self.solved(&coarse, y, COARSE_RESIDUAL);
         let found = near.and_then(|(near, _)| self.refined(near));
-        let balance = self.balance;
         let found = found.or_else(|_| {
-            let (near, _) = self.solved(&balance, y, [PATH_RESIDUAL; 2])?;
+            let (near, _) = self.solved(&balance, y, PATH_RESIDUAL)?;
             self.refined(near)
         });
         found.ok()
@@ -711,8 +738,7 @@ impl Search<'_> {
         newton: &mut Workspace<PLACE>,
     ) -> Option<[f64; PLACE]> {
         let Balance { grooves, condition, units, .. } = self.balance;
-        let coarse = Balance { quadrature: self.coarse, ..self.balance };
-        let forces = coarse.friction(&start.unknowns(units.1), flanks);
+        let forces = self.coarse.friction(&start.unknowns(units.1), flanks);
         grooves.settled(condition, &forces, (&start.place, units), newton).ok()
     }
 
@@ -724,35 +750,37 @@ impl Search<'_> {
         Ok(Found { unknowns, residual, rules })
     }
 
-    /// Returns the root of a balance near `y` and its scaled residual.
-    ///
-    /// * `[residual_tol, residual_goal]`: residual tolerance and residual goal.
+    /// Returns the root of a balance near `y`, and the scaled residual before the final Newton
+    /// step, which is at most `residual_tol`.
     fn solved(
         &mut self,
         balance: &Balance<'_>,
         mut y: [f64; UNKNOWNS],
-        [residual_tol, residual_goal]: [f64; 2],
+        residual_tol: f64,
     ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD_RESIDUAL };
-        let convergence = Convergence { residual_tol, residual_goal, max_steps: MAX_STEPS };
+        let convergence =
+            Convergence { residual_tol, residual_goal: residual_tol, max_steps: MAX_STEPS };
         let options = Options { convergence, jacobian, ..Options::default() };
-        let report = balance.run(&mut y, &options, self.newton);
+        let Outcome { report, last, .. } = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
+        }
+        // The final step is not evaluated.
+        let step = last.and_then(|(residual, ())| self.newton.correction(&residual).ok());
+        for (y, step) in y.iter_mut().zip(step.unwrap_or_default()) {
+            *y += step;
         }
         Ok((y, report.residual))
     }
 
     /// Returns the root that is found from the ball at rest by lowering the creep speed.
     fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
-        let smooth = Balance { quadrature: self.smooth, ..self.balance };
+        let Self { balance, smooth, .. } = *self;
         // The path may be lost because of jumps in the sums of the smooth quadrature; the second
         // attempt uses the requested quadrature.
-        self.followed(&smooth, at_rest).or_else(|_| {
-            let balance = self.balance;
-            self.followed(&balance, at_rest)
-        })
+        self.followed(&smooth, at_rest).or_else(|_| self.followed(&balance, at_rest))
     }
 
     /// Returns the root at the end of a continuation in which the creep speed is lowered to the
@@ -773,7 +801,7 @@ impl Search<'_> {
         let control = Continuation { first: 0.9, shortest: 0.02 };
         let (end, mut failure) = (balance.creep, NoAnswer::not_converged(Reason::SearchLost));
         follow(&mut y, (FIRST_CREEP.max(end).ln(), end.ln()), control, |log, y| {
-            match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, [PATH_RESIDUAL; 2]) {
+            match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, PATH_RESIDUAL) {
                 Ok((found, _)) => {
                     *y = found;
                     true

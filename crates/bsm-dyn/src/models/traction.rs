@@ -13,7 +13,7 @@ mod sensitivities;
 mod slips;
 mod train;
 
-pub(crate) use self::equations::{COARSE, COARSE_RESIDUAL, SEARCH};
+pub(crate) use self::equations::{COARSE, COARSE_RESIDUAL, SEARCH, turned};
 use self::equations::{PowerFlow, ROOT, SlipBall};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;

@@ -3,20 +3,20 @@
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC4) to (AC6).
 
-use std::array::from_fn;
 use std::cell::OnceCell;
 
-use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar};
-use bsm_newton::{Equations, EvalError, Linearized, Options, Report, Scales, Workspace, solve};
+use bsm_kin::{BallFrame, ContactMotion, Over, Scalar, relative_rotation};
+use bsm_newton::{Equations, EvalError, Linearized, Options, Outcome, Scales, Workspace, solve};
+use bsm_simd::{Arch, Simd, WithSimd};
 use nalgebra::Vector3;
 
 use super::grooves::{AxialCondition, FLANKS, FixedForces, FlankApproach, Grooves, PLACE, site};
-use crate::contact::{Ball, Wrench, axial_force, magnitude, newton_euler};
-use crate::ellipse::{
-    Ellipse, FrozenRule, Integrate, Patch, Placement, Quadrature, contact_motion, dry_friction,
-};
+use crate::contact::{Wrench, axial_force, magnitude};
+use crate::cost;
+use crate::ellipse::{FrozenRule, Integral, Integrate, Patch, Placement, Quadrature};
 use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
+use crate::models::traction::turned;
 
 /// Number of unknowns: position of ball and nut, precession rate, and angular velocity relative to
 /// the nut.
@@ -56,19 +56,25 @@ pub(super) struct Balance<'a, P = f64> {
     /// Creep speed divided by `$r_b |W|$`.
     pub(super) creep: f64,
     pub(super) quadrature: &'a Quadrature,
+    /// True on the way to a root, see [`Placement::coarse`].
+    pub(super) coarse: bool,
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
 
-/// A loaded contact.
+/// A loaded contact, with vectors as components along t, n and b.
 #[derive(Clone, Copy)]
 pub(super) struct Pressed<D> {
-    pub(super) contact: Contact<D>,
-    pub(super) angle: D,
+    /// Sine and cosine of the contact angle; the sine is negative at a far flank.
+    pub(super) angle: (D, D),
     pub(super) approach: D,
     pub(super) load: D,
     pub(super) semi_axes: (D, D),
-    /// Wrench of normal load and friction on the ball.
-    pub(super) wrench: Wrench<D>,
+    /// Friction force on the ball.
+    friction: [D; 3],
+    /// Force of normal load and friction on the ball.
+    force: [D; 3],
+    /// Moment of the friction about the ball center.
+    moment: [D; 3],
     /// Friction power \[W\], without derivatives.
     pub(super) power: f64,
 }
@@ -76,142 +82,203 @@ pub(super) struct Pressed<D> {
 /// State of the ball for given values of the unknowns.
 pub(super) struct ArchState<D> {
     pub(super) place: [D; PLACE],
-    pub(super) to_nut: Motion<D>,
-    pub(super) to_screw: Motion<D>,
+    /// Precession rate and angular velocity along t, n and b relative to the nut, divided by
+    /// `$|W|$`.
+    pub(super) to_nut: (D, [D; 3]),
     /// Approaches of all contacts \[m\], negative for a gap.
     pub(super) approaches: [D; FLANKS],
     pub(super) pressed: [Option<Pressed<D>>; FLANKS],
+    /// Scaled residual of the equations.
+    pub(super) residual: [D; UNKNOWNS],
 }
 
 impl<D: Scalar> ArchState<D> {
     /// Returns the total wrench of some flanks on the ball.
     pub(super) fn wrench(&self, flanks: std::ops::Range<usize>) -> Wrench<D> {
         let pressed = self.pressed[flanks].iter().flatten();
-        pressed.fold(Wrench::zero(), |sum, pressed| sum + pressed.wrench)
+        pressed.fold(Wrench::zero(), |sum, Pressed { force, moment, .. }| {
+            sum + Wrench { force: Vector3::from(*force), moment: Vector3::from(*moment) }
+        })
+    }
+}
+
+/// Arguments for evaluating the equations.
+struct Evaluate<'a, 'b, P, D> {
+    balance: &'a Balance<'b, P>,
+    y: &'a [D; UNKNOWNS],
+}
+
+impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, '_, P, D> {
+    type Output = ArchState<D>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ArchState<D> {
+        let Self { balance, y } = self;
+        let zero = y[0].constant(0.0);
+        let mut state = ArchState {
+            place: [y[0] * balance.units.1, y[1] * balance.units.1, y[2] * balance.units.1],
+            to_nut: (y[3], [y[4], y[5], y[6]]),
+            approaches: [zero; FLANKS],
+            pressed: [None; FLANKS],
+            residual: [zero; UNKNOWNS],
+        };
+        balance.press(simd, &mut state);
+        balance.add_up(y, &mut state);
+        state
     }
 }
 
 impl<P: Scalar> Balance<'_, P> {
-    /// Returns the speed by which the speeds at the contacts are divided, `$r_b |W|$` \[m/s\].
-    fn speed(&self) -> P {
-        let point = &self.at.point;
-        point.ball.radius * magnitude(point.drive.relative_speed())
+    /// Evaluates the equations.
+    pub(super) fn evaluated<D: Integrate<P>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
+        cost::evaluated();
+        Arch::new().dispatch(Evaluate { balance: self, y })
     }
 
-    fn frame<D: Over<P>>(&self) -> BallFrame<D> {
-        BallFrame::turned(D::from(self.at.point.helix.lead_angle), D::from(0.0))
-    }
-
-    pub(super) fn state<D: Integrate<P>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
+    /// Determines the approaches, and normal loads and friction of the loaded contacts.
+    #[inline(always)]
+    fn press<S: Simd, D: Integrate<P>>(&self, simd: S, state: &mut ArchState<D>) {
         let point = &self.at.point;
-        let (speed, size) = (point.drive.relative_speed(), magnitude(point.drive.relative_speed()));
-        let place = from_fn(|i| y[i] * self.units.1);
-        let omega = Vector3::new(y[4], y[5], y[6]) * D::from(size);
-        let to_nut = Motion { precession: y[3] * size, omega };
-        let to_screw = to_nut.relative_to(D::from(speed), &self.frame());
-        let flanks: [FlankApproach<D>; FLANKS] = from_fn(|i| self.grooves.flank(i, &place));
-        let approaches = flanks.map(|flank| flank.approach);
-        let mut pressed = [None; FLANKS];
-        let (mut touching, mut count) = ([0; FLANKS], 0);
-        for i in (0..FLANKS).filter(|i| approaches[*i].re() > 0.0) {
-            touching[count] = i;
-            count += 1;
+        let radius = point.ball.radius;
+        let speed = (radius * magnitude(point.drive.relative_speed())).re();
+        let (mut touching, mut count) = ([(0, self.grooves.flank(0, &state.place)); FLANKS], 0);
+        for i in 0..FLANKS {
+            let flank = self.grooves.flank(i, &state.place);
+            state.approaches[i] = flank.approach;
+            if flank.approach.re() > 0.0 {
+                touching[count] = (i, flank);
+                count += 1;
+            }
         }
         // Sums over two ellipses at once are faster than two separate sums.
         for pair in touching[..count].chunks(2) {
-            let places = [pair[0], pair[pair.len() - 1]];
-            let contacts = places.map(|i| {
-                let motion = if i < 2 { &to_nut } else { &to_screw };
-                self.contact(i, &flanks[i], motion)
-            });
-            let patches = contacts.map(|(_, patch)| patch);
-            let nodes = places.map(|i| self.nodes(i));
-            let sums = dry_friction::<P, D>(&patches, &nodes, pair.len() == 1);
-            for (k, i) in pair.iter().copied().enumerate() {
-                let ((contact, _), (unit, power)) = (contacts[k], &sums[k]);
-                // F = Q N + f Q ∫ dF                                      (T2)
-                let friction = contact.load * self.friction[i % 2];
-                let mut wrench = unit.wrench(&contact.contact) * friction;
-                wrench.force += contact.contact.normal * contact.load;
-                let power = power.re() * self.speed().re() * friction.re();
-                pressed[i] = Some(Pressed { wrench, power, ..contact });
+            let [(i, first), (j, second)] = [pair[0], pair[pair.len() - 1]];
+            let contacts =
+                [self.contact(i, &first, state.to_nut), self.contact(j, &second, state.to_nut)];
+            let patches = [contacts[0].1, contacts[1].1];
+            let nodes = [self.nodes(i), self.nodes(j)];
+            let sums = D::dry(simd, &patches, &nodes, pair.len() == 1);
+            for k in 0..pair.len() {
+                let ((mut pressed, _), (unit, power)) = (contacts[k], &sums[k]);
+                let i = [i, j][k];
+                let (load, angle) = (pressed.load, pressed.angle);
+                let pull = load * self.friction[i % 2];
+                // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                       (T2)
+                let Integral { force: [f_t, f_c], moment: [m_t, m_n, m_c] } = unit.times(pull);
+                let none = load.constant(0.0);
+                let (friction_n, friction_b) = turned(i / 2, angle, (none, f_c));
+                let (f_n, f_b) = turned(i / 2, angle, (load, f_c));
+                let (m_n, m_b) = turned(i / 2, angle, (m_n, m_c));
+                pressed.friction = [f_t, friction_n, friction_b];
+                (pressed.force, pressed.moment) = ([f_t, f_n, f_b], [m_t, m_n, m_b]);
+                pressed.power = power.re() * pull.re() * speed;
+                state.pressed[i] = Some(pressed);
             }
         }
-        ArchState { place, to_nut, to_screw, approaches, pressed }
     }
 
     /// Returns the nodes of the quadrature at a flank.
     fn nodes(&self, flank: usize) -> Placement<'_> {
         Placement {
+            rule: self.quadrature,
             frozen_rule: self.frozen_rules.map(|rules| &rules.0[flank]),
-            ..self.quadrature.into()
+            coarse: self.coarse,
         }
     }
 
     /// Returns a loaded contact without friction, and the patch over which friction is integrated.
-    fn contact<D: Integrate<P>>(
+    ///
+    /// * `(rate, omega)`: motion relative to the nut, divided by `$|W|$`.
+    #[inline(always)]
+    fn contact<D: Over<P>>(
         &self,
         i: usize,
         &FlankApproach { approach, normal: [b, n], .. }: &FlankApproach<D>,
-        motion: &Motion<D>,
+        (rate, omega): (D, [D; 3]),
     ) -> (Pressed<D>, Patch<D>) {
         let point = &self.at.point;
-        let side = if i < 2 { 1.0 } else { -1.0 };
-        let angle = (b * side).atan2(n * side);
-        let contact = Contact::new(site(i), angle, &self.frame());
-        let load = self.grooves.load(i, approach);
-        let ellipse = Ellipse {
-            contact,
-            load,
-            semi_axes: self.grooves.semi_axes(i, approach),
-            pressed_radius: self.pressed_radius[i / 2],
-            ball_radius: point.ball.radius,
+        let (zero, radius) = (approach.constant(0.0), point.ball.radius);
+        let arc = point.helix.arc_length_per_radian();
+        // N = ±(0, cosβ, sinβ)                                            (K9)
+        let angle = if i < 2 { (b, n) } else { (-b, -n) };
+        let (rate, omega) = if i < 2 {
+            (rate, omega)
+        } else {
+            let body = radius.constant(point.drive.relative_speed().re().signum());
+            (rate - body, relative_rotation(omega, body, self.grooves.lead))
         };
-        let local = contact_motion(motion, &contact, D::from(point.helix.arc_length_per_radian()));
+        let local = ContactMotion::at_angle(site(i), rate * arc, omega, angle);
         // Friction depends only on the ratio of slip and creep speed, so speeds are divided by r_b
         // |W|.
-        let patch = ellipse.patch(&local.over(D::from(self.speed())), self.creep);
-        let (semi_axes, wrench, power) = (ellipse.semi_axes, Wrench::zero(), 0.0);
-        (Pressed { contact, angle, approach, load, semi_axes, wrench, power }, patch)
+        let (unit, [t, n, c]) = (radius.recip(), local.omega);
+        let semi_axes = self.grooves.semi_axes(i, approach);
+        let patch = Patch {
+            semi_axes,
+            pressed_radius: zero + self.pressed_radius[i / 2],
+            ball_radius: zero + radius,
+            motion: [local.speed * unit, t * unit, n * unit, c * unit],
+            creep: zero + self.creep,
+        };
+        let load = self.grooves.load(i, approach);
+        let none = [zero; 3];
+        let (friction, force, moment) = (none, none, none);
+        (Pressed { angle, approach, load, semi_axes, friction, force, moment, power: 0.0 }, patch)
     }
 
+    /// Adds up the forces and moments, and stores the scaled residual.
+    #[inline(always)]
+    fn add_up<D: Over<P>>(&self, y: &[D; UNKNOWNS], state: &mut ArchState<D>) {
+        let point = &self.at.point;
+        let zero = y[0].constant(0.0);
+        let (mut force, mut moment, mut axial) = ([zero; 3], [zero; 3], zero);
+        let (sin_lead, cos_lead) = self.grooves.lead;
+        for i in 0..FLANKS {
+            let Some(pressed) = &state.pressed[i] else { continue };
+            for k in 0..3 {
+                force[k] = force[k] + pressed.force[k];
+                moment[k] = moment[k] + pressed.moment[k];
+            }
+            if i < 2 {
+                // F_a = (Σ_nut F_c)·k                                     (B6)
+                axial = axial + pressed.force[0] * sin_lead + pressed.force[2] * cos_lead;
+            }
+        }
+        let size = magnitude(point.drive.relative_speed());
+        let (rate, [w_t, w_n, w_b]) = state.to_nut;
+        let absolute = rate * size + point.drive.nut_speed;
+        // Σ F = m r_m P² n,  Σ M = P k × I ω                              (AC5)
+        force[1] = force[1] - absolute * absolute * (point.ball.mass * point.helix.radius);
+        let gyro = absolute * (point.ball.inertia() * size);
+        moment[0] = moment[0] + gyro * (w_n * cos_lead);
+        moment[1] = moment[1] - gyro * (w_t * cos_lead - w_b * sin_lead);
+        moment[2] = moment[2] - gyro * (w_n * sin_lead);
+        let (load, length) = self.units;
+        let per_load = load.recip();
+        let along = per_load / self.friction[0].re().min(1.0);
+        let per_moment = along / point.ball.radius.re();
+        // (Σ_nut F)·k = F_a  or  w_b = u cosα                             (AC6)
+        let position = match self.condition {
+            AxialCondition::Force(given) => (axial - given) * per_load,
+            AxialCondition::Displacement(u) => y[2] - u * cos_lead * length.recip(),
+        };
+        state.residual = [
+            force[0] * along,
+            force[1] * per_load,
+            force[2] * per_load,
+            moment[0] * per_moment,
+            moment[1] * per_moment,
+            moment[2] * per_moment,
+            position,
+        ];
+    }
+
+    /// Returns the scaled residual of the equations.
     #[expect(clippy::unnecessary_wraps, reason = "the form of a residual")]
     pub(super) fn residual<D: Integrate<P>>(
         &self,
         y: &[D; UNKNOWNS],
     ) -> Result<[D; UNKNOWNS], EvalError> {
-        let point = &self.at.point;
-        let state = self.state(y);
-        let frame = self.frame::<D>();
-        let nut = state.wrench(0..2);
-        let motion = state.to_nut.relative_to(D::from(-point.drive.nut_speed), &frame);
-        let ball = Ball { radius: D::from(point.ball.radius), mass: D::from(point.ball.mass) };
-        // Σ F = m r_m P² n,  Σ M = P k × I ω                              (AC5)
-        let left = newton_euler(
-            &(nut + state.wrench(2..FLANKS)),
-            &ball,
-            D::from(point.helix.radius),
-            &motion,
-            &frame,
-        );
-        let (load, length) = self.units;
-        let force = load.recip();
-        let along = force / self.friction[0].re().min(1.0);
-        let moment = along / point.ball.radius.re();
-        // (Σ_nut F)·k = F_a  or  w_b = u cosα                             (AC6)
-        let position = match self.condition {
-            AxialCondition::Force(axial) => (axial_force(&nut.force, &frame) - axial) * force,
-            AxialCondition::Displacement(u) => y[2] - u * self.grooves.cos_lead * length.recip(),
-        };
-        Ok([
-            left.force.x * along,
-            left.force.y * force,
-            left.force.z * force,
-            left.moment.x * moment,
-            left.moment.y * moment,
-            left.moment.z * moment,
-            position,
-        ])
+        Ok(self.evaluated(y).residual)
     }
 }
 
@@ -231,7 +298,7 @@ impl Balance<'_> {
     ) -> [f64; 4] {
         let point = &self.at.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
-        let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.cos_lead);
+        let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.lead.1);
         // (t × N)_b at nut and screw
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
         // There is no slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
@@ -243,16 +310,16 @@ impl Balance<'_> {
     /// Returns the friction forces of some flanks and the inertia force for given values of the
     /// unknowns.
     pub(super) fn friction(&self, y: &[f64; UNKNOWNS], flanks: [bool; FLANKS]) -> FixedForces {
-        let ArchState { to_nut, pressed, .. } = self.state(y);
+        let ArchState { to_nut: (rate, _), pressed, .. } = self.evaluated(y);
         let friction = |i: usize| {
-            pressed[i].filter(|_| flanks[i]).map_or(Vector3::zeros(), |pressed| {
-                pressed.wrench.force - pressed.contact.normal * pressed.load
-            })
+            let pressed = pressed[i].filter(|_| flanks[i]);
+            pressed.map_or(Vector3::zeros(), |pressed| Vector3::from(pressed.friction))
         };
         let of_nut = friction(0) + friction(1);
         let of_screw = friction(2) + friction(3);
-        let (point, frame) = (&self.at.point, self.frame());
-        let rate = to_nut.precession + point.drive.nut_speed;
+        let (point, frame) =
+            (&self.at.point, BallFrame::turned(self.at.point.helix.lead_angle, 0.0));
+        let rate = rate * point.drive.relative_speed().abs() + point.drive.nut_speed;
         let sum =
             of_nut + of_screw - frame.n * (point.ball.mass * point.helix.radius * rate * rate);
         FixedForces { ball: [sum.z, sum.y], of_nut: axial_force(&of_nut, &frame) }
@@ -264,9 +331,9 @@ impl Balance<'_> {
         y: &mut [f64; UNKNOWNS],
         options: &Options,
         newton: &mut Workspace<UNKNOWNS>,
-    ) -> Report {
+    ) -> Outcome<UNKNOWNS, Self> {
         let scales = Scales { x: &[1.0; UNKNOWNS], f: &[1.0; UNKNOWNS] };
-        solve(self, y, &scales, options, newton).report
+        solve(self, y, &scales, options, newton)
     }
 }
 

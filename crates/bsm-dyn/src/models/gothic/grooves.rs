@@ -55,7 +55,8 @@ pub struct Grooves<D = f64> {
     /// Shift of an arc center toward the middle due to play, `$s\cos\alpha/4$`.
     shift: D,
     hertz: [Hertz<D>; 2],
-    pub(super) cos_lead: D,
+    /// Sine and cosine of the lead angle.
+    pub(super) lead: (D, D),
 }
 
 /// Maximum shift of an arc center due to play, divided by `$l_0\sin\beta_0$`. At this shift, the
@@ -131,7 +132,7 @@ impl<P: Scalar> Grooves<P> {
             outward: offsets.map(|l| l * cos),
             shift: zero,
             hertz,
-            cos_lead: at.point.helix.lead_angle.cos(),
+            lead: at.point.helix.lead_angle.sin_cos(),
         }
     }
 
@@ -149,7 +150,7 @@ impl<P: Scalar> Grooves<P> {
         let [nut, screw] = nominal.across;
         let widest = if nut.re() < screw.re() { nut } else { screw } * MAX_SHIFT_RATIO;
         // e = l₀ sinβ₀ − s cosα/4                                         (AC2)
-        let shift = axial_play * nominal.cos_lead * 0.25;
+        let shift = axial_play * nominal.lead.1 * 0.25;
         let shift = if shift.re() < widest.re() { shift } else { widest };
         let grooves = Self { radial_gap, oversize, shift, ..nominal };
         if axial_play.re().is_nan() || axial_play.re() < 0.0 {
@@ -175,11 +176,13 @@ impl<P: Scalar> Grooves<P> {
 
     /// Returns the distance `$e$` of the arc center of nut (0) or screw (1) from the middle of the
     /// groove \[m\].
+    #[inline(always)]
     fn center(&self, body: usize) -> P {
         self.across[body] - self.shift
     }
 
     /// Returns a contact for a given position \[m\] of ball and nut (AC4).
+    #[inline(always)]
     pub fn flank<D: Over<P>>(
         &self,
         flank: usize,
@@ -198,19 +201,22 @@ impl<P: Scalar> Grooves<P> {
             moved[0] * (moved[0] + c[0] * 2.0) + moved[1] * (moved[1] + c[1] * 2.0) - by_play;
         // δ = l − l₀ + Δr,  l − l₀ = (|C₀|² − l₀² + 2 C₀·D + D·D)/(l + l₀)  (AC4)
         let approach = by_motion / (length + self.offsets[body]) + self.oversize;
-        FlankApproach { approach, length, normal: v.map(|v| v / length) }
+        let per_length = length.recip();
+        FlankApproach { approach, length, normal: [v[0] * per_length, v[1] * per_length] }
     }
 
     /// Returns the normal load of an approach \[N\], zero if there is a gap (H9).
+    #[inline(always)]
     pub fn load<D: Over<P>>(&self, flank: usize, approach: D) -> D {
         if approach.re() <= 0.0 {
-            return D::from(0.0);
+            return approach.constant(0.0);
         }
         approach * approach.sqrt() * self.stiffness[flank / 2]
     }
 
     /// Returns the semi-axes for a positive approach \[m\], calculated without the cube root of the
     /// load, whose slope at zero is infinite.
+    #[inline(always)]
     pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
         let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
         let a = approach.sqrt() * (semi_axis * self.stiffness[flank / 2].cbrt());
@@ -245,7 +251,7 @@ impl Grooves {
 
     /// Returns the axial force of the nut on a ball at rest \[N\].
     pub(super) fn axial_force(&self, place: &[f64; PLACE]) -> f64 {
-        self.normal_forces(place).1[0] * self.cos_lead
+        self.normal_forces(place).1[0] * self.lead.1
     }
 
     /// Returns the axial play below which the far flank of nut or screw touches a ball on two
@@ -256,7 +262,7 @@ impl Grooves {
         let play = |i: usize| {
             let offset = self.offsets[i] - self.oversize;
             let (length, angle) = (offset + approaches[i], angles[i].sin_cos());
-            far_flank_play((self.across[i], offset), length, angle, self.cos_lead)
+            far_flank_play((self.across[i], offset), length, angle, self.lead.1)
         };
         play(0).max(play(1))
     }
@@ -311,13 +317,13 @@ impl Grooves {
         let stiffness = (self.hertz[0].compliance + self.hertz[1].compliance).powf(-1.5);
         let touch = self.first_touch();
         let (w, axial) = match condition {
-            AxialCondition::Displacement(u) => (u * self.cos_lead, 0.0),
+            AxialCondition::Displacement(u) => (u * self.lead.1, 0.0),
             AxialCondition::Force(axial) => {
                 if !(axial >= 0.0 && (axial > 0.0 || touch < 0.0)) {
                     return Err(loose("axial force on the ball [N]", axial));
                 }
                 let sin = (1.0 - self.cos_first_contact().powi(2)).sqrt();
-                let load = axial / (sin * self.cos_lead);
+                let load = axial / (sin * self.lead.1);
                 ((load / stiffness).cbrt().powi(2) / sin + touch.max(0.0), axial)
             }
         };
@@ -327,7 +333,7 @@ impl Grooves {
         let length = g_b.hypot(g_n);
         let both = length - self.diagonal();
         if both <= 0.0 {
-            return Err(loose("axial displacement of the nut [m]", w / self.cos_lead));
+            return Err(loose("axial displacement of the nut [m]", w / self.lead.1));
         }
         let share =
             self.hertz[1].compliance / (self.hertz[0].compliance + self.hertz[1].compliance);
@@ -405,9 +411,9 @@ impl Rest<'_> {
         let (ball, nut) = self.grooves.normal_forces(&y.map(|y| y * self.length));
         let position = match self.condition {
             AxialCondition::Force(axial) => {
-                (nut[0] * self.grooves.cos_lead + (self.forces.of_nut - axial)) * self.force.recip()
+                (nut[0] * self.grooves.lead.1 + (self.forces.of_nut - axial)) * self.force.recip()
             }
-            AxialCondition::Displacement(u) => y[2] - u * self.grooves.cos_lead / self.length,
+            AxialCondition::Displacement(u) => y[2] - u * self.grooves.lead.1 / self.length,
         };
         let [along_b, along_n] =
             [0, 1].map(|i| (ball[i] + self.forces.ball[i]) * self.force.recip());

@@ -153,7 +153,7 @@ pub(super) fn frenet<P: Copy, D: RealOver<P>>((sin, cos): (P, P), y: &[D; BALL])
 /// * `i`: nut (0) or screw (1).
 /// * `(sin, cos)`: sine and cosine of the angle of `$N$`.
 #[inline(always)]
-fn turned<D: Real>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D, D) {
+pub(crate) fn turned<D: Real>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D, D) {
     let (second, third) = (cos * normal - sin * across, sin * normal + cos * across);
     if i == 0 { (second, third) } else { (-second, -third) }
 }
