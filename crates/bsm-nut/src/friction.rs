@@ -105,6 +105,8 @@ struct FreeBall {
     sliding_share: f64,
     /// Motion of the ball; `None` if the model does not determine it.
     motion: Option<FreeMotion>,
+    /// True for model `traction`, which places a ball on two contacts with all of its friction.
+    has_traction: bool,
     /// Load \[N\] and friction torque \[N·m\] of the third contact.
     third_contact: Option<(f64, f64)>,
     /// Mean friction coefficient of the contacts, if they are lubricated.
@@ -462,11 +464,15 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 
     /// Returns the friction of a loaded ball, with two contacts (U21) or with far flanks (AC5).
     fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
-        let ball = &self.found.balls[number];
-        let is_clamped = ball.flanks_pressed() == [true, true];
+        let is_clamped = self.found.balls[number].flanks_pressed() == [true, true];
         let play = self.nut.play(number, self.found);
-        if let Some((friction, far_flanks)) = self.friction.coefficients().zip(play) {
-            let state = self.in_arches(number, (friction, far_flanks)).ok()?;
+        // Most balls have as many contacts as the ball before.
+        let touched = self.before.as_ref().is_some_and(|(_, state)| state.far_flank_carries());
+        let two = if is_clamped || touched { None } else { self.on_two_contacts(number) };
+        if let Some(arches) = self.friction.coefficients().zip(play)
+            && !two.as_ref().is_some_and(|two| self.clears_far_flanks(two, number, arches))
+        {
+            let state = self.in_arches(number, arches).ok()?;
             if is_clamped || state.far_flank_carries() {
                 return Some(self.free_in_arches(&state, is_clamped));
             }
@@ -474,9 +480,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         if is_clamped {
             return None;
         }
-        let alone = self.friction_alone(self.alone(number)?)?;
-        let friction = alone.friction.limited_by_sliding(alone.sliding_share);
-        let mut free = FreeBall { friction, ..alone };
+        let mut free = two.or_else(|| self.on_two_contacts(number))?;
         if let (None, Some(FarFlanks::WithPlay(play)), Some(mean)) =
             (self.friction.loaded, play, free.mean_friction)
         {
@@ -484,6 +488,29 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             free = self.with_third_contact(&free, number, (friction, play))?;
         }
         Some(free)
+    }
+
+    /// Returns the friction of a ball on two contacts (U21).
+    fn on_two_contacts(&mut self, number: usize) -> Option<FreeBall> {
+        let alone = self.friction_alone(self.alone(number)?)?;
+        let friction = alone.friction.limited_by_sliding(alone.sliding_share);
+        Some(FreeBall { friction, ..alone })
+    }
+
+    /// Returns true if friction presses a ball on two contacts against no far flank. Only model
+    /// `traction` can tell; false for other models.
+    fn clears_far_flanks(
+        &self,
+        two: &FreeBall,
+        number: usize,
+        (friction, far_flanks): ([f64; 2], FarFlanks),
+    ) -> bool {
+        let FarFlanks::WithPlay(play) = far_flanks else { return false };
+        let state = two.motion.and_then(|motion| motion.ball).filter(|_| two.has_traction);
+        let gap = state.and_then(|state| {
+            self.in_own_arches(number, friction, play).far_gap_on_two_contacts(&state)
+        });
+        gap.is_some_and(|gap| gap >= 0.0)
     }
 
     /// Adds the loss of the third contact of a lubricated ball: the additional loss that it would
@@ -563,6 +590,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             friction,
             sliding_share: 0.0,
             motion: Some(self.nut.free_motion(&state.to_nut, state.relative_speed, None)),
+            has_traction: true,
             third_contact: third.map(|third| (third.load, third.power_share * torque)),
             mean_friction: None,
         }
@@ -603,7 +631,14 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             let sliding = coefficient * load * nut.helix.arc_length_per_radian();
             (contacts[0] + contacts[1]) / sliding
         });
-        Some(FreeBall { friction, sliding_share, motion, third_contact: None, mean_friction })
+        Some(FreeBall {
+            friction,
+            sliding_share,
+            motion,
+            has_traction: solution.model == Model::Traction,
+            third_contact: None,
+            mean_friction,
+        })
     }
 }
 

@@ -334,8 +334,8 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
 #[test]
 fn random_nuts_have_friction_at_every_flank_that_they_press() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
-    let (mut solved, mut thirds) = (0, 0);
-    for number in 0..campaign(500) {
+    let (mut solved, mut refused, mut thirds, mut on_two_contacts) = (0, 0, 0, 0);
+    for number in 0..campaign(5000) {
         let balls = rng.random_range(3..12_u8);
         let mut nut = with_circuits(vec![Circuit {
             start: 0.0,
@@ -356,20 +356,51 @@ fn random_nuts_have_friction_at_every_flank_that_they_press() {
             screw_speed: if rng.random_bool(0.5) { speed } else { -speed },
             nut_speed: 0.0,
         };
-        let friction = FlankFriction::equal(rng.log_uniform(0.01, 0.15));
+        let coefficient = rng.log_uniform(0.01, 0.15);
+        let friction = FlankFriction::equal(coefficient);
         let work = &mut ModelWorkspace::default();
         let all = nut.friction(&found, friction, &drive, 0.0, |at| {
             let (accuracy, creep) = (1e-6, Traction::<f64>::CREEP);
             Problem::Traction(Traction { at, accuracy, creep }).solve(work)
         });
-        let torque = all.torque.unwrap_or_else(|| panic!("{number}: no torque"));
+        let Some(torque) = all.torque else {
+            assert!(all.balls.len() < found.balls.len() && all.parts.is_none(), "{number}");
+            refused += 1;
+            continue;
+        };
         assert!(torque > 0.0 && torque.is_finite(), "{number}: {torque}");
         solved += 1;
         thirds += all.third_contacts.count;
-        let has_far_flanks = nut.errors.axial_play.is_some();
-        assert!(has_far_flanks || all.third_contacts.count == 0, "{number}");
+        let Some(axial_play) = nut.errors.axial_play else {
+            assert!(all.third_contacts.count == 0, "{number}");
+            continue;
+        };
+        let point = OperatingPoint {
+            helix: nut.helix,
+            contact_angle: nut.contact_angle,
+            ball: nut.ball,
+            friction: Coulomb(coefficient),
+            drive,
+            load: Load { axial: 1.0, balls: 1.0 },
+        };
+        let at = ElasticPoint { point, conformity: nut.conformity, material: nut.material };
+        for (ball, motion) in all.motions.iter().enumerate() {
+            let Some(state) = motion.and_then(|motion| motion.ball) else { continue };
+            let fit = ArchFit { axial_play, radial_gap: -found.grooves[ball][1], oversize: 0.0 };
+            let far_friction = at.point.friction;
+            let creep = Traction::<f64>::CREEP;
+            let in_arches = GothicBall { at, fit, far_friction, accuracy: 1e-6, creep };
+            let gap = in_arches.far_gap_on_two_contacts(&state).expect("a moving ball");
+            // The accuracy of both quadratures is 1e-6 of the friction, and approaches are a few
+            // micrometers.
+            assert!(gap >= -1e-11, "{number}, ball {ball}: {gap:e}");
+            on_two_contacts += 1;
+        }
     }
-    assert!(10 * solved > 8 * campaign(500) && thirds > 20, "{solved} {thirds}");
+    println!("{solved} solved, {refused} refused, {thirds} third contacts");
+    // Balls of less than 4 N on the edge of their flanks may have no steady motion.
+    assert!(10 * solved > 8 * campaign(5000) && 200 * refused < solved, "{solved} {refused}");
+    assert!(thirds > 200 && on_two_contacts > 200, "{thirds} {on_two_contacts}");
 }
 
 /// A growing side load presses the eight balls of a nut onto their far flanks, one after the other.
