@@ -890,13 +890,13 @@ impl NutReport {
                 )
             }
             Some(PreloadKind::Offset) => format!(
-                "{assumed} The balls of the pair are assumed to have two contacts, as with a wide play. Manufacturers do \
-                 not state the play of the nuts of a pair; running_preload_torque_factor_without_play is the value without \
-                 play."
+                "{assumed} The balls of the pair are assumed to have two contacts, as with a wide play, because no published \
+                 source states the play of the nuts of a pair. running_preload_torque_factor_without_play is the value \
+                 without play."
             ),
             None => format!(
-                "{assumed} The balls are assumed to have two contacts, as with a wide play. Single nuts have an axial play \
-                 of at most 5 to 50 um (THK, classes GT to G3)."
+                "{assumed} The balls are assumed to have two contacts, as with a wide play, because no published source \
+                 states a usual play. THK limits the axial play to 5 um (class GT) to 50 um (class G3)."
             ),
         })
     }

@@ -384,7 +384,7 @@ inputs! {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
             "radial distance between the groove bottoms of nut and screw; equals half the difference of their core diameters. It replaces contact_angle_deg in load ratings";
         axial_play_um ["um"] AtLeast(0.0), None,
-            "axial play of one nut without preload; below the threshold play, balls also touch a far flank. With a play of 0, balls at rest touch the gothic arch at four points. If neither axial_play_um nor radial_gap_um is given, balls have two contacts and the thread has no play";
+            "axial play of one nut without preload; below the threshold play, balls also touch a far flank. With a play of 0, balls at rest touch the gothic arch at four points. If neither axial_play_um nor radial_gap_um is given, the thread has no play, oversize balls have four contacts, and other balls have two contacts as with a wide play, because no published source states a usual play";
         nut_bore_mm ["mm"] Above(0.0), None,
             "inner diameter of the nut at its lands; used for its mass and the ends of its flanks. Defaults to the pitch circle diameter plus 1.5 mm, or plus half a ball diameter for balls below 3 mm";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
