@@ -60,8 +60,8 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     })
 }
 
-/// Returns the friction of balls lubricated with ISO VG 68 oil, calculated with raceway control by
-/// the nut as in the reference cases.
+/// Returns the friction of balls lubricated with ISO VG 68 oil. The nut controls all balls, as in
+/// the reference cases.
 fn oiled(
     nut: &BallNut,
     found: &Equilibrium,
@@ -292,10 +292,10 @@ fn warm_states_match_the_reference() {
     }
 }
 
-/// WS-P3 has a fold and a second state, WS-P6 has a fold, and WS-P2 has no fold up to a speed
-/// factor of 2.5. Speed factors must agree to 1e-5, and states to the tolerance of the case.
-/// Temperatures at the folds are printed to 1 mK. Because the speed is stationary at a fold, an
-/// error of 0.05 K changes it by only 1e-6.
+/// Case WS-P3 has a fold and a second state, case WS-P6 has a fold, and case WS-P2 has no fold up
+/// to a speed factor of 2.5. Speed factors must agree to 1e-5, and states must agree to the
+/// tolerance of the case. Temperatures at the folds are printed to 1 mK. Because the speed is
+/// stationary at a fold, an error of 0.05 K changes the speed by only 1e-6.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -540,7 +540,7 @@ fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // The loop gain is calculated from differences of equal heats.
+    // The loop gain is calculated from differences between equal heats.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
         near("rise", three, 3.0 * one, 1e-9 * three);
@@ -588,7 +588,7 @@ fn linear_network_matches_the_warm_state_with_constant_heat() {
     }
 }
 
-/// Returns the nut with a given friction function, and with friction of seals and bearings.
+/// Returns the nut with a given friction function, and with seal and bearing friction.
 fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
@@ -602,7 +602,7 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
 
 /// Returns a friction function proportional to the ball loads, with a friction coefficient of 0.002
 /// on the pitch circle times a factor.
-fn friction_of_factor(
+fn load_proportional_friction(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
     move |nut, found, _, _, _| {
@@ -618,7 +618,7 @@ fn friction_of_factor(
 fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
-        let friction = friction_of_factor(factor);
+        let friction = load_proportional_friction(factor);
         let mut nut = with_friction(&base, &friction);
         let of = base.network(1.0).conductances;
         for heat in [&mut nut.drag, &mut nut.seal, &mut nut.bearings, &mut nut.motor] {
@@ -647,7 +647,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
 /// preloads in X and O arrangement are equal.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
-    let friction = friction_of_factor(1.0);
+    let friction = load_proportional_friction(1.0);
     let of = |id: &str, free: f64, gap: f64| {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
@@ -674,11 +674,11 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
     near("preloads", x.heated.preload, o.heated.preload, 0.3);
 }
 
-/// Without thermal resistance between its parts and without screw ends, an axis is a single node,
-/// whose surfaces together dissipate the heat.
+/// Without thermal resistance between its parts and without screw ends, an axis is a single node.
+/// Its surfaces together dissipate the heat.
 #[test]
 fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
-    let friction = friction_of_factor(1.0);
+    let friction = load_proportional_friction(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
     nut.axis.surfaces =
@@ -689,8 +689,8 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // The tolerance covers the effects of about 100 W at 1e5 W/K, and of screw ends with 1e-6
-        // of the length.
+        // The tolerance covers the temperature rise of about 100 W at 1e5 W/K, and screw ends whose
+        // length is 1e-6 of the screw length.
         near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
@@ -700,7 +700,7 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
 /// along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at
 /// 12.
 #[test]
-fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
+fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
     for (x, percent) in [(0.5, 6.0), (2.0, 12.0), (3.0, 12.0), (7.0, 9.0), (12.0, 6.0)] {
         let mut network = base.network(1.0);
@@ -717,7 +717,7 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
         let rise = along * network.screw.travel / matrix[1][1];
         near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
-        // The percentages in the specification are rounded.
+        // The specification rounds these percentages.
         near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
     }
 }
@@ -728,7 +728,7 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
 /// temperature range over which the functions are nonlinear.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
-    let friction = friction_of_factor(1.0);
+    let friction = load_proportional_friction(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
@@ -800,7 +800,7 @@ fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
 /// rolling resistance, which is 2 % of the friction of the body. The interpolated sum and the sum
 /// over all balls would have these jumps at different loads.
 #[test]
-fn friction_has_no_jump_when_balls_lose_their_load() {
+fn friction_is_continuous_when_balls_lose_their_load() {
     let axis = axis(&reference("WS-P4")["case"]);
     // The ball loads vary along the nut because thermal expansion changes the lead.
     let warm = axis.nut.warmed([2.0, 1.0, 3.0], axis.axis.screw.expansion);
