@@ -3,7 +3,10 @@
 //! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate). Tests
 //! compare both implementations.
 
-#![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indexes of vectors and matrices, written as in the equations"
+)]
 
 use bsm_kin::Real;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
@@ -354,7 +357,7 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
-    /// Number of nodes on all lines, where nodes that are processed side by side count once.
+    /// Number of nodes on all lines. Nodes that are processed side by side count as one node.
     pub(super) count: usize,
 }
 
@@ -394,7 +397,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // In every case, the lane has as many values as a block.
+        // For every vector width, the number of vectors is chosen so that the lane holds one block.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),

@@ -239,7 +239,7 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, if no root is found, or if the powers do not balance.
+    /// [`NoAnswer`] if there is no root, if no root is found, or if the power balance is violated.
     pub(crate) fn solved(
         &self,
         contacts: &ElasticContacts,

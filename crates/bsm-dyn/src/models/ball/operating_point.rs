@@ -84,7 +84,7 @@ pub struct AnswerUnits<F = f64> {
 }
 
 impl<F: Real> AnswerUnits<F> {
-    /// Returns true if the load drives.
+    /// Returns true if the load back-drives the screw.
     #[inline(always)]
     pub fn back(&self) -> F::Mask {
         self.speed.lt(self.speed.constant(0.0))

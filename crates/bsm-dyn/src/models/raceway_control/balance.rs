@@ -152,8 +152,9 @@ impl Balance<'_> {
         self.statics.is_unique(true)
     }
 
-    /// Finds the roots on the flanks whose contact angles differ by more than those of the first
-    /// root. The scan may miss pairs of roots that are closer together than its resolution.
+    /// Finds the roots on the flanks whose contact angles differ more than the contact angles of
+    /// the first root. The scan may miss pairs of roots that are closer together than its
+    /// resolution.
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],

@@ -1,4 +1,4 @@
-//! Tests of the traction model: compares `no_solution` with searches from many starting points, and
+//! Tests the traction model: compares `no_solution` with searches from many starting points, and
 //! checks both sets of unknowns, error bounds and derivatives. Difficult operating points are in
 //! `validation/hard`.
 
@@ -138,11 +138,11 @@ fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
     );
 }
 
-/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib no_solution_at_length
-/// -- --ignored --nocapture`.
+/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib
+/// no_solution_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_length() {
+fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_many_points() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
@@ -226,11 +226,11 @@ fn error_bound_covers_the_quadrature_error() {
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// Repeats the test with more points:
-/// `cargo test --release -p bsm-dyn --lib quadrature_error_at_length -- --ignored --nocapture`.
+/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib
+/// quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn error_bound_covers_the_quadrature_error_at_length() {
+fn error_bound_covers_the_quadrature_error_at_many_points() {
     let (points, broken, largest) = stated_errors(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
@@ -240,7 +240,7 @@ fn error_bound_covers_the_quadrature_error_at_length() {
 /// Compares the equations in contact coordinates with a calculation of forces and moments as
 /// vectors in the ball triad, for both sets of unknowns.
 #[test]
-fn equations_agree_with_vectors_of_force_and_moment() {
+fn equations_agree_with_force_and_moment_vectors() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
     let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];
