@@ -98,8 +98,8 @@ fn path_follows_a_pole_until_the_caller_ends_it() {
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// The failures are expected: the domain of the equations is limited, or there is no curve near the
-/// seed.
+/// These failures are expected, because the domain of the equations is limited, or because there is
+/// no curve near the seed.
 #[test]
 fn lost_paths_and_missing_curves_are_reported() {
     let root = |x: f64, y: f64| {
