@@ -93,7 +93,7 @@ pub struct Limits {
 
 /// One combination of sizes, with lengths in m and angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(missing_docs, reason = "the entries of the lists")]
+#[expect(missing_docs, reason = "the fields are entries of the lists of sizes")]
 pub struct Size {
     pub diameter: f64,
     pub lead: f64,

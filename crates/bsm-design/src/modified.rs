@@ -148,7 +148,7 @@ pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
 
 /// Contamination class of the lubricant according to ISO 281.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the words of ISO 281")]
+#[expect(missing_docs, reason = "the variants are terms from ISO 281")]
 pub enum Contamination {
     ExtremeCleanliness,
     High,

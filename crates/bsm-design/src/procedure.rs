@@ -543,7 +543,7 @@ fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "at most 200, and NaN becomes 0"
+        reason = "the value is at most 200, and NaN becomes 0"
     )]
     let count = ((high - low) / stride) as u32;
     (0..=count).map(move |i| low + f64::from(i) * stride)

@@ -412,7 +412,10 @@ impl Design {
     ///
     /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
     /// rating and life according to ISO 3408-5.
-    #[expect(clippy::too_many_lines, reason = "one step of the procedure after another")]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the function contains the steps of the procedure in order"
+    )]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);

@@ -290,7 +290,7 @@ impl BallNut {
 }
 
 /// Converts a small count to a floating-point number.
-#[expect(clippy::cast_precision_loss, reason = "numbers of balls and threads")]
+#[expect(clippy::cast_precision_loss, reason = "the numbers of balls and threads are small")]
 pub(crate) fn count(n: usize) -> f64 {
     n as f64
 }
