@@ -47,7 +47,7 @@ pub enum LeadError {
     },
     /// A linear error `$s\,(z - z_0)$`.
     Slope {
-        /// Slope `$s$`.
+        /// Slope `$s$` of the axial error (dimensionless).
         slope: f64,
         /// Axial position at which the error is zero, `$z_0$` \[m\].
         origin: f64,

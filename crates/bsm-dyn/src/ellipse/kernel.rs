@@ -91,7 +91,7 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
 
 /// Nodes along a block of lines whose spin poles are inside the contact ellipse.
 pub(super) struct NearPole<S: Simd> {
-    /// Angle of the pole, and its width.
+    /// Angle and angular width of the spin pole.
     at: Lane<S>,
     width: Lane<S>,
     sides: [NearSide<S>; 2],
@@ -478,7 +478,7 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool
     simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done })
 }
 
-/// Arguments of [`sums`].
+/// Function object for [`sums`]. It is compiled as a separate function because its code is long.
 struct SumsCall<'a, S, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     points: &'a [Patch; 2],
@@ -619,7 +619,7 @@ impl<S: Simd> Chord<S> {
     }
 }
 
-/// Adds values to totals.
+/// Adds each lane of values to its block of totals, starting at index `at` of the block.
 #[inline(always)]
 fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
     for (total, value) in totals.iter_mut().zip(values) {

@@ -16,7 +16,7 @@ use crate::models::ball::{
 pub struct ScrewSize<D = f64> {
     /// Pitch circle radius `$r_m$` \[m\].
     pub pitch_radius: D,
-    /// Load on the balls.
+    /// External load on the balls.
     pub load: Load<D>,
     /// Relative speed `$W$` \[rad/s\], if known; required for the powers.
     pub relative_speed: Option<D>,

@@ -37,9 +37,9 @@ pub struct RacewayControl<D = f64> {
 /// Reusable memory for solving raceway-control models.
 pub struct RacewayWorkspace {
     newton: Workspace<STATIC>,
-    /// Quadrature for values.
+    /// Quadrature rule for results without derivatives.
     quadrature: Quadrature,
-    /// Quadrature for derivatives.
+    /// Quadrature rule for derivatives.
     sensitivity_quadrature: Quadrature,
 }
 

@@ -207,7 +207,7 @@ impl Balance<'_> {
         self.statics.inertia * rate * rate
     }
 
-    /// Runs Newton's method from `x`.
+    /// Runs Newton's method from the starting value `x`.
     fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
