@@ -13,7 +13,7 @@ fn body_speed(site: Site, drive: &Drive<f64>) -> f64 {
 }
 
 /// Returns the components of the slip velocity at a contact, across and along the groove.
-fn slip(
+fn slip_components(
     site: Site,
     beta: f64,
     helix: &Helix<f64>,
@@ -41,12 +41,12 @@ fn slip_matches_the_published_components() {
     let d = r_m / alpha.cos();
     let omega = drive.screw_speed;
 
-    let (x, y) = slip(Site::Nut, beta, &helix, r_b, &drive, &motion);
+    let (x, y) = slip_components(Site::Nut, beta, &helix, r_b, &drive, &motion);
     assert_relative_eq!(x, -r_b * wt, max_relative = 1e-13);
     let expected = d * (rate + omega) + r_b * (wb * beta.cos() - wn * beta.sin());
     assert_relative_eq!(y, expected, max_relative = 1e-13);
 
-    let (x, y) = slip(Site::Screw, beta, &helix, r_b, &drive, &motion);
+    let (x, y) = slip_components(Site::Screw, beta, &helix, r_b, &drive, &motion);
     assert_relative_eq!(x, r_b * (wt - omega * alpha.sin()), max_relative = 1e-13);
     let expected = d * rate - r_b * ((wb - omega * alpha.cos()) * beta.cos() - wn * beta.sin());
     assert_relative_eq!(y, expected, max_relative = 1e-12);
@@ -61,7 +61,7 @@ fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     for site in SITES {
         let speed = body_speed(site, &drive);
         let frozen = Motion { precession: speed, omega: frame.k * speed };
-        let (x, y) = slip(site, 0.7, &helix, 3e-3, &drive, &frozen);
+        let (x, y) = slip_components(site, 0.7, &helix, 3e-3, &drive, &frozen);
         assert_relative_eq!(x, 0.0, epsilon = 1e-16);
         assert_relative_eq!(y, 0.0, epsilon = 1e-16);
     }

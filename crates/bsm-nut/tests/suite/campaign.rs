@@ -144,7 +144,7 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
 /// their load, the largest residual and the largest number of steps.
 ///
 /// * `every`: interval between nuts whose stiffness is compared with finite differences.
-fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
+fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
     for point in 0..points {
@@ -184,9 +184,9 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
 }
 
 /// Solves random nuts and checks the properties that every nut must have.
-#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+#[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_campaign(points: u32, seed: u64, every: u32) {
-    let (solved, nothing, worst, most) = campaign(points, seed, every);
+    let (solved, nothing, worst, most) = solve_random_nuts(points, seed, every);
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
@@ -323,7 +323,7 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
 
 /// Checks that extreme nuts are either in equilibrium according to their own loads and contact
 /// angles, or are rejected with a reason. The numbers of both outcomes are printed.
-#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+#[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_extreme_campaign(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut refused) = (0, [0; 5]);

@@ -118,7 +118,7 @@ impl Scene {
 
 /// Checks that two numbers agree. The tolerance is relative to `size`.
 #[track_caller]
-fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
+fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     let error = (found - expected).abs();
     assert!(
         error <= tolerance * size.abs(),
@@ -135,10 +135,16 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
     let flanks = ["nut_plus", "nut_minus", "screw_plus", "screw_minus"];
     for (i, flank) in flanks.iter().enumerate() {
         let load = number(expect, &format!("{flank}_N")).expect("load");
-        near(&format!("{name} {flank}_N"), loads[i], load, 1e-6, largest);
+        assert_near(&format!("{name} {flank}_N"), loads[i], load, 1e-6, largest);
         match (number(expect, &format!("{flank}_deg")), &found.contacts[i]) {
             (Some(angle), Some(contact)) => {
-                near(&format!("{name} {flank}_deg"), contact.state.angle / DEG, angle, 1e-5, 1.0);
+                assert_near(
+                    &format!("{name} {flank}_deg"),
+                    contact.state.angle / DEG,
+                    angle,
+                    1e-5,
+                    1.0,
+                );
             }
             (None, None) => {}
             (angle, contact) => panic!("{name} {flank}: {angle:?} {contact:?}"),
@@ -157,11 +163,17 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
     ];
     for (key, value, tolerance, size) in scalars {
         if let Some(expected) = number(expect, key) {
-            near(&format!("{name} {key}"), value, expected, tolerance, size);
+            assert_near(&format!("{name} {key}"), value, expected, tolerance, size);
         }
     }
     if let Some(expected) = number(expect, "efficiency") {
-        near(&format!("{name} efficiency"), found.efficiency.expect("loaded"), expected, 1e-6, 1.0);
+        assert_near(
+            &format!("{name} efficiency"),
+            found.efficiency.expect("loaded"),
+            expected,
+            1e-6,
+            1.0,
+        );
     }
     let third = found.far_contact().filter(|_| found.contacts.iter().flatten().count() == 3);
     assert_eq!(third.is_some(), expect["third_contact"].is_string(), "{name} {third:?}");
@@ -179,7 +191,7 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
         ] {
             // The tolerance for the load ratio is the same as for a load.
             let expected = number(expect, key).expect("number");
-            near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
+            assert_near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
     }
 }
@@ -226,11 +238,17 @@ fn ball_with_wide_play_matches_the_traction_model() {
         let found = ball.solve(AxialCondition::Force(load), None, work).expect("a ball");
         assert!(!found.far_flank_carries(), "{:?}", found.approaches);
         let (torque, loads) = (solved.transmission.screw_torque.expect("torque"), found.loads());
-        near("torque", found.screw_torque, torque, 2e-8, torque);
+        assert_near("torque", found.screw_torque, torque, 2e-8, torque);
         let load = solved.ball.nut.load.expect("load");
-        near("load", loads[0], load, 2e-8, load);
+        assert_near("load", loads[0], load, 2e-8, load);
         let axial = solved.ball.axial_displacement.expect("elastic");
-        near("displacement", found.axial_displacement - found.first_touch, axial, 1e-7, axial);
+        assert_near(
+            "displacement",
+            found.axial_displacement - found.first_touch,
+            axial,
+            1e-7,
+            axial,
+        );
     }
 }
 
@@ -289,7 +307,7 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         contacts[found.contacts.iter().flatten().count()] += 1;
         most_steps = most_steps.max(found.info.steps);
         most_imbalance = most_imbalance.max(found.power_balance.abs());
-        near("axial force", found.axial_force, load, 1e-9, found.loads()[0]);
+        assert_near("axial force", found.axial_force, load, 1e-9, found.loads()[0]);
         // A contact carries load if and only if it is compressed.
         for (load, approach) in found.loads().into_iter().zip(found.approaches) {
             assert_eq!(load > 0.0, approach > 0.0, "{number}");
@@ -317,7 +335,7 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
             // are less accurate. The rounding error of the elastic approach is 1e-16 of the groove
             // radius, and the groove radius is much larger than the approach. The relative error of
             // a load is 3/2 times the relative error of its approach.
-            near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
+            assert_near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
     println!(
@@ -443,9 +461,9 @@ fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
         let (loads, other) = (here.loads(), there.loads());
         for i in 0..FLANKS {
             // Both force balances are solved to less than 1e-10 of the friction force.
-            near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
+            assert_near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
         }
-        near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
+        assert_near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
     }
 }
 
@@ -470,7 +488,7 @@ fn loads_without_friction_match_the_static_nut() {
         let expected = at_rest.at([w, 0.0], oversize, Flanks::Both).expect("a pressed ball");
         let largest = expected.max_load();
         for (load, expected) in found.loads().into_iter().zip(expected.loads) {
-            near("load", load, expected, 1e-5, largest);
+            assert_near("load", load, expected, 1e-5, largest);
         }
     }
 }
@@ -491,11 +509,17 @@ fn torque_is_continuous_where_the_third_contact_begins() {
         assert!(!above.far_flank_carries() && below.far_flank_carries(), "{threshold}");
         // The upper limit of the gap is a few millionths of the play of about 30 um.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
-        near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
+        assert_near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
         // Above the threshold play, the gap grows with the play, and increasing the play by one
         // tenth hardly changes the torque.
         let wide = at(threshold * 1.1);
-        near("two contacts", wide.screw_torque, above.screw_torque, 1e-9, above.screw_torque);
+        assert_near(
+            "two contacts",
+            wide.screw_torque,
+            above.screw_torque,
+            1e-9,
+            above.screw_torque,
+        );
     }
 }
 
@@ -534,9 +558,9 @@ fn reference_pairs_have_the_expected_drag() {
             GothicPair { driving: scene.gothic(), offset: -um * 1e-6 }
         };
         let get = |key: &str| number(expect, key).unwrap_or_else(|| panic!("{key}"));
-        near("offset", pair.offset * 1e6, -get("preload_offset_um"), 1e-5, 1.0);
+        assert_near("offset", pair.offset * 1e6, -get("preload_offset_um"), 1e-5, 1.0);
         let preload = pair.force_at_rest(work).expect("pressed balls");
-        near("preload", preload, get("frictionless_preload_N"), 1e-6, preload);
+        assert_near("preload", preload, get("frictionless_preload_N"), 1e-6, preload);
         let load = number(&case["case"], "axial_load_N").expect("a load");
         let found = pair.solve(load, work).expect("a running pair");
         let turning = found.driving.motion.omega.norm();
@@ -553,12 +577,12 @@ fn reference_pairs_have_the_expected_drag() {
             turning,
         );
         let torque = found.friction_torque;
-        near("torque", torque, get("friction_torque_Nm"), 1e-6, torque);
+        assert_near("torque", torque, get("friction_torque_Nm"), 1e-6, torque);
         let running = found.drag_coefficient(found.force(), scene.lead_m());
-        near("K_p", running, get("drag_coefficient_running"), 1e-6, running);
+        assert_near("K_p", running, get("drag_coefficient_running"), 1e-6, running);
         let at_rest = found.drag_coefficient(preload, scene.lead_m());
-        near("K_p at rest", at_rest, get("drag_coefficient"), 1e-6, at_rest);
-        near("force", found.force() / preload, get("running_over_frictionless"), 1e-6, 1.0);
+        assert_near("K_p at rest", at_rest, get("drag_coefficient"), 1e-6, at_rest);
+        assert_near("force", found.force() / preload, get("running_over_frictionless"), 1e-6, 1.0);
     }
 }
 
@@ -581,8 +605,8 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
         let found = pair.solve(0.0, work).expect("a running pair");
         let running = found.drag_coefficient(found.force(), scene.lead_m());
         // The study prints its values with six digits.
-        near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
-        near("force", found.force() / value(10), value(13), 1e-5, 1.0);
+        assert_near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
+        assert_near("force", found.force() / value(10), value(13), 1e-5, 1.0);
     }
     assert_eq!(rows, 8);
 }
@@ -597,7 +621,7 @@ fn less_friction_at_the_far_flank_lowers_the_drag() {
     let pair = GothicPair::of_preload(ball, 60.0, work).expect("a pair");
     let found = pair.solve(0.0, work).expect("a running pair");
     let running = found.drag_coefficient(found.force(), scene.lead_m());
-    near("K_p", running, 0.166, 5e-4, 1.0);
+    assert_near("K_p", running, 0.166, 5e-4, 1.0);
 }
 
 /// Returns the friction torque of a pair whose preload is 60 N per ball.
@@ -614,7 +638,7 @@ fn an_unloaded_pair_of_identical_nuts_has_equal_drag_in_both_directions() {
         pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::from_study(0.08, 10.0) }, work)
     });
     // Both solutions are accurate to 1e-10 of the friction force.
-    near("torque", there, back, 1e-8, there);
+    assert_near("torque", there, back, 1e-8, there);
 }
 
 #[test]

@@ -19,7 +19,7 @@ use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
 /// Returns the random extreme operating point with a given seed and number.
-fn point(seed: u64, number: u64) -> ElasticPoint {
+fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
     extreme(&mut rng)
@@ -61,7 +61,11 @@ fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
 }
 
 /// Returns a root on the flanks that is found from random starting points, or `None`.
-fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<SlipRoot> {
+fn root_from_random_starts(
+    ball: &SlipBall<'_>,
+    starts: usize,
+    rng: &mut impl Rng,
+) -> Option<SlipRoot> {
     let mut newton = Workspace::default();
     let end = ball.creep.ln();
     (0..starts).find_map(|_| {
@@ -94,7 +98,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
     let mut counts = SearchCounts::default();
     for number in 0..points as u64 {
-        let screw = point(seed, number);
+        let screw = random_extreme_point(seed, number);
         let Ok(contacts) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
         let creep = Traction::CREEP * contacts.slip_scale();
@@ -112,7 +116,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
         if solution.status() == Status::NotConverged {
             println!("undecided: {number} {:?}", solution.reason());
         }
-        if let Some(root) = search(&ball, starts, &mut rng) {
+        if let Some(root) = root_from_random_starts(&ball, starts, &mut rng) {
             count[1] += 1;
             if solution.status() == Status::NoSolution {
                 println!("refuted: {number} {screw:?} {root:?}");
@@ -154,7 +158,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
     let mut seen = 0;
     for number in 0..60 {
-        let screw = point(8, number);
+        let screw = random_extreme_point(8, number);
         let solution = solved(screw, &mut work);
         let Ok(contacts) = screw.scaled() else { continue };
         // Large inertia causes cancellation in the unknowns (T1), and zero inertia causes

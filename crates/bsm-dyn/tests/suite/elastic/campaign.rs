@@ -79,7 +79,7 @@ fn elastic_converges_where_it_has_a_root() {
 #[test]
 fn errors_of_the_automatic_choice_are_within_their_bounds() {
     for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
-        let tried = bounds(real_screws(seed), tolerance);
+        let tried = check_error_bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
         assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
         // Bounds exceed the tolerance at some points if the tolerance is near the error due to the
@@ -87,7 +87,7 @@ fn errors_of_the_automatic_choice_are_within_their_bounds() {
         assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
         // The automatic choice must not always select the most expensive model.
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
-        let tried = bounds(unusual_screws(seed), tolerance);
+        let tried = check_error_bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
         // Outside the ranges of the fit, the bounds may fail at up to 2 % of the points.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
@@ -161,7 +161,7 @@ struct ChoiceCounts {
     traction: usize,
 }
 
-fn bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> ChoiceCounts {
+fn check_error_bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> ChoiceCounts {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     let mut tried = ChoiceCounts::default();
     for screw in screws.take(bsm_sample::campaign(2000)) {

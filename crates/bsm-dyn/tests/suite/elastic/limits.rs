@@ -28,7 +28,7 @@ fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
     numbers(case.solve(&mut TractionWorkspace::default()))
 }
 
-fn elastic(screw: ElasticPoint) -> SteadyState {
+fn solve_elastic(screw: ElasticPoint) -> SteadyState {
     numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
@@ -37,7 +37,7 @@ fn elastic(screw: ElasticPoint) -> SteadyState {
 #[test]
 fn elastic_equals_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
-        let o = elastic(screw);
+        let o = solve_elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
         let angles =
             bsm_dyn::angles::Angles { lead: screw.point.helix.lead_angle, contact: loaded };
@@ -80,7 +80,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
         let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
         if onset(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
-            let difference = elastic(screw).transmission.efficiency
+            let difference = solve_elastic(screw).transmission.efficiency
                 - traction(screw, 1e-8, 1e-4).transmission.efficiency;
             assert!(difference.abs() <= 5e-3, "{screw:?} {difference}");
         }
@@ -142,7 +142,7 @@ fn a_scaled_screw_has_the_same_motion() {
     });
     for (one, other) in [
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
-        (elastic(screw), elastic(large)),
+        (solve_elastic(screw), solve_elastic(large)),
     ] {
         // In scaled units, the results differ only by rounding errors.
         assert_relative_eq!(
@@ -189,7 +189,7 @@ fn points_without_a_solution_report_the_correct_reason() {
 fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
         let screw = with_friction(0.39, lin(16.0, 50.0, -rpm, 3e3));
-        let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
+        let balance = solve_elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-10, "{rpm} rpm: {balance}");
     }
 }
@@ -221,7 +221,7 @@ fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
 #[test]
 fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
-    let o = elastic(screw);
+    let o = solve_elastic(screw);
     assert!(o.ball.motion.expect("P").precession.abs() < 0.1 * screw.point.drive.screw_speed);
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
@@ -270,7 +270,7 @@ fn power_balance_holds_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
         let screw = with_friction(0.15, lin(1.1, 55.0, rpm, 3000.0));
         let screw = ElasticPoint { conformity: (0.52, 0.56), ..screw };
-        let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
+        let balance = solve_elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-9, "{rpm} rpm: {balance}");
     }
 }
@@ -328,7 +328,7 @@ proptest! {
         axial in 20.0..3000.0_f64, back in any::<bool>(),
     ) {
         let screw = lin(lead, beta, if back { -rpm } else { rpm }, axial);
-        for o in [traction(screw, 1e-4, 1e-4), elastic(screw)] {
+        for o in [traction(screw, 1e-4, 1e-4), solve_elastic(screw)] {
             let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.point.drive.relative_speed();
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
