@@ -25,7 +25,7 @@ assert design.found, design.reasons
 screw = design.case
 print(screw)
 
-# %% Every nut of the catalog that meets all limits, with the lightest first.
+# %% Every nut in the catalog that meets all limits, with the lightest first.
 nuts = bs.select_nuts(requirement=requirement, sort="mass_kg", first=5)
 print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
 

@@ -99,8 +99,8 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Returns the point of the cycle with the largest absolute load. If several points have this
-    /// load, returns the fastest of them.
+    /// Returns the point of the cycle with the largest absolute load. If this load occurs at
+    /// several points, returns the fastest of them.
     pub fn heaviest(&self) -> Option<PhasePoint> {
         self.phases.iter().map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }

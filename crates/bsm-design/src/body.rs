@@ -26,7 +26,7 @@ pub enum NutSet {
 }
 
 impl NutSet {
-    /// Returns the nut set for a preload method, which is a single nut if there is no preload.
+    /// Returns the nut set for a preload method. Without preload, this is a single nut.
     ///
     /// * `gap`: gap between the nuts of a pair \[m\].
     pub fn of(method: Option<PreloadMethod>, gap: Option<f64>) -> Self {
@@ -37,7 +37,7 @@ impl NutSet {
         }
     }
 
-    /// Returns the usual length of the nut set \[m\] (D10), (BB6).
+    /// Returns the typical length of the nut set \[m\] (D10), (BB6).
     ///
     /// ```math
     /// L_n = P(i + 3), \qquad \text{pair: } 2P(i + 3) + g, \qquad \text{shifted lead: } P(2i + 4)
@@ -71,7 +71,7 @@ impl NutBody {
     /// Assumed number of loaded turns if only the load ratings of a nut are known.
     pub const TURNS_OF_RATINGS: f64 = 3.0;
 
-    /// Returns the usual dimensions of a nut set (D10), (BB6).
+    /// Returns the typical dimensions of a nut set (D10), (BB6).
     ///
     /// Source: Sobolewski (2002).
     pub fn usual(nut: &Nut, set: NutSet) -> Self {
@@ -82,7 +82,7 @@ impl NutBody {
         }
     }
 
-    /// Returns the usual dimensions of a nut set of which only the load ratings are known. The
+    /// Returns the typical dimensions of a nut set for which only the load ratings are known. The
     /// number of loaded turns defaults to [`TURNS_OF_RATINGS`](Self::TURNS_OF_RATINGS).
     ///
     /// * `nominal`: nominal diameter \[m\].
@@ -123,7 +123,7 @@ impl Nut {
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// The formula for the mass is the same, with `$r$` instead of `$r^3$`.
+    /// The formula for the mass contains `$r$` instead of `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
@@ -174,10 +174,10 @@ mod tests {
 
     use super::*;
 
-    /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length by (D10) is
-    /// long enough for their turns and at most 1.45 times the catalog length \[mm\], because end
-    /// caps are short. When all turns were counted on a single thread, the calculated length was up
-    /// to 2.8 times too long.
+    /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length calculated
+    /// with (D10) is long enough for their turns. It is at most 1.45 times the catalog length
+    /// \[mm\], because end caps are short. When all turns were counted on a single thread, the
+    /// calculated length was up to 2.8 times too long.
     #[test]
     fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [
@@ -196,10 +196,10 @@ mod tests {
         }
     }
 
-    /// The moment of inertia used to be calculated from the pitch circle, which made it more than
-    /// 40 % too large. The expected values for a length of one meter come from another quadrature
-    /// with six digits. A bore reduces mass and inertia by the values of a rod with the bore
-    /// diameter.
+    /// The moment of inertia used to be calculated from the pitch circle diameter, which made it
+    /// more than 40 % too large. The expected values for a length of one meter come from another
+    /// quadrature with six digits. A bore reduces mass and inertia by the mass and inertia of a rod
+    /// with the bore diameter.
     #[test]
     fn mass_and_inertia_of_a_screw_exclude_the_groove() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };

@@ -21,7 +21,7 @@ pub const BALL_GAP: f64 = 0.10;
 /// Largest lead \[m\] to which the limit [`Limits::least_ball_over_lead`] applies.
 const SHORT_LEAD: f64 = 10e-3;
 
-/// Lists of sizes to combine, with lengths in m and angles in rad.
+/// Lists of sizes that the catalog combines, with lengths in m and angles in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lists {
     /// Nominal diameters of the screw.
@@ -36,8 +36,8 @@ pub struct Lists {
     pub conformities: Vec<f64>,
     /// Contact angles.
     pub contact_angles: Vec<f64>,
-    /// Sizes that manufacturers offer, which replace the lists of nominal diameters, leads, balls
-    /// and turns. If empty, all combinations of these lists are used.
+    /// Sizes that manufacturers offer. They replace the lists of nominal diameters, leads, balls
+    /// and turns. If this list is empty, all combinations of the other lists are used.
     pub offered: Vec<OfferedSize>,
 }
 
@@ -74,7 +74,8 @@ pub struct Limits {
     pub ball_over_diameter: (f64, f64),
     /// Upper bound (exclusive) of the ratio of ball diameter to root diameter of the screw.
     pub ball_over_root: f64,
-    /// Largest total ball clearance of a full turn, divided by the ball diameter; less than 1.
+    /// Largest sum of all gaps between the balls of a full turn, divided by the ball diameter; less
+    /// than 1.
     pub ball_gap: f64,
     /// Axial play of one nut without preload \[m\].
     pub axial_play: f64,
@@ -92,7 +93,7 @@ pub struct Limits {
 
 /// One combination of sizes, with lengths in m and angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(missing_docs, reason = "the entries of the lists")]
+#[expect(missing_docs, reason = "the fields are entries of the lists of sizes")]
 pub struct Size {
     pub diameter: f64,
     pub lead: f64,
@@ -110,7 +111,7 @@ impl Size {
     }
 }
 
-/// A nut of the catalog with its calculated properties.
+/// A nut in the catalog with its calculated properties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
     /// Combination of sizes that defines the nut.
@@ -135,7 +136,7 @@ pub struct Candidate {
     pub edge_load: f64,
     /// Mass of one nut \[kg\].
     pub mass: f64,
-    /// Efficiency, taking only the rolling resistance into account.
+    /// Efficiency calculated from the rolling resistance alone.
     pub efficiency: f64,
 }
 
@@ -325,7 +326,8 @@ impl Lists {
         all.into_par_iter().filter(|index| self.candidate(limits, *index).is_some()).collect()
     }
 
-    /// Applies `each` to the nuts with the given indices, in order, without storing the nuts.
+    /// Applies `each` to the nuts with the given indices and returns the results in the same order.
+    /// The nuts are not stored.
     pub fn map<R: Send>(
         &self,
         limits: &Limits,

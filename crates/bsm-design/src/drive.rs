@@ -33,7 +33,7 @@ pub struct MachineTable {
 }
 
 impl MachineTable {
-    /// A machine table without mass and forces, driven by a single screw.
+    /// Machine table without mass, without forces and with a single screw.
     pub const NONE: Self = Self {
         mass: 0.0,
         inclination: 0.0,
@@ -110,10 +110,10 @@ pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
 }
 
-/// Usual ratio of brake torque to frictionless load torque.
+/// Typical ratio of brake torque to frictionless load torque.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
-/// Usual upper limit of the ratio of breakaway drag to drag in motion, for preload, seals and
+/// Typical upper limit of the ratio of breakaway torque to running torque, for preload, seals and
 /// bearings.
 const AT_REST: f64 = 2.0;
 
@@ -141,8 +141,8 @@ impl BackDriving {
     /// * `of_load`: load torque minus contact friction \[N·m\]. The first value assumes the largest
     ///   friction and only the part of the load that guide friction does not hold. The second value
     ///   assumes the smallest friction and the whole load.
-    /// * `drag`: drag torque of preload, seals and support bearings in motion \[N·m\]. At rest, the
-    ///   drag may be twice as large.
+    /// * `drag`: drag torque of preload, seals and support bearings in motion \[N·m\]. The
+    ///   breakaway torque may be twice as large.
     ///
     /// Source: the torque of HIWIN BS-08-2, F 3.16, minus the drag.
     pub fn of(of_load: [f64; 2], drag: f64) -> ([f64; 2], Self) {
@@ -292,7 +292,7 @@ impl DriveTrain {
     /// ```
     ///
     /// where the exponent is -1 if the screw drives the motor. At standstill, the motor holds the
-    /// load without the help of friction, unless a brake holds it.
+    /// load without the help of friction, unless a brake holds the load.
     ///
     /// * `point`: operating point, whose load includes the force that accelerates the moving mass.
     /// * `friction`: friction torque that opposes the motion, at one screw \[N·m\].
@@ -483,7 +483,7 @@ mod tests {
     /// Hand calculation: a mass of 13.012 kg per meter corresponds to a rod of 46 mm diameter with
     /// 3.433e-3 kg m², and a rod of 30.164 mm diameter has 6.38007e-4 kg m².
     #[test]
-    fn a_screw_of_known_mass_has_the_inertia_of_a_rod() {
+    fn inertia_of_a_screw_with_known_mass_equals_inertia_of_a_rod() {
         let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
         assert_relative_eq!(rod_inertia(1.0, mass), 6.380_07e-4, max_relative = 1e-6);
         let inertia = rod_inertia(1.0, 13.012);
@@ -543,10 +543,10 @@ mod tests {
     }
 
     /// The THK examples (A-722 to A-746) divide the whole force by an efficiency of 0.9 and add the
-    /// inertia separately. Horizontal: 80 kg, 1 m/s in 0.15 s, 17.354 N, lead 40 mm (printed:
-    /// 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in 0.2 s, 510.33 N, lead 10 mm
-    /// (printed: 1.58e-4 kg m², 0.90 and 1.10 N m). THK calculates the rod with the nominal
-    /// diameter.
+    /// inertia torque separately. Horizontal: 80 kg, 1 m/s in 0.15 s, 17.354 N, lead 40 mm
+    /// (printed: 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in 0.2 s, 510.33 N,
+    /// lead 10 mm (printed: 1.58e-4 kg m², 0.90 and 1.10 N m). THK calculates the moment of inertia
+    /// of the screw with the nominal diameter.
     #[test]
     fn motor_torques_match_examples_of_thk() {
         for (rod, length, mass, lead, motor, speed, ramp, force, inertia, torques) in [
@@ -585,7 +585,7 @@ mod tests {
     /// 36.66 mm. Without a brake, the axis falls with 2.20649 m/s² at an efficiency of 0.8 and a
     /// drag of 0.25 N m.
     #[test]
-    fn brake_stops_a_falling_axis() {
+    fn brake_stopping_distance_matches_a_hand_calculation() {
         let drive = DriveTrain {
             lead: 10e-3,
             driven_inertia: 6.380_07e-4,

@@ -43,10 +43,10 @@ const CONFORMITY: f64 = 0.52;
 /// Contact angle \[rad\], assumed for load ratings and for the best groove.
 const CONTACT_ANGLE: f64 = FRAC_PI_4;
 
-/// Elastic constants of trial nuts, which do not influence the load ratings.
+/// Elastic constants of trial nuts. They do not influence the load ratings.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Millimeters per meter, because the prior uses mm.
+/// Millimeters per meter. The prior uses lengths in mm.
 const PER_M: f64 = 1e3;
 
 /// One catalog row with everything that is known about a screw and its nut.
@@ -149,7 +149,7 @@ pub struct GrooveEstimate {
     pub balls: Vec<BallProbability>,
 }
 
-/// A mistake in a catalog row that would explain why the row is rejected.
+/// A mistake in a catalog row that would explain why the ratings do not match any groove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reading {
     /// The ratings are stated in kgf instead of N.
@@ -190,8 +190,8 @@ impl Reading {
         Self::LeadOverTen,
     ];
 
-    /// Returns the row after correcting this mistake, or `None` if the mistake concerns the static
-    /// rating and the row has none.
+    /// Returns the row after correcting this mistake. Returns `None` if the mistake concerns the
+    /// static rating and the row has no static rating.
     fn of(self, line: &CatalogLine) -> Option<CatalogLine> {
         let ratings = |factor: f64| CatalogLine {
             dynamic_rating: factor * line.dynamic_rating,
@@ -507,7 +507,8 @@ impl GrooveEstimate {
     }
 }
 
-/// Returns a coordinate in (0, 1) that draws a quantity independent of the groove.
+/// Returns a quasi-random number in (0, 1) from which a quantity that does not depend on the groove
+/// is drawn.
 ///
 /// * `draw`: index of the draw, from 0.
 pub fn beside_groove(draw: usize) -> f64 {
@@ -579,7 +580,7 @@ mod tests {
         }
     }
 
-    /// Returns the catalog row of the nut SFU1605-4 by TBI.
+    /// Returns the catalog row of the TBI nut SFU1605-4.
     fn sfu() -> CatalogLine {
         line(16.0, 5.0, 13_533.0, 29_930.0)
     }
@@ -709,7 +710,7 @@ mod tests {
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
     }
 
-    /// The first draws do not depend on the number of draws.
+    /// The first draws are the same for any total number of draws.
     #[test]
     fn first_draws_do_not_depend_on_the_number_of_draws() {
         let estimate = sfu().estimate().expect("usual ratings");

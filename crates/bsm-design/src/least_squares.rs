@@ -160,7 +160,7 @@ mod tests {
 
     /// A fit to exact points recovers the parameters of the curve.
     #[test]
-    fn exact_points_give_the_exact_parameters() {
+    fn fit_to_exact_points_recovers_the_parameters() {
         let of = |x: &[f64], t: f64| x[0] * (-x[1] * t).exp();
         let data: Vec<_> =
             (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
@@ -177,7 +177,7 @@ mod tests {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
         let found =
             fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
-        // Hand calculation: the means are 1.5 for t and 2.5 for y; S_tt = 5 and S_ty = 4.7; the sum
+        // Hand calculation: the means are 1.5 for t and 2.5 for y, S_tt = 5 and S_ty = 4.7. The sum
         // of squared residuals is 0.082, and the variance is 0.041.
         assert_relative_eq!(found.at[1], 0.94, epsilon = 1e-7);
         assert_relative_eq!(found.at[0], 1.09, epsilon = 1e-7);
@@ -185,8 +185,8 @@ mod tests {
         assert_relative_eq!(deviations[1], (0.041_f64 / 5.0).sqrt(), max_relative = 1e-6);
     }
 
-    /// If the minimum lies beyond the bound of one parameter, this parameter stays at its bound,
-    /// and the other parameter is optimal for this value.
+    /// If the minimum lies beyond the bound of one parameter, this parameter stays at its bound.
+    /// The other parameter is optimal for this value.
     #[test]
     fn a_parameter_beyond_its_bound_is_held_at_the_bound() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
@@ -198,7 +198,7 @@ mod tests {
 
     /// The exact solution lies on a bound, but the bound is not active.
     #[test]
-    fn an_exact_parameter_on_its_bound_is_not_held() {
+    fn parameter_whose_exact_value_is_on_its_bound_is_not_held() {
         let data = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0)];
         let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
         assert_relative_eq!(found.at[1], 1.0, epsilon = 1e-7);

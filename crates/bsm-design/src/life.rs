@@ -125,7 +125,7 @@ pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     Some(Life { mean_load, mean_speed, revolutions, time: revolutions * TAU / mean_speed })
 }
 
-/// Combines the lives of two flanks into one life.
+/// Returns the life of a nut from the lives of its two flanks.
 fn of_flanks([one, other]: [f64; 2]) -> f64 {
     if one.max(other).is_infinite() {
         return one.min(other);
@@ -166,7 +166,8 @@ pub fn modified_life(
     (angle > 0.0).then(|| of_flanks(taken.map(|taken| MILLION * angle / taken)))
 }
 
-/// Reliabilities \[%\], each with the ratio of its life to the life at 90 % (Z14) (ISO 3408-5).
+/// Reliabilities \[%\], each with the ratio of the life at this reliability to the life at 90 %
+/// (Z14) (ISO 3408-5).
 const RELIABILITY: [(f64, f64); 6] =
     [(90.0, 1.0), (95.0, 0.62), (96.0, 0.53), (97.0, 0.44), (98.0, 0.33), (99.0, 0.21)];
 
@@ -227,7 +228,7 @@ mod tests {
     /// Hand calculation: if half of all revolutions are without load, the life doubles. Standstill
     /// does not add revolutions.
     #[test]
-    fn the_mean_load_is_weighted_by_revolutions() {
+    fn equivalent_load_is_weighted_by_revolutions() {
         let (load, idle, rest) = (duty(2e3, 10.0, 1.0), duty(0.0, 5.0, 2.0), duty(9e3, 0.0, 7.0));
         let life = life(20e3, None, &[load, idle, rest]).expect("turns");
         assert_relative_eq!(life.revolutions, 2e9, max_relative = 1e-12);
@@ -260,7 +261,7 @@ mod tests {
         let rpm = TAU / 60.0;
         let of = life(4400.0, None, &[duty(1.2 * 250.0, 2118.0 * rpm, 1.0)]).expect("turns");
         // The exact result is 24 826.6 h. MISUMI rounds intermediate results, which changes the
-        // life by 1e-4.
+        // life by a relative 1e-4.
         assert_relative_eq!(of.time / 3600.0, 24_824.0, max_relative = 1.5e-4);
         let of = life(17_073.1, None, &[duty(1.2 * 1000.0, 2400.0 * rpm, 1.0)]).expect("turns");
         // The rating has six digits, so its error is up to 6e-6, and the error of the life is three
@@ -268,9 +269,9 @@ mod tests {
         assert_relative_eq!(of.time / 3600.0, 20_000.0, max_relative = 2e-5);
     }
 
-    /// Without a load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is just
-    /// unloaded, and the pair has the life of a single nut under this load. If the load changes
-    /// direction, the nuts swap roles.
+    /// Without an external load, both nuts carry the preload. At 2^{3/2} times the preload, one nut
+    /// is just unloaded, and the pair has the life of a single nut under this load. If the load
+    /// changes direction, the nuts exchange their roles.
     #[test]
     fn a_pair_without_remaining_preload_has_the_life_of_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");
@@ -283,7 +284,7 @@ mod tests {
         }
         let both = [duty(1e3, 1.0, 1.0), duty(-1e3, 1.0, 1.0)];
         let shared = life(20e3, Some(1e3), &both).expect("turns");
-        // Each nut is the more heavily loaded one during half of all revolutions.
+        // Each nut is the more heavily loaded nut during half of all revolutions.
         assert!(shared.revolutions > pair(1e3).revolutions, "{shared:?}");
         assert!(life(20e3, None, &[duty(1e3, 0.0, 1.0)]).is_none());
     }

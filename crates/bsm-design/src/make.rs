@@ -10,7 +10,7 @@ use crate::Grade;
 /// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
 const MAX_LENGTHS: &str = include_str!("longest_screws.csv");
 
-/// Step to which nominal diameters are rounded: whole millimeters, expressed in \[m\].
+/// Step to which nominal diameters are rounded \[m\], which is one millimeter.
 const STEP: f64 = 1e-3;
 
 /// Manufacturing process of a screw, or type of ball return.
@@ -96,7 +96,7 @@ mod tests {
     /// applies; and rolled screws of any grade. A land diameter of 49.03 mm belongs to a nominal
     /// diameter of 50 mm.
     #[test]
-    fn screws_have_a_maximum_length() {
+    fn maximum_screw_lengths_match_the_catalog_tables() {
         for (make, grade, land, longest) in [
             (Make::Ground, Some("P3"), 32e-3, Some(2.5)),
             (Make::Ground, Some("C2"), 32e-3, Some(1.8)),

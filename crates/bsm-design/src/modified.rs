@@ -34,7 +34,7 @@ impl RatingFactors {
     ///
     /// * `accuracy`, `steel`: factors `$f_{ac}$` and `$f_m$`.
     ///
-    /// Source: ISO 3408-5, 6.1 and 6.2; for hardness HIWIN BS-08-2, F 3.37 and F 3.38, with usual
+    /// Source: ISO 3408-5, 6.1 and 6.2; for hardness HIWIN BS-08-2, F 3.37 and F 3.38, with typical
     /// values for Vickers hardness.
     pub fn of(hardness: Option<Hardness>, accuracy: f64, steel: f64) -> Self {
         let over_full = hardness.map_or(1.0, |hardness| match hardness {
@@ -48,8 +48,8 @@ impl RatingFactors {
 }
 
 impl Grade {
-    /// Returns the accuracy factor `$f_{ac}$` of the load rating. Usual values of ISO 3408-5 are 1
-    /// up to grade 5, 0.9 for grades 7 and 8, and 0.7 for grade 10.
+    /// Returns the accuracy factor `$f_{ac}$` of the load rating. Typical values from ISO 3408-5
+    /// are 1 up to grade 5, 0.9 for grades 7 and 8, and 0.7 for grade 10.
     pub fn rating_factor(&self) -> f64 {
         match self.name.trim_start_matches(char::is_alphabetic) {
             "7" | "8" => 0.9,
@@ -77,8 +77,8 @@ impl Nut {
     }
 }
 
-/// Returns the fatigue load limit \[N\] of a nut if only its load ratings are known. The usual
-/// value is 1/22 of the static load rating, which is defined at 4200 MPa. For pitch circle
+/// Returns the fatigue load limit \[N\] of a nut for which only the load ratings are known. The
+/// typical value is 1/22 of the static load rating, which is defined at 4200 MPa. For pitch circle
 /// diameters above 100 mm, the value is smaller.
 ///
 /// * `pitch_diameter`: pitch circle diameter \[m\].
@@ -86,7 +86,7 @@ pub fn usual_fatigue_limit(static_rating: f64, pitch_diameter: f64) -> f64 {
     static_rating / 22.0 * (0.1 / pitch_diameter).sqrt().min(1.0)
 }
 
-/// Returns the viscosity ratio `$\kappa$` (Z38).
+/// Returns the viscosity ratio `$\kappa$` at a given speed (Z38).
 ///
 /// ```math
 /// \kappa = \frac{\nu}{\nu_1}, \qquad \nu_1 = 45\,000\,n^{-0.83}D_{pw}^{-1/2}\ (n < 1000), \quad 4500\,n^{-1/2}D_{pw}^{-1/2}
@@ -148,7 +148,7 @@ pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
 
 /// Contamination class of the lubricant according to ISO 281.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the words of ISO 281")]
+#[expect(missing_docs, reason = "the variants are terms from ISO 281")]
 pub enum Contamination {
     ExtremeCleanliness,
     High,
@@ -160,12 +160,12 @@ pub enum Contamination {
 }
 
 impl Contamination {
-    /// Returns the contamination factor `$e_C$` as an array of usual, smallest and largest value.
+    /// Returns the typical, the smallest and the largest value of the contamination factor `$e_C$`.
     ///
     /// * `pitch_diameter`: pitch circle diameter \[m\].
     ///
     /// Source: ISO 281 as in NTN, Ball and Roller Bearings, table 3.4. The values for extreme
-    /// cleanliness are usual values.
+    /// cleanliness are typical values.
     pub fn factor(self, pitch_diameter: f64) -> [f64; 3] {
         let [small, large] = match self {
             Self::ExtremeCleanliness => [[1.0; 3]; 2],

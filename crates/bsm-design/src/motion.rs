@@ -10,13 +10,14 @@ use gauss_quad::GaussLegendre;
 
 use crate::{DriveTrain, Duty, MachineTable, OPENS_AT};
 
-/// Relative tolerance for the shortest time of a move, because decimal inputs have rounding errors.
+/// Relative tolerance for the shortest duration of a move. It allows for rounding errors of decimal
+/// inputs.
 const ROUNDING: f64 = 1e-12;
 
 /// Fraction of the largest speed of a phase below which friction is constant. The transition from
 /// standstill is not modeled.
 ///
-/// The same fraction applies to loads. Without a preload, friction varies linearly with the load
+/// This fraction also applies to loads. Without a preload, friction varies linearly with the load
 /// below this fraction of the largest load of the phase.
 const CREEP: f64 = 1e-3;
 
@@ -169,8 +170,8 @@ impl ProfileSegment {
         Self { entry: Some(0), time, pace: [pace; 2], force: [force; 2], load_factor: 1.0 }
     }
 
-    /// Returns the phases of the screw. A segment that passes through standstill is split there
-    /// into two phases.
+    /// Returns the phases of the screw during this segment. A segment that passes through
+    /// standstill is split into two phases at standstill.
     ///
     /// * `lead`: lead of the screw \[m\].
     fn phases(&self, table: &MachineTable, lead: f64) -> impl Iterator<Item = Phase> {
@@ -658,10 +659,10 @@ impl CycleTravel {
     }
 }
 
-/// Returns all pairs of consecutive phases with a jump in speed between them. The first phase
-/// follows the last one.
+/// Returns all pairs of consecutive phases between which the speed jumps. The last phase is
+/// followed by the first phase.
 ///
-/// Jumps below one millionth of the largest speed count as rounding errors.
+/// Speed jumps of less than one millionth of the largest speed are ignored as rounding errors.
 pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
     const ROUNDING: f64 = 1e-6;
     let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
@@ -738,7 +739,7 @@ mod tests {
     /// friction torque of 0.1 |F| h. The motor returns power while the load drives, which is one
     /// quarter of the time, with a mean of 0.9 h 500 N Ω during this quarter.
     #[test]
-    fn motor_regenerates_while_a_linear_load_drives() {
+    fn motor_regenerates_while_the_load_back_drives_the_screw() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
         let advance = 10e-3 / TAU;
         let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs());
@@ -754,7 +755,7 @@ mod tests {
     /// Hand calculation: for a load from -1 to 3 kN, a friction torque of 0.1 |F| h + 0.3 N m has a
     /// mean of 0.1 h 1250 N + 0.3 N m. The constant drag remains when the load is zero.
     #[test]
-    fn drag_remains_when_the_load_changes_sign() {
+    fn constant_drag_remains_when_the_load_changes_sign() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
         let advance = 10e-3 / TAU;
         let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs() + 0.3);
@@ -769,7 +770,7 @@ mod tests {
     /// Hand calculation: for a load from 0 to 20 kN, the mean of the cubed load is 20³/4. For a
     /// load from F₀ to F₁, it is (F₀ + F₁)(F₀² + F₁²)/4.
     #[test]
-    fn duty_reproduces_the_mean_cube_of_a_linear_load() {
+    fn equivalent_duty_reproduces_the_mean_cube_of_a_linear_load() {
         for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
             let phase = ramp([10.0; 2], load);
             let duty = phase.duty(None);

@@ -81,8 +81,8 @@ impl StaticRating {
 }
 
 impl Nut {
-    /// Conformity with which the formulas reproduce the load ratings in the HIWIN catalog
-    /// (BS-08-2). It is the default for tables that do not state the conformity.
+    /// Conformity for which the formulas reproduce the load ratings in the HIWIN catalog (BS-08-2).
+    /// It is the default for tables that do not state the conformity.
     pub const USUAL_CONFORMITY: f64 = 0.5203;
 
     /// Number of turns by which the ball return shortens the loaded part of a circuit. It was

@@ -21,7 +21,7 @@ pub enum PreloadMethod {
     DoubleNut,
     /// Single nut with a lead offset between its two halves.
     Offset,
-    /// Single nut with oversize balls that touch both flanks.
+    /// Single nut with oversize balls that press against both flanks.
     Oversize,
 }
 
@@ -82,8 +82,8 @@ pub enum PreloadClass {
     Play(Option<f64>),
 }
 
-/// Preload classes of manufacturers. The fractions of the dynamic load rating are usual values, and
-/// the values of axial play come from THK, table 10.
+/// Preload classes of manufacturers. The fractions of the dynamic load rating are typical values,
+/// and the values of axial play come from THK, table 10.
 pub const PRELOAD_CLASSES: [(&str, PreloadClass); 16] = {
     use PreloadClass::{Play, Preload as Of};
     use PreloadSize::{Auto, Share};

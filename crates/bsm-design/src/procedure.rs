@@ -65,7 +65,7 @@ pub enum Outcome {
         /// just meets. In a search of standard sizes, these are the limits without which a better
         /// screw would be selected.
         active: Vec<BindingLimit>,
-        /// Names of the rules based on all ball loads that better screws violate.
+        /// Names of the rules, based on the loads of all balls, that better screws violate.
         failed_rules: Vec<&'static str>,
     },
     /// No screw meets the requirement.
@@ -92,10 +92,10 @@ pub struct ActiveLimit {
 /// Reason why a limit cannot be met together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Infeasibility {
-    /// Without this limit, all others can be met. The value is the best value of the limited
-    /// quantity under the other limits.
+    /// The other limits can all be met without this limit. The value is the best value of the
+    /// limited quantity under the other limits.
     SingleLimit(f64),
-    /// Even without this limit, the other limits cannot all be met.
+    /// The other limits cannot all be met, even without this limit.
     SeveralLimits,
     /// The limits can be met only with a fractional number of balls or with an unavailable ball
     /// size.
@@ -145,7 +145,8 @@ impl Requirement {
         if let [best, ..] = feasible[..] {
             return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
         }
-        // To identify the reason, only the quantities with limits are needed.
+        // To find out which limits rule out all designs, only the quantities with limits are
+        // needed.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
@@ -172,11 +173,12 @@ impl Requirement {
     }
 }
 
-/// Number of designs that are checked in parallel against the rules based on all ball loads.
+/// Number of designs that are checked in parallel against the rules that depend on the loads of all
+/// balls.
 const BATCH_SIZE: usize = 16;
 
-/// Returns the first design that meets the rules based on all ball loads, and the names of the
-/// rules that the preceding designs violate. The designs must be in order of preference.
+/// Returns the first design that meets the rules based on the loads of all balls, and the names of
+/// the rules that the preceding designs violate. The designs must be in order of preference.
 pub(crate) fn first_accepted<'a>(
     designs: &[&'a Design],
     accepted: AcceptedBy<'_>,
@@ -196,7 +198,7 @@ pub(crate) fn first_accepted<'a>(
     (None, failed_rules)
 }
 
-/// Returns the limits that the design meets only just.
+/// Returns the limits that the design just meets.
 fn active_constraints(design: &Design) -> Vec<BindingLimit> {
     let near =
         |check: &&Check| check.violation().is_some_and(|violations| violations > -ACTIVE_MARGIN);
@@ -294,7 +296,7 @@ impl Search<'_> {
     /// Returns the nut for a point of the search space, with a fractional number of balls.
     fn nut(&self, at: &Trial) -> Nut {
         let variables = self.variables(&at.free);
-        // If a turn holds at most the four balls that are in the return, no ball would carry load.
+        // If a turn holds at most the four balls in the ball return, no ball would carry load.
         let loaded = (self.balls(&variables) - IDLE_BALLS).max(0.1);
         self.nut_of(&variables, loaded, at.turns)
     }
@@ -310,7 +312,7 @@ impl Search<'_> {
     fn value_of(&self, design: &Design) -> Value {
         Value {
             objective: design.objective(self.requirement.objective),
-            // The search also accepts limits that are violated by less than its tolerance, so this
+            // The search also accepts designs that violate a limit by less than its tolerance. This
             // margin keeps accepted designs within the limits, except for rounding errors.
             violations: design
                 .checks
@@ -328,9 +330,9 @@ impl Search<'_> {
         value(&self.best_from(&STARTS[..FEW_STARTS], turns, value))
     }
 
-    /// Minimizes from every combination of starting point and number of turns, and returns the best
-    /// minimum. Among the minima with the smallest violation, it is the one with the smallest
-    /// objective.
+    /// Starts a minimization from every combination of starting point and number of turns, and
+    /// returns the best minimum. This is the minimum with the smallest violation or, if several
+    /// minima have the same violation, with the smallest objective.
     fn best_from(
         &self,
         starts: &[[f64; 4]],
@@ -380,7 +382,8 @@ impl Search<'_> {
                 }
             }
         }
-        // If no candidate meets the size limits, all are kept, because they show the reason.
+        // If no candidate meets the size limits, all candidates are kept to explain why the search
+        // fails.
         let fitting: Vec<_> = nuts.iter().filter(|nut| self.fits(nut)).copied().collect();
         let nuts = if fitting.is_empty() { nuts } else { fitting };
         let mut coarse_grid: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
@@ -505,8 +508,8 @@ impl Search<'_> {
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
             let violations = others.filter_map(Check::violation).collect();
             let own = checks.iter().find(|c| c.quantity == check.quantity);
-            // Returns the logarithmic distance from the limit, which is suitable even if the value
-            // is many times the limit.
+            // The logarithmic distance from the limit is suitable even if the value is many times
+            // the limit.
             let far = |c: &Check| {
                 let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
                 below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
@@ -540,7 +543,7 @@ fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "at most 200, and NaN becomes 0"
+        reason = "the value is at most 200, and NaN becomes 0"
     )]
     let count = ((high - low) / stride) as u32;
     (0..=count).map(move |i| low + f64::from(i) * stride)

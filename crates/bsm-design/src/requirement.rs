@@ -37,7 +37,7 @@ impl LoadCase {
     }
 }
 
-/// Lead of a screw, specified directly or by the lead angle.
+/// Lead of a screw, specified directly or as a lead angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pitch {
     /// Lead \[m\].
@@ -174,7 +174,7 @@ pub struct Requirement {
     pub direction: Direction,
     /// Allowed leads or lead angles, at least one.
     pub pitches: Vec<Pitch>,
-    /// Length of the screw, or its stroke.
+    /// Length or stroke of the screw.
     pub travel: Travel,
     /// End supports and length of the screw.
     pub mount: Mount,
@@ -222,7 +222,7 @@ pub struct Requirement {
     pub stock: Vec<f64>,
 }
 
-/// Quantities of a design, in the order of the steps of Lin's procedure.
+/// Quantities that a design must satisfy, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say what the values are; SI units")]
 pub enum Quantity {
@@ -331,9 +331,10 @@ impl Requirement {
     }
 
     /// Returns the requirement with an upper limit of the number of loaded turns. If the limit is
-    /// missing, the usual limit is used.
+    /// missing, the default limit is used.
     ///
-    /// * `listed`: limit that a list of sizes specifies, or infinity. It may raise the usual limit.
+    /// * `listed`: limit that a list of sizes specifies, or infinity. It may raise the default
+    ///   limit.
     #[must_use]
     pub fn with_usual_turns(&self, listed: f64) -> Self {
         let usual = self.searched_turns();
@@ -341,8 +342,8 @@ impl Requirement {
         Self { largest_turns: self.largest_turns.or(Some(largest)), ..self.clone() }
     }
 
-    /// Returns the requirement with missing limits of ratios and turns replaced by the limits for a
-    /// search of continuous sizes. Sizes from lists do not need these limits.
+    /// Returns a copy of the requirement in which missing limits of ratios and turns are replaced
+    /// by the limits for a search of continuous sizes. Sizes from lists do not need these limits.
     #[must_use]
     pub fn of_any_size(&self) -> Self {
         let both = |(low, high)| (Some(low), Some(high));
@@ -401,8 +402,8 @@ pub struct Design {
 /// model has no solution.
 pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
-/// Function that checks a nut against the rules based on all ball loads, and returns the names of
-/// violated rules as the error.
+/// Function that checks a nut against the rules that depend on the loads of all balls. Its error
+/// contains the names of violated rules.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
 
 impl Design {
@@ -411,7 +412,10 @@ impl Design {
     ///
     /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
     /// rating and life according to ISO 3408-5.
-    #[expect(clippy::too_many_lines, reason = "one step of the procedure after another")]
+    #[expect(
+        clippy::too_many_lines,
+        reason = "the function contains the steps of the procedure in order"
+    )]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);

@@ -1,4 +1,5 @@
-//! Test of the runs of equal signs, which shows whether residuals are random or systematic.
+//! Test of the runs of equal signs (Wald-Wolfowitz runs test), which shows whether residuals are
+//! random or systematic.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, equation (V8).
 

@@ -42,32 +42,32 @@ impl Screw {
         )
     }
 
-    /// Returns the usual core diameter \[m\] of a screw for which the catalog does not print it
-    /// (Z30).
+    /// Returns the typical core diameter \[m\] of a screw whose catalog does not print it (Z30).
     ///
     /// * `nominal`, `lead`: nominal diameter \[m\] and lead \[m\].
     /// * `ball`: ball diameter \[m\], or `None` if it is not known.
     ///
     /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, in which nominal and core diameter differ by 0.79
-    /// to 0.84 ball diameters. If the ball diameter is not known, usual values apply.
+    /// to 0.84 ball diameters. If the ball diameter is not known, typical values apply.
     pub fn usual_core(nominal: f64, lead: f64, ball: Option<f64>) -> f64 {
         // d₃ = d₀ − 0.84 D_w,  max(d₀ − P_h/2, 0.84 d₀)                   (Z30)
         ball.map_or((nominal - 0.5 * lead).max(0.84 * nominal), |ball| nominal - 0.84 * ball)
     }
 
-    /// Returns the usual mass per meter \[kg/m\] of a screw for which the catalog does not print it
+    /// Returns the typical mass per meter \[kg/m\] of a screw whose catalog does not print it
     /// (Z31). The value is accurate to about 20 %.
     ///
     /// * `nominal`, `core`: nominal and core diameter \[m\].
     ///
-    /// Source: median of 175 screws in the general catalog of THK with printed core and mass.
+    /// Source: median of 175 screws in the general catalog of THK whose core diameter and mass are
+    /// printed.
     pub fn usual_mass_per_length(nominal: f64, core: f64) -> f64 {
         // m′ = ρ π/4 d_m²,  d_m = d₃ + 0.46 (d₀ − d₃)                     (Z31)
         0.25 * STEEL * PI * (core + 0.46 * (nominal - core)).powi(2)
     }
 }
 
-/// Efficiencies that a catalog states for screws of all sizes.
+/// Efficiencies that a catalog states for all screw sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Efficiency {
     /// Efficiency in forward driving.
@@ -84,7 +84,7 @@ impl Efficiency {
     /// ```
     ///
     /// * `ideal`: load torque without friction \[N·m\].
-    /// * `drives`: true if the load drives the screw.
+    /// * `drives`: true if the load back-drives the screw.
     ///
     /// Source: HIWIN BS-08-2, F 3.15 and F 3.16.
     pub fn friction(&self, ideal: f64, drives: bool) -> f64 {
@@ -104,8 +104,8 @@ pub enum StiffnessAt {
 
 impl StiffnessAt {
     /// Converts a stiffness from a catalog to another load or preload (Z33). The result has the
-    /// unit of the given stiffness. Returns `None` if one of the two nuts has a preload and
-    /// the other has none.
+    /// unit of the given stiffness. Returns `None` if only one of the two operating points has a
+    /// preload.
     ///
     /// ```math
     /// R_{nu} = 0.8\,K\Big(\frac{F}{\epsilon\,C_a}\Big)^{1/3}
@@ -139,10 +139,11 @@ mod tests {
 
     use super::*;
 
-    /// The hand calculations are for a screw of 40 mm x 10 mm with 6.35 mm balls, and with an
-    /// unknown ball diameter. With a lead of 20 mm, the rule alone would give a core of 30 mm.
+    /// The hand calculations are for a 40 mm x 10 mm screw, with 6.35 mm balls and with an unknown
+    /// ball diameter. For a lead of 20 mm, the rule without a lower limit would give a core
+    /// diameter of 30 mm.
     #[test]
-    fn usual_cores_match_hand_calculations() {
+    fn typical_core_diameters_match_hand_calculations() {
         let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
         for (lead, ball, expected) in
             [(0.01, Some(6.35e-3), 34.666), (0.01, None, 35.0), (0.02, None, 33.6)]
@@ -151,10 +152,10 @@ mod tests {
         }
     }
 
-    /// A thread without depth has the mass of a rod. The screw of the vertical reference axis has a
+    /// A thread without depth has the mass of a rod. The vertical reference axis has a screw with a
     /// mean diameter of 30.164 mm.
     #[test]
-    fn a_thread_without_depth_has_the_mass_of_a_rod() {
+    fn mass_of_a_thread_without_depth_equals_mass_of_a_rod() {
         let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);
         let of = Screw::usual_mass_per_length;
         assert_relative_eq!(of(0.04, 0.04), rod(0.04), max_relative = 1e-14);
@@ -162,7 +163,8 @@ mod tests {
     }
 
     /// Without losses, the friction torque is zero. Hand calculation: at an efficiency of 0.9, an
-    /// output of 9 N m requires 10 N m. In back-driving, 10 N m give 8 N m at an efficiency of 0.8.
+    /// output torque of 9 N m requires an input torque of 10 N m. In back-driving, 10 N m give 8 N
+    /// m at an efficiency of 0.8.
     #[test]
     fn friction_follows_from_the_efficiency() {
         let of = |forward, back| Efficiency { forward, back };

@@ -63,10 +63,10 @@ pub fn minimum_of<E: Into<SearchError>>(
     Ok(found.state.best_param.unwrap_or(f64::NAN))
 }
 
-/// Number of intervals into which [`sign_changes`] divides its range.
+/// Number of intervals into which [`sign_changes`] divides the searched range.
 const CROSSING_STEPS: u32 = 200;
 
-/// Number of intervals into which [`minimum_inside`] divides its range.
+/// Number of intervals into which [`minimum_inside`] divides the searched range.
 const MINIMUM_STEPS: u32 = 40;
 
 /// Threshold that distinguishes a jump from a root. The change of the function in the immediate
@@ -90,7 +90,7 @@ pub struct SignChanges {
     /// Locations at which the function jumps from one sign to the other, in ascending order.
     pub jumps: Vec<f64>,
     /// Smallest and largest value at the grid points; `None` if the function is not defined at any
-    /// of them.
+    /// grid point.
     pub values: Option<(f64, f64)>,
     /// Fraction of the grid points at which the function is defined.
     pub share: f64,
@@ -310,7 +310,7 @@ mod tests {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
         let found = sign_changes(step, (1.0, 7.0)).expect("values");
         assert!(found.roots.is_empty(), "{found:?}");
-        // The tolerance for the location of the jump is the tolerance of the root finder.
+        // The jump is located to the tolerance of the root finder.
         assert!(found.jumps.len() == 1 && (found.jumps[0] - 3.0).abs() < 1e-9, "{found:?}");
         let ramp = |x: f64| Ok::<_, SearchError>((1e3 * (x - 3.0)).clamp(-1.0, 2.0));
         let found = sign_changes(ramp, (1.0, 7.0)).expect("values");
@@ -324,7 +324,8 @@ mod tests {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
         let (x, value) =
             minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
-        // The tolerance of the location is the square root of the rounding error of the value.
+        // A minimum can be located only to about the square root of the relative rounding error of
+        // the function value.
         assert!((x - 2.0).abs() < 1e-7 && (value - 1.0).abs() < 1e-14, "{x} {value}");
         assert_eq!(minimum_inside(parabola, (2.0, 5.0)).expect("a parabola"), None);
         let hole = |x: f64| parabola(if x > 1.5 { f64::NAN } else { x });
@@ -343,7 +344,8 @@ mod tests {
         let one =
             minimize(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
         let expected = 0.5 + 0.3 / 2.0_f64.sqrt();
-        // The tolerance is the slack of the constraints divided by their gradient.
+        // The tolerance is the permitted constraint violation divided by the gradient of the
+        // constraint.
         assert!(one.iter().all(|x| (x - expected).abs() < 1e-4), "{one:?}");
         let two = minimize(
             |x| Value { objective: distance(x), violations: vec![disc(x), x[0] - 0.6] },

@@ -196,9 +196,9 @@ impl Shaft {
         self.stiffness_at(share * self.length)
     }
 
-    /// Returns the smallest axial stiffness of the nut that results from torsion of the screw
-    /// \[N/m\] (BB9). Between two fixed bearings, half the length is twisted; otherwise, it is the
-    /// whole length.
+    /// Returns the smallest axial stiffness at the nut that results from torsion of the screw
+    /// \[N/m\] (BB9). Half of the length is twisted between two fixed bearings; otherwise, the
+    /// whole length is twisted.
     ///
     /// * `advance`: travel per radian of screw rotation \[m\].
     /// * `poisson`: Poisson's ratio of the screw.
@@ -229,8 +229,8 @@ impl Shaft {
         PI / 64.0 * (self.diameter.powi(4) - self.bore.powi(4))
     }
 
-    /// Returns the ratio of the axial force between two fixed bearings to the expansion that they
-    /// constrain \[N/m\] (AA5).
+    /// Returns the ratio of the axial force between two fixed bearings to the thermal expansion
+    /// that they constrain \[N/m\] (AA5).
     ///
     /// * `bearing`: axial stiffness of each bearing \[N/m\], infinite for a rigid bearing.
     pub fn held(&self, bearing: f64) -> f64 {
@@ -351,7 +351,8 @@ mod tests {
             assert!(residual.abs() < 1e-14, "{residual}");
         }
         let x = PI * EndFixity::FixedSupported.buckling_factor().sqrt();
-        // The error of tan x is the rounding error of x multiplied by 1 + x² = 21.
+        // At the root, tan x = x, so the error of tan x is the rounding error of x multiplied by 1
+        // + tan² x = 1 + x² = 21.
         assert!((x.tan() - x).abs() < 1e-13, "{}", x.tan() - x);
     }
 
@@ -366,8 +367,9 @@ mod tests {
             // For a diameter of 1 mm and a length of 1 m, d/l² is 1e-6/mm.
             let speed = shaft(support, 1.0, 1e-3).critical_speed() / RPM;
             assert!((0.8 * speed / 10.0 - thk).abs() < 0.05, "{support:?} {speed}");
-            // The HIWIN factors deviate from the exact values. With a free end, the HIWIN factor is
-            // 0.010 too low. For all other supports, it is at most 0.005 too high.
+            // The HIWIN factors deviate from the exact values. For a screw with a free end, the
+            // HIWIN factor is 0.010 too low. For all other supports, the HIWIN factor is at most
+            // 0.005 too high.
             let of_fixed = shaft(EndFixity::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
             let off = speed / of_fixed - hiwin;
             assert!((-0.0055..0.0105).contains(&off), "{support:?} {off}");
@@ -408,10 +410,10 @@ mod tests {
         assert!((turns(EndFixity::SupportedSupported) - 8.0).abs() < 0.5);
     }
 
-    /// Hand calculation for a solid screw with a diameter of 34 mm and a length of 1 m
-    /// (fixed-supported): I = 6.5597e-8 m⁴, E I = 13 513 N m².
+    /// Hand calculation for a solid fixed-supported screw with a diameter of 34 mm and a length of
+    /// 1 m: I = 6.5597e-8 m⁴, E I = 13 513 N m².
     #[test]
-    fn limits_of_a_solid_screw_match_hand_calculations() {
+    fn speed_and_load_limits_of_a_solid_screw_match_hand_calculations() {
         let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         // The hand calculation has four digits.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
@@ -425,9 +427,9 @@ mod tests {
     }
 
     /// The screw has a bore of 17 mm that is empty or filled with water. In the limit of a very
-    /// small bore, the result is that of a solid screw.
+    /// small bore, the results equal the results for a solid screw.
     #[test]
-    fn limits_of_a_hollow_screw_match_hand_calculations() {
+    fn speed_and_load_limits_of_a_hollow_screw_match_hand_calculations() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         let hollow = Shaft { bore: 17e-3, ..solid };
         // The hand calculation has five digits.
@@ -436,7 +438,7 @@ mod tests {
         assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
         assert_relative_eq!(hollow.section(), 680.94e-6, max_relative = 1e-5);
         let wet = Shaft { coolant: 1000.0, ..hollow };
-        // The steel weighs 5.34538 kg and the water in the bore 0.22698 kg.
+        // The mass of the steel is 5.34538 kg, and the mass of the water in the bore is 0.22698 kg.
         let slower = (5.345_38_f64 / (5.345_38 + 0.226_98)).sqrt();
         assert_relative_eq!(
             wet.critical_speed() / hollow.critical_speed(),
@@ -447,8 +449,9 @@ mod tests {
         assert_relative_eq!(nearly.critical_speed(), solid.critical_speed(), max_relative = 1e-12);
     }
 
-    /// Examples by THK: a core of 17.5 mm and a length of 1100 mm, clamped by bearing and nut,
-    /// carries 15 500 N. A core of 12.5 mm and a length of 700 mm carries 9960 N.
+    /// Examples by THK: a screw with a core diameter of 17.5 mm and a length of 1100 mm, clamped by
+    /// bearing and nut, carries 15 500 N. A screw with a core diameter of 12.5 mm and a
+    /// length of 700 mm carries 9960 N.
     #[test]
     fn buckling_loads_between_bearing_and_nut_match_thk() {
         for (length, diameter, printed, ours) in
@@ -489,7 +492,8 @@ mod tests {
         let rigid = f64::INFINITY;
         let warm = screw.tension(growth, rigid, 3.0, 8.0);
         assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
-        // For a screw of 34 mm without pretension, the thermal force at 10 K is 21.5 kN.
+        // For a screw with a core diameter of 34 mm without pretension, the thermal force at 10 K
+        // is 21.5 kN.
         let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);
@@ -500,7 +504,7 @@ mod tests {
     /// A screw fixed at both ends has four times the minimum stiffness, and this minimum occurs in
     /// the middle. Near one end, the other end has almost no effect.
     #[test]
-    fn screw_fixed_at_both_ends_is_stiffer() {
+    fn screw_fixed_at_both_ends_has_four_times_the_minimum_stiffness() {
         let (one, two) = (
             shaft(EndFixity::FixedSupported, 1.2, 30e-3),
             shaft(EndFixity::FixedFixed, 1.2, 30e-3),
@@ -521,7 +525,7 @@ mod tests {
 
     /// A friction force of 100 N in each direction causes a lost motion of 2 µm at 100 N/µm.
     #[test]
-    fn friction_causes_lost_motion() {
+    fn lost_motion_matches_a_hand_calculation() {
         assert_relative_eq!(lost_motion(100.0, 1e8), 2e-6, max_relative = 1e-14);
     }
 }

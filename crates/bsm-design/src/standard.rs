@@ -67,8 +67,8 @@ impl Requirement {
         blocked(failed, complete)
     }
 
-    /// Returns the limits that rule out better designs than the selected one. If no limit does so
-    /// alone, returns the limits that the nearest better design violates.
+    /// Returns the limits that rule out better designs than the selected design. If no single limit
+    /// does so, returns the limits that the nearest better design violates.
     fn holds_back(
         &self,
         failed: &[Design],
@@ -109,7 +109,7 @@ impl Requirement {
         })
     }
 
-    /// Returns the lists with fixed values of the requirement replacing the corresponding lists.
+    /// Returns the lists in which fixed values of the requirement replace the corresponding lists.
     fn lists(&self, lists: &Lists) -> Lists {
         let one =
             |fixed: Option<f64>, list: &[f64]| fixed.map_or(list.to_vec(), |value| vec![value]);
@@ -137,13 +137,13 @@ impl Requirement {
     }
 }
 
-/// Returns the total violation of all limits of a design.
+/// Returns the total violation of all limits by a design.
 fn violation(design: &Design) -> f64 {
     let far = design.checks.iter().filter_map(Check::violation).filter(|e| e.is_finite());
     far.map(|violation| violation.max(0.0).powi(2)).sum()
 }
 
-/// Returns the checks of a design that fail.
+/// Returns the checks that a design fails.
 fn failing(design: &Design) -> Vec<Check> {
     let known = design.checks.iter().filter(|check| !check.value.is_nan());
     known.filter(|check| !check.passes()).copied().collect()

@@ -60,7 +60,7 @@ pub fn quantile(sorted: &[f64], probability: f64) -> f64 {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a place in the slice"
+        reason = "the value is an index into the slice"
     )]
     let low = place as usize;
     let share = place.fract();

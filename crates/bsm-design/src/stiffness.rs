@@ -189,7 +189,7 @@ mod tests {
         let carried = |x: f64| nut.turns * x.max(0.0).powf(1.5);
         let load = |w: f64| carried(approach + w) - carried(approach - w);
         let small = 1e-6 * approach;
-        // The next term of the power series is of the order of (w/δ)².
+        // The first neglected term of the power series is of the order of (w/δ)².
         assert_relative_eq!(load(small) / small, nut.preloaded(preload), max_relative = 1e-9);
         let limit = 3.0 * preload;
         let linear = limit / nut.preloaded(preload);

@@ -68,8 +68,8 @@ pub struct Thread {
 }
 
 impl Nut {
-    /// Returns the usual land diameters \[m\], which are the bore of the nut and the outer diameter
-    /// of the screw (G6).
+    /// Returns the typical land diameters \[m\], which are the bore of the nut and the outer
+    /// diameter of the screw (G6).
     ///
     /// Source: Sobolewski (2002), `$D_{pw} \pm 1.5$` mm for balls of 3 mm or more. For smaller
     /// balls, half the ball diameter is used, so that the lands can hold the balls.
@@ -172,7 +172,7 @@ impl Profile {
     /// Returns the cross-sectional area of the groove below the land \[m²\] (G9).
     ///
     /// Assumes that the land cuts off the arcs. If the land lies beyond the widest point of the
-    /// arcs, they end at this point.
+    /// arcs, the arcs end at this point.
     pub fn section(&self) -> f64 {
         let cut = (self.land_height + self.height).max(0.0);
         let end = (self.radius.powi(2) - cut.powi(2)).max(0.0).sqrt();
@@ -217,7 +217,7 @@ mod tests {
         nut.thread(play, nut.usual_lands())
     }
 
-    /// Without play, our formulas match the printed formulas of eq. 1 and of the core diameters.
+    /// Without play, the formulas match the printed formulas of eq. 1 and of the core diameters.
     /// The contact angle can be recovered from the core diameters.
     #[test]
     fn groove_formulas_match_the_printed_formulas() {
@@ -232,7 +232,7 @@ mod tests {
         assert_relative_eq!(n.core, core_nut, max_relative = 1e-14);
         assert_relative_eq!(s.core, core_screw, max_relative = 1e-14);
         let angle = nut.contact_angle_of(0.5 * (n.core - s.core)).expect("a thread");
-        // The cosine is the difference of two lengths that are thirty times as large as this
+        // The cosine is a difference of two lengths that are thirty times as large as the
         // difference.
         assert_relative_eq!(angle, nut.contact_angle, max_relative = 1e-12);
         assert_eq!(nut.contact_angle_of(nut.ball_diameter - 1e-9), None);
@@ -242,7 +242,7 @@ mod tests {
     /// When the play is taken up, the ball touches both arcs at the contact angle, so the line
     /// through both arc centers has this angle to the radial direction.
     #[test]
-    fn play_is_taken_up_at_the_contact_angle() {
+    fn ball_touches_both_arcs_at_the_contact_angle_without_play() {
         let nut = nut();
         for share in [0.0, 0.3, 1.0] {
             let Thread { nut: n, screw: s, play } = thread(&nut, share * nut.monoarc_play());
@@ -264,7 +264,7 @@ mod tests {
     /// root, the section is zero. In between, the section of a gothic arch matches the sum of many
     /// strips.
     #[test]
-    fn the_section_matches_a_sum_of_strips() {
+    fn groove_section_matches_a_sum_of_strips() {
         let profile = thread(&nut(), 0.0).nut;
         let radius = profile.radius;
         let half = Profile { offset: 0.0, height: 0.0, land_height: 0.0, ..profile };
@@ -282,11 +282,10 @@ mod tests {
         assert_relative_eq!(strips.sum::<f64>(), profile.section(), max_relative = 1e-5);
     }
 
-    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. With the same
-    /// gap of 1.5 mm for all balls, the bore of 17 255 nuts of the catalog used to lie outside
-    /// their balls.
+    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. When all balls
+    /// had the same gap of 1.5 mm, the bore of 17 255 nuts in the catalog was outside the balls.
     #[test]
-    fn lands_leave_enough_flank_for_balls_of_all_sizes() {
+    fn flanks_extend_beyond_the_contact_angle_for_all_ball_sizes() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {
             let nut = Nut { ball_diameter: ball, contact_angle: FRAC_PI_4, ..nut() };
             let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);

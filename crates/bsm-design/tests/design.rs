@@ -21,7 +21,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
     LoadCase::Cycle(vec![ProfileSegment::constant(1.0, pace, newtons)])
 }
 
-/// Accepts every nut, because load distribution does not matter in these tests.
+/// Accepts every nut, because these tests do not depend on the load distribution.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a rule, which may be broken")]
 fn accept_every_nut(_nut: &Nut) -> Result<(), Vec<&'static str>> {
     Ok(())
@@ -140,7 +140,7 @@ fn exhaustive_search(requirement: &Requirement, lead: f64) -> f64 {
 /// optimum by up to 2e-3 because of its steps of one degree, and the search may stop 1e-3 before
 /// the optimum.
 #[test]
-fn search_is_as_good_as_an_exhaustive_search() {
+fn search_is_at_least_as_good_as_an_exhaustive_search() {
     // Depending on the lead, a ball with the largest permitted diameter, 0.7 times the lead, is in
     // stock, nearly in stock, or far from all sizes in stock.
     for (objective, lead, rpm, life) in [
@@ -168,7 +168,7 @@ fn search_is_as_good_as_an_exhaustive_search() {
 /// The only blocking limit is a required life that no screw reaches. The reported best life matches
 /// an exhaustive search with fractional numbers of balls.
 #[test]
-fn blocking_limit_is_named_with_its_best_value() {
+fn infeasible_result_names_blocking_limit_and_best_achievable_value() {
     let requirement = Requirement { life: Some(RequiredLife::Time(3.6e9)), ..feed_drive() };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
     else {
@@ -205,10 +205,10 @@ fn blocking_limit_is_named_with_its_best_value() {
     assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
 }
 
-/// An audit found that, without a required life, a screw with a rating of 6095 N was selected for a
-/// load of 8 kN, although its life under this load is only 7.4 h.
+/// Without a required life, the search used to select a screw with a rating of 6095 N for a load of
+/// 8 kN, although its life under this load is only 7.4 h.
 #[test]
-fn a_load_above_the_rating_is_rejected() {
+fn screw_with_a_rating_below_the_load_is_rejected() {
     let fixed = FixedValues {
         pitch_diameter: Some(16e-3),
         ball: Some(3.175e-3),
@@ -230,7 +230,7 @@ fn a_load_above_the_rating_is_rejected() {
 /// A contact ellipse that extends beyond the land is rejected. With balls of 3.175 mm, the land is
 /// at a contact angle of 63 deg.
 #[test]
-fn an_ellipse_beyond_the_land_is_rejected() {
+fn contact_ellipse_beyond_the_land_is_rejected() {
     let fixed =
         FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
@@ -247,7 +247,7 @@ fn an_ellipse_beyond_the_land_is_rejected() {
 /// Fixed values do not change, and a fixed value outside its limits is reported as a blocking
 /// limit.
 #[test]
-fn fixed_values_are_kept() {
+fn search_keeps_fixed_values() {
     let fixed = FixedValues {
         pitch_diameter: Some(40e-3),
         ball: Some(6.35e-3),
@@ -280,10 +280,10 @@ fn fixed_values_are_kept() {
     assert!(blocking.iter().any(alone), "{blocking:?}");
 }
 
-/// A torque determines the load (L1) independently of friction, so both specifications select the
-/// same screw.
+/// The load follows from the torque (L1) independently of friction, so both specifications select
+/// the same screw.
 #[test]
-fn a_torque_determines_the_load() {
+fn given_torque_and_equivalent_load_select_the_same_screw() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = best_design(&feed_drive());
     let (by_torque, _) = best_design(&Requirement {
@@ -297,7 +297,8 @@ fn a_torque_determines_the_load() {
     assert!((masses[0] / masses[1] - 1.0).abs() < 1e-3, "{masses:?}");
 }
 
-/// If only the whole number of balls prevents a solution, it is reported as the reason.
+/// If a limit can be met only with a fractional number of balls, the whole number of balls is
+/// reported as the reason.
 #[test]
 fn an_integer_number_of_balls_can_be_the_blocking_limit() {
     let requirement = Requirement { stock: vec![1e-3], ..feed_drive() };

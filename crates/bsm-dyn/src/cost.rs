@@ -47,8 +47,8 @@ pub(crate) fn searched() {
     SEARCHES.set(SEARCHES.get().wrapping_add(1));
 }
 
-/// Converts a number of steps to an integer. Solves of several points side by side count in
-/// floating point.
+/// Converts a number of steps to an integer. If several points are solved side by side, steps are
+/// counted in floating point.
 pub(crate) fn count_of(steps: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
@@ -104,8 +104,8 @@ mod tests {
     }
 
     /// An earlier version tried continuation before Newton's method. The model `elastic` took three
-    /// times as long, and no test failed. The bounds here are 1.5 times the counts that are given
-    /// in brackets.
+    /// times as long, and no test failed. The bounds are 1.5 times the counts that are given in
+    /// brackets.
     #[test]
     fn evaluation_counts_stay_within_bounds() {
         let mut violations = Vec::new();

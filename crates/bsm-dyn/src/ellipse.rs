@@ -189,14 +189,14 @@ impl<D: Scalar> Patch<D> {
     }
 }
 
-/// Scalars over constants of type `P` for which friction can be integrated over the contact
+/// Scalars, with constants of type `P`, for which friction can be integrated over the contact
 /// ellipses.
 ///
 /// The default implementation is [`Patch::integrate`], which is exact but slow. Plain numbers and
-/// jets of numbers have fast sums.
+/// jets of numbers use vectorized sums, which are faster.
 pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// Returns friction and friction power at two contacts with a constant coefficient, divided by
-    /// `$f Q$`. Fast sums do not calculate the derivatives of the power.
+    /// `$f Q$`. The vectorized sums do not include the derivatives of the power.
     ///
     /// * `alone`: true if only the first contact is calculated.
     fn dry<S: Simd>(
@@ -210,9 +210,9 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
         [first, if alone { first } else { patches[1].integrate(&one, nodes[1].rule.into()) }]
     }
 
-    /// Returns friction and friction power at nut and screw with a lubricant, divided by `$Q$`.
-    /// Fast sums do not calculate the derivatives of the power or the derivatives with respect to
-    /// the maximum pressure.
+    /// Returns friction and friction power at nut and screw with a lubricant, divided by `$Q$`. The
+    /// vectorized sums do not include the derivatives of the power or the derivatives with respect
+    /// to the maximum pressure.
     ///
     /// * `films`: film thicknesses \[m\].
     fn lubricated<S: Simd>(
@@ -328,7 +328,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         let points = [patches[0].values(), patches[1].values()];
         let found = sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, [false, alone]);
         let [nut, screw] = &found;
-        // The array is written out, because a closure would be compiled for the baseline
+        // The array is written out, because the compiler would compile a closure for the baseline
         // instruction set.
         [
             (Integral::with_slopes(nut, &patches[0]), nut.power.into()),
@@ -539,10 +539,10 @@ mod tests {
     }
 
     proptest! {
-        /// Compares the fast sums for an oil with its friction law at equal nodes: values, and
-        /// derivatives with respect to motion, growth and film thickness.
+        /// Compares the vectorized sums for an oil with its friction law at equal nodes: values,
+        /// and derivatives with respect to motion, growth and film thickness.
         #[test]
-        fn fast_sums_for_an_oil_match_the_friction_law(
+        fn vectorized_sums_for_an_oil_match_the_friction_law(
             along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.01..1.0_f64,
@@ -591,18 +591,19 @@ mod tests {
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
                 for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
-                    // Derivatives with respect to the slip scale with the reciprocal of the creep
-                    // speed; the derivative with respect to the film thickness does not.
+                    // Derivatives with respect to the slip are proportional to the reciprocal of
+                    // the creep speed. The derivative with respect to the film thickness does not
+                    // depend on the creep speed.
                     let unit = if k < 5 { 1.0 / creep } else { 1.0 };
                     prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
                 }
             }
         }
 
-        /// Compares the fast sums with Coulomb friction at equal nodes: values and derivatives,
-        /// with the spin pole inside and outside the ellipse.
+        /// Compares the vectorized sums with Coulomb friction at equal nodes: values and
+        /// derivatives, with the spin pole inside and outside the ellipse.
         #[test]
-        fn fast_sums_match_coulomb_friction(
+        fn vectorized_sums_match_coulomb_friction(
             digits in 2.0..9.0_f64, along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64,
@@ -632,9 +633,9 @@ mod tests {
             }
         }
 
-        /// The sums are bit-identical on every instruction set.
+        /// The sums are bit-identical on all instruction sets.
         #[test]
-        fn sums_are_bit_identical_on_every_instruction_set(
+        fn friction_sums_are_bit_identical_on_every_instruction_set(
             motion in proptest::array::uniform4(-1.0..1.0_f64), b in 0.01..0.3_f64,
         ) {
             let (ellipse, local) = with_slopes(motion, (0.3, b));
@@ -650,9 +651,9 @@ mod tests {
         }
     }
 
-    /// The errors of the quadratures are as stated for random contacts, compared with two finer
-    /// quadratures that agree. The semi-axes and slips of the contacts vary over orders of
-    /// magnitude, and many contacts have the spin pole inside the ellipse.
+    /// For random contacts, the quadrature errors are within the stated limits. The reference
+    /// values come from two finer quadratures that agree. The semi-axes and slips of the contacts
+    /// vary over orders of magnitude, and many contacts have the spin pole inside the ellipse.
     #[test]
     fn quadrature_errors_at_random_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -693,8 +694,8 @@ mod tests {
             })
             .collect();
         println!("{quantiles:?}");
-        // The limits are 25 % above the observed errors, to allow for other random numbers. The two
-        // finer quadratures agree much better than these errors.
+        // The limits are 25 % above the observed errors, to allow for other random numbers. The
+        // difference between the two finer quadratures is much smaller than these errors.
         for ([_, most, worst], limits) in
             quantiles.iter().zip([[6e-3, 1e-2], [1.2e-5, 5e-5], [1.5e-6, 2.5e-6], [1e-9, 1e-8]])
         {
@@ -702,8 +703,9 @@ mod tests {
         }
     }
 
-    /// The errors of the quadratures, relative to the friction, are as stated for rolling balls in
-    /// thin and thick oil at low and high pressure. They are compared with a finer quadrature.
+    /// For rolling balls in thin and thick oil at low and high pressure, the quadrature errors
+    /// relative to the friction are within the stated limits. The reference values come from a
+    /// finer quadrature.
     #[test]
     fn quadrature_errors_of_lubricated_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);

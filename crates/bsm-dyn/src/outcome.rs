@@ -82,7 +82,7 @@ impl Direction {
         }
     }
 
-    /// Returns true if the load drives.
+    /// Returns true if the load back-drives the screw.
     pub fn is_back(self) -> bool {
         self == Self::LinearToRotary
     }
@@ -171,8 +171,8 @@ pub enum Reason {
         /// Ratio of the actual centrifugal force to the axial load in the same state.
         centrifugal: f64,
     },
-    /// Wherever the forces balance with saturated friction, the slip would have the direction of
-    /// friction instead of the opposite direction.
+    /// Wherever the forces are in equilibrium with saturated friction, the slip would have the
+    /// direction of friction instead of the opposite direction.
     SlipAlongFriction {
         /// Slip speed at the nut without inertia, divided by `$r_b|W|$`.
         slip: f64,
@@ -212,7 +212,7 @@ pub enum Reason {
     NoRelativeSpeed,
     /// The model is valid if either the screw or the nut rotates, but not if both rotate.
     DualDrive,
-    /// The powers at the root do not balance because of rounding errors.
+    /// Because of rounding errors, the root violates the power balance.
     PowerDoesNotBalance {
         /// Relative error of the power balance.
         imbalance: f64,
@@ -222,7 +222,7 @@ pub enum Reason {
         /// Maximum temperature of the search \[K\].
         hottest: f64,
     },
-    /// The equations of the model cannot be evaluated at a required point.
+    /// The model equations cannot be evaluated at a required point.
     Refused {
         /// Quantity, value and requirement that was not met.
         error: EvalError,
@@ -315,7 +315,7 @@ impl fmt::Display for Reason {
             }
             Self::PowerDoesNotBalance { imbalance } => write!(
                 f,
-                "the powers of the root do not balance: the relative error is {imbalance:.3e}"
+                "the root violates the power balance: the relative error is {imbalance:.3e}"
             ),
             Self::LubricantRunsAway { hottest } => {
                 write!(

@@ -35,7 +35,7 @@ impl Kernel for ClosedFormKernel {
     }
 }
 
-/// Returns a mask that is true for points at which the load drives the screw. If the speed is
+/// Returns a mask that is true for points at which the load back-drives the screw. If the speed is
 /// unknown, the mask is false.
 #[inline(always)]
 pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {

@@ -150,7 +150,7 @@ impl Sink<'_, '_> {
 /// Consecutive rows of a chunk, together with the memory for their results.
 #[derive(Debug)]
 pub struct Rows<'a, 'b> {
-    /// Inputs of the whole chunk.
+    /// Inputs of all rows in the chunk.
     pub inputs: &'a InputColumns<'a>,
     /// Requested outputs with the indices of their columns.
     pub wanted: &'a Selection,

@@ -78,7 +78,7 @@ pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
 /// Results for rolling balls that the model selection by error bounds requires.
 pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
-    /// Onset number of skidding, and cross slip.
+    /// Onset number (W11), and cross slip.
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],

@@ -72,9 +72,9 @@ impl<D: Scalar> Motion<D> {
         BallFrame::tangent() * (arc_length_per_radian * self.precession) + self.omega.cross(point)
     }
 
-    /// Returns the rotation relative to the neighboring balls in the train, without its component
-    /// along the groove \[rad/s\] (O1). It is the rotation seen from the frame that orbits the
-    /// screw axis with the ball.
+    /// Returns the rotation relative to the neighboring balls in the ball train, without its
+    /// component along the groove \[rad/s\] (O1). It is the rotation seen from the frame that
+    /// orbits the screw axis with the ball.
     ///
     /// * `axis`: screw axis `$k$`, in the triad in which the angular velocity is given.
     pub fn across_groove(&self, axis: &Vector3<D>) -> Vector3<D> {

@@ -13,7 +13,7 @@ fn body_speed(site: Site, drive: &Drive<f64>) -> f64 {
 }
 
 /// Returns the components of the slip velocity at a contact, across and along the groove.
-fn slip(
+fn slip_components(
     site: Site,
     beta: f64,
     helix: &Helix<f64>,
@@ -41,12 +41,12 @@ fn slip_matches_the_published_components() {
     let d = r_m / alpha.cos();
     let omega = drive.screw_speed;
 
-    let (x, y) = slip(Site::Nut, beta, &helix, r_b, &drive, &motion);
+    let (x, y) = slip_components(Site::Nut, beta, &helix, r_b, &drive, &motion);
     assert_relative_eq!(x, -r_b * wt, max_relative = 1e-13);
     let expected = d * (rate + omega) + r_b * (wb * beta.cos() - wn * beta.sin());
     assert_relative_eq!(y, expected, max_relative = 1e-13);
 
-    let (x, y) = slip(Site::Screw, beta, &helix, r_b, &drive, &motion);
+    let (x, y) = slip_components(Site::Screw, beta, &helix, r_b, &drive, &motion);
     assert_relative_eq!(x, r_b * (wt - omega * alpha.sin()), max_relative = 1e-13);
     let expected = d * rate - r_b * ((wb - omega * alpha.cos()) * beta.cos() - wn * beta.sin());
     assert_relative_eq!(y, expected, max_relative = 1e-12);
@@ -61,15 +61,15 @@ fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     for site in SITES {
         let speed = body_speed(site, &drive);
         let frozen = Motion { precession: speed, omega: frame.k * speed };
-        let (x, y) = slip(site, 0.7, &helix, 3e-3, &drive, &frozen);
+        let (x, y) = slip_components(site, 0.7, &helix, 3e-3, &drive, &frozen);
         assert_relative_eq!(x, 0.0, epsilon = 1e-16);
         assert_relative_eq!(y, 0.0, epsilon = 1e-16);
     }
 }
 
 proptest! {
-    /// The slip does not depend on the rotation of the triad, and it does not change if all bodies
-    /// rotate faster by the same speed.
+    /// The slip does not depend on the rotation of the triad, and it does not change if the speeds
+    /// of all bodies increase by the same amount.
     #[test]
     fn slip_does_not_depend_on_the_axes_or_on_a_common_rotation(
         alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, rotation_angle in -2.0..2.0_f64,
@@ -86,7 +86,7 @@ proptest! {
         let motion = Motion { precession: p, omega };
         // The angular velocity is converted into components of the rotated triad.
         let in_turned = Motion { precession: p, omega: Vector3::new(wt, c * wn + s * wb, c * wb - s * wn) };
-        // Ball, nut and screw all rotate faster by the same speed.
+        // The speeds of ball, nut and screw all increase by the same amount.
         let shifted = Motion { precession: p + together, omega: omega + straight.k * together };
 
         for site in SITES {

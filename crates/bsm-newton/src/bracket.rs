@@ -34,8 +34,8 @@ impl From<(f64, f64)> for FunctionValue {
 ///   have opposite signs. If interpolation does not shrink the bracket fast enough, the bracket is
 ///   bisected, either by length or by the number of doubles that it contains. The second variant
 ///   handles roots near zero and brackets that span hundreds of orders of magnitude.
-/// * **Exact at the ends**: if the value at an end is zero, this end is returned without any
-///   evaluation.
+/// * **Exact at the ends**: if the function value at an end of the bracket is zero, this end is
+///   returned without any evaluation.
 /// * **Finds any sign change**: if there are several roots, it finds one of them. It also finds
 ///   jumps and poles, for which [`Root::value`] is not small. To search for the transition of a
 ///   predicate, use a function with the values 1 and -1; [`Root::ends`] then encloses the
@@ -52,8 +52,8 @@ pub struct Bracket {
     /// First point to evaluate. Defaults to the zero of the straight line through both ends.
     pub start: Option<f64>,
     /// Relative tolerance of the root. The search ends when the width of the bracket or a Newton
-    /// step is at most `x_tol` times the root. If it is zero, the search ends when there is no
-    /// double between the ends.
+    /// step is at most `x_tol` times the root. If the tolerance is zero, the search ends when there
+    /// is no double between the ends of the bracket.
     pub x_tol: f64,
     /// Absolute tolerance of the function value. The search ends when the absolute function value
     /// is at most `f_tol`.
@@ -234,7 +234,7 @@ impl Bracket {
             evaluations += 1;
             debug_assert!(
                 evaluations <= Self::MAX_EVALUATIONS,
-                "each three steps halve the bracket"
+                "the search exceeded the maximum number of evaluations"
             );
             if sample.value.is_nan() {
                 return RootResult::NotFinite { x: next, value: sample.value };

@@ -50,7 +50,7 @@ pub fn follow<const N: usize>(
             (at, *y, arrived) = (next, guess, last);
             length *= 1.5;
         } else {
-            // A step that would pass the end had been shortened to the remaining distance.
+            // If the failed step was the last step, its length was the remaining distance.
             length = 0.5 * length.min((end - at).abs());
             if length < control.shortest {
                 return Err(Some(at));

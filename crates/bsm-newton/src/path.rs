@@ -9,7 +9,7 @@ use crate::{
 
 /// Returns the direction at `z` of the curve that is defined by the first `N − 1` equations (N8).
 ///
-/// The last equation must be a plane that intersects the curve.
+/// The last equation must define a plane that intersects the curve.
 ///
 /// ```math
 /// J\,t = \operatorname{sgn}(\det J)\,e_N

@@ -72,8 +72,8 @@ impl<const N: usize> Workspace<N> {
     /// Returns the direction of the curve that is defined by all equations except the last one
     /// (N8). Returns `None` if the Jacobian is singular.
     ///
-    /// The last equation must be a plane that intersects the curve. The Jacobian is from the last
-    /// call of [`linearize`](Self::linearize) or [`solve`].
+    /// The last equation must define a plane that intersects the curve. The Jacobian is from the
+    /// last call of [`linearize`](Self::linearize) or [`solve`].
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
         self.ensure_factors().ok()?;
         // D_F J t = sgn(det J) e_N                                        (N8)

@@ -13,7 +13,7 @@ use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
 use crate::geometry::{BallNut, BallPosition, count};
 
-/// A ball with its data that remain constant during the iteration.
+/// A ball with the data that remain constant during the iteration.
 struct BallSite {
     position: BallPosition,
     /// Displacement of the groove due to manufacturing errors \[m\], and excess of the ball radius

@@ -23,7 +23,7 @@ pub enum Flanks {
 }
 
 impl Flanks {
-    /// Returns for the + and − diagonals whether they exist.
+    /// Returns whether the + diagonal and the − diagonal exist.
     pub(crate) fn diagonals(self) -> [bool; 2] {
         [self != Self::Minus, self != Self::Plus]
     }
@@ -53,14 +53,14 @@ pub struct BallInGrooves {
     pub angles: [f64; 4],
     /// Energy of the ball `$V$` \[J\].
     pub energy: f64,
-    /// Force that the displacement of the nut groove requires, `$\partial V/\partial w$` \[N\].
+    /// Force required to displace the nut groove, `$\partial V/\partial w$` \[N\].
     pub force: [f64; 2],
     /// Derivative of this force, `$\partial^2 V/\partial w^2$` \[N/m\].
     pub slope: [[f64; 2]; 2],
 }
 
 impl BallInGrooves {
-    /// Returns for the + and − flanks whether they are loaded.
+    /// Returns whether the + flanks and the − flanks are loaded.
     pub fn flanks_pressed(&self) -> [bool; 2] {
         [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
     }
@@ -74,8 +74,8 @@ impl BallInGrooves {
 /// Signs of the + and − flanks.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Maximum number of iterations for the position of a ball. Usually, four are sufficient. A lightly
-/// loaded ball that slides along a flank needs more.
+/// Maximum number of iterations for the position of a ball. Four iterations are usually sufficient.
+/// A lightly loaded ball that slides along a flank needs more iterations.
 const MAX_BALL_STEPS: usize = 1000;
 
 impl FourContacts {

@@ -37,8 +37,8 @@ impl Ring {
     }
 }
 
-/// Index of a node, index of the second node (or `None` for the anchor), and stiffness of the
-/// spring between them \[N/m\].
+/// A spring of a bar: index of a node, index of the second node (or `None` for the anchor), and
+/// stiffness \[N/m\].
 type BarSpring = (usize, Option<usize>, f64);
 
 impl Bar {

@@ -8,7 +8,7 @@ use crate::{BallInGrooves, BallPosition};
 /// `$\varphi_x, \varphi_y$` \[rad\]. Rotation about the axis is excluded.
 pub(crate) const FREEDOMS: usize = 5;
 
-/// Condition for one degree of freedom of the nut.
+/// Load condition or displacement condition for one degree of freedom of the nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Freedom {
     /// The load is given \[N\] or \[N·m\], and the displacement is calculated.
@@ -55,7 +55,7 @@ impl Support {
         Self([Freedom::Loaded(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// Returns this support with another axial load \[N\].
+    /// Returns a copy of this support with another axial load \[N\].
     #[must_use]
     pub fn with_axial(mut self, axial: f64) -> Self {
         self.0[0] = Freedom::Loaded(axial);

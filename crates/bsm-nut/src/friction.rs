@@ -28,7 +28,7 @@ pub struct NutFriction {
     pub balls: Vec<f64>,
     /// Motion of each ball; `None` for unloaded balls.
     pub motions: Vec<Option<FreeMotion>>,
-    /// Number of balls that are loaded by both flanks at rest. Their friction is integrated over
+    /// Number of balls that are loaded on both flanks at rest. Their friction is integrated over
     /// all contact ellipses, regardless of the model used for other balls.
     pub on_both_flanks: usize,
     /// Third contacts of balls that are loaded on one diagonal and that friction presses onto a far
@@ -38,8 +38,8 @@ pub struct NutFriction {
     pub mean_friction: Option<f64>,
     /// Total friction torque of the balls \[N·m\]; `None` unless every ball has a solution.
     pub torque: Option<f64>,
-    /// Total friction of all balls without pushes between neighbors, split into its contributions;
-    /// `None` unless every ball has a solution.
+    /// Total friction of all balls without push forces between neighbors, split into its
+    /// contributions; `None` unless every ball has a solution.
     pub parts: Option<FrictionSum>,
     /// Torque that drives the screw \[N·m\]. It supports the axial force (`$h F_a$`) and overcomes
     /// the friction of balls, ball returns and seals.
@@ -64,7 +64,7 @@ pub struct ThirdContacts {
 /// Motion of a ball that its neighbors do not push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeMotion {
-    /// Precession relative to the nut, divided by the relative speed, `$(P - \Omega_n)/W$`.
+    /// Precession rate relative to the nut, divided by the relative speed, `$(P - \Omega_n)/W$`.
     pub rate: f64,
     /// Rotation across the groove relative to the neighboring balls in the train (O1) \[rad/s\].
     pub rotation: f64,
@@ -72,20 +72,22 @@ pub struct FreeMotion {
     pub ball: Option<BallState>,
 }
 
-/// Model of a ball, together with the choices that the model made. Friction jumps where such a
-/// choice changes.
+/// Model of a ball, together with the choices that the model made. The friction is discontinuous
+/// where such a choice changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallModel {
     /// Selected model.
     pub model: Model,
     /// Controlling raceway, if the ball rolls.
     pub control: Option<Control>,
-    /// Accuracy of the friction integrals that the model selection by error bounds chose.
+    /// Accuracy of the friction integrals that was chosen when the model was selected by error
+    /// bounds.
     pub accuracy: Option<f64>,
 }
 
 impl BallModel {
-    /// Returns model and choices of a solution, or `None` if there is no solution.
+    /// Returns the model of a solution and the choices of this model, or `None` if there is no
+    /// solution.
     fn of(solution: &Solution) -> Option<Self> {
         let solved = solution.solved()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {
@@ -107,7 +109,7 @@ struct FreeBall {
     sliding_share: f64,
     /// Motion of the ball; `None` if the model does not determine it.
     motion: Option<FreeMotion>,
-    /// True for model `traction`, which places a ball on two contacts with all of its friction.
+    /// True for model `traction`, which calculates a ball on two contacts with all of its friction.
     has_traction: bool,
     /// Normal load \[N\] and friction torque \[N·m\] of the third contact, if there is one.
     third_contact: Option<(f64, f64)>,
@@ -115,13 +117,13 @@ struct FreeBall {
     mean_friction: Option<f64>,
 }
 
-/// Distance of the far flanks from a ball in its gothic arches.
+/// Distance between a ball and the far flanks of its gothic arches.
 #[derive(Debug, Clone, Copy)]
 enum FarFlanks {
     /// The gothic arches have the given axial play \[m\].
     WithPlay(f64),
     /// No play is given. The far flanks are as close to the ball as at rest, so friction presses
-    /// the ball only onto far flanks that it touches already at rest (AC10).
+    /// the ball only onto far flanks that it already touches at rest (AC10).
     AsAtRest,
 }
 
@@ -142,7 +144,7 @@ pub struct FrictionSum {
 }
 
 impl FrictionSum {
-    /// Adds another sum, multiplied by `part`.
+    /// Adds the friction `other`, multiplied by `part`.
     fn add(&mut self, other: &Self, part: f64) {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
@@ -194,13 +196,13 @@ impl FlankFriction {
 /// uncertainty of a constant friction coefficient is much larger.
 const ARCH_ACCURACY: f64 = 1e-6;
 
-/// Fraction of the largest ball load below which a ball is too lightly loaded to influence the rate
-/// of its train.
+/// Fraction of the largest ball load below which a ball is too lightly loaded to influence the
+/// speed of its ball train.
 const IDLE_LOAD: f64 = 1e-3;
 
-/// Relative errors of interpolated rates and rotations of balls without pushes. The ball train
-/// depends on differences between rates, so the rates must be as accurate as the friction
-/// integrals.
+/// Permitted relative errors of interpolated rates and rotations of balls without push forces. The
+/// ball train depends on differences between rates, so the rates must be as accurate as the
+/// friction integrals.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
 
 impl BallNut {
@@ -286,7 +288,8 @@ impl BallNut {
         }
     }
 
-    /// Returns the distance of the far flanks, or `None` if the ball has two contacts only.
+    /// Returns the distance between a ball and its far flanks, or `None` if the ball has only two
+    /// contacts.
     fn play(&self, number: usize, found: &Equilibrium) -> Option<FarFlanks> {
         let is_clamped = found.balls[number].flanks_pressed() == [true, true];
         let circuit = found.positions[number].circuit;
@@ -409,8 +412,8 @@ impl BallNut {
         friction
     }
 
-    /// Replaces the friction torque of the balls and updates all results that depend on it. For
-    /// example, the new torque may include the pushes of a [`train`](Self::train).
+    /// Replaces the friction torque of the balls and updates all results that depend on this
+    /// torque. For example, the new torque may include the push forces of a [`train`](Self::train).
     pub fn with_torque(
         &self,
         friction: &mut NutFriction,
@@ -473,7 +476,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
     fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
         let is_clamped = self.found.balls[number].flanks_pressed() == [true, true];
         let play = self.nut.play(number, self.found);
-        // Most balls have as many contacts as the ball before.
+        // Most balls have the same number of contacts as the previous ball.
         let touched = self.before.as_ref().is_some_and(|(_, state)| state.far_flank_carries());
         let two = if is_clamped || touched { None } else { self.on_two_contacts(number) };
         if let Some(arches) = self.friction.coefficients().zip(play)
@@ -504,8 +507,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(FreeBall { friction, ..alone })
     }
 
-    /// Returns true if friction presses a ball on two contacts against no far flank. Only model
-    /// `traction` can tell; false for other models.
+    /// Returns true if friction does not press a ball with two contacts against a far flank. Only
+    /// model `traction` can determine this; the result is false for other models.
     fn clears_far_flanks(
         &self,
         two: &FreeBall,
@@ -520,8 +523,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         gap.is_some_and(|gap| gap >= 0.0)
     }
 
-    /// Adds the loss due to the third contact of a lubricated ball. It equals the additional loss
-    /// that the third contact would cause without a lubricant at the mean friction coefficient
+    /// Adds the loss due to the third contact of a lubricated ball. The loss equals the additional
+    /// loss that the third contact would cause without a lubricant at the mean friction coefficient
     /// (AC12).
     fn with_third_contact(
         &mut self,
@@ -557,7 +560,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         self.found.balls[number].force[0].abs() * self.nut.helix.lead_angle.cos()
     }
 
-    /// Solves a ball with up to four contacts.
+    /// Solves the equilibrium of a ball with up to four contacts.
     fn in_arches(
         &mut self,
         number: usize,
@@ -652,7 +655,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 
 impl BallNut {
     /// Converts the motion relative to the nut, with components in the Frenet-Serret triad, into
-    /// rate and rotation.
+    /// precession rate and rotation.
     fn free_motion(
         &self,
         to_nut: &Motion<f64>,
@@ -692,7 +695,7 @@ impl BallNut {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let near = 1e-9 * self.arc_distance();
         let groups = self.groups(found, near, |one, other| held_of(one) == held_of(other));
-        // The precession of a ball does not exceed the speed of the faster one of nut and screw.
+        // The precession of a ball is not faster than the faster one of nut and screw.
         let fastest = drive.screw_speed.abs().max(drive.nut_speed.abs());
         let inertia = self.ball.mass * self.helix.radius * fastest * fastest;
         let mut sum = FrictionSum::default();
@@ -818,9 +821,9 @@ impl BallNut {
         groups
     }
 
-    /// Returns the motions of all balls without pushes between neighbors, or `None` unless every
-    /// loaded ball has a solution. If balls differ only in their loads and groove displacements,
-    /// their motions are interpolated between a few balls.
+    /// Returns the motions of all balls without push forces between neighbors, or `None` unless
+    /// every loaded ball has a solution. If balls differ only in their loads and groove
+    /// displacements, their motions are interpolated between a few balls.
     ///
     /// All arguments are the same as for [`friction`](Self::friction).
     pub fn free_motions(

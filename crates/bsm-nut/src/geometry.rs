@@ -47,7 +47,7 @@ pub enum LeadError {
     },
     /// A linear error `$s\,(z - z_0)$`.
     Slope {
-        /// Slope `$s$`.
+        /// Slope `$s$` of the axial error (dimensionless).
         slope: f64,
         /// Axial position at which the error is zero, `$z_0$` \[m\].
         origin: f64,
@@ -72,12 +72,12 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Adds an increase in the radius of all balls \[m\] to a nut with play. The play becomes
-    /// smaller, and only an increase beyond the play makes the balls oversize.
+    /// Increases the radius of all balls \[m\] in a nut with play. The play becomes smaller, and
+    /// only an increase beyond the play makes the balls oversize.
     ///
-    /// * `inclination`: axial component of a normal load of 1.
+    /// * `inclination`: axial component of a unit normal load.
     fn grow_into_play(&mut self, growth: f64, inclination: f64) {
-        // If no play is given, it is too large to be closed.
+        // If no play is given, the play is too large to be closed.
         let Some(play) = self.axial_play else { return };
         // s_a ← s_a − 4 Δr/(sinβ₀ cosα)                                   (U35)
         let left = play - 4.0 * growth / inclination;
@@ -148,8 +148,8 @@ impl BallNut {
     }
 
     /// Returns the nut with bodies and balls warmer than at assembly \[K\]. In a nut with play, the
-    /// expansion of the balls reduces the play, and the balls press on both flanks only after the
-    /// play is closed.
+    /// expansion of the balls reduces the play, and the balls press against both flanks only after
+    /// the play is closed.
     ///
     /// * `rises`: temperature rises of nut, screw and balls above the assembly temperature.
     /// * `expansion`: coefficient of thermal expansion \[1/K\].
@@ -264,7 +264,7 @@ impl BallNut {
         ([along, -self.errors.gap], self.oversize(number))
     }
 
-    /// Returns the axial component of a normal load of 1 at first contact,
+    /// Returns the axial component of a unit normal load at first contact,
     /// `$\sin\beta_0\cos\alpha$`.
     pub(crate) fn inclination(&self) -> f64 {
         self.contact_angle.sin() * self.helix.lead_angle.cos()
@@ -290,7 +290,7 @@ impl BallNut {
 }
 
 /// Converts a small count to a floating-point number.
-#[expect(clippy::cast_precision_loss, reason = "numbers of balls and threads")]
+#[expect(clippy::cast_precision_loss, reason = "the numbers of balls and threads are small")]
 pub(crate) fn count(n: usize) -> f64 {
     n as f64
 }

@@ -1,4 +1,4 @@
-//! Interpolation of quantities of many balls between a few of these balls.
+//! Interpolation of the properties of many balls from the properties of a few of these balls.
 
 /// Relative remainder below which a monomial is considered to be determined by the previous nodes,
 /// except for rounding errors.

@@ -15,13 +15,13 @@ pub enum PreloadKind {
     /// pulls the bodies together (X arrangement), and a negative offset pushes them apart (O
     /// arrangement).
     Offset,
-    /// Oversize balls load both flanks of the grooves.
+    /// Oversize balls press against both flanks of the grooves.
     Oversize,
 }
 
 impl Equilibrium {
-    /// Returns the remaining preload \[N\] (U20). This is the smaller one of the forces on both
-    /// bodies or, for oversize balls, of the forces on both flanks.
+    /// Returns the remaining preload \[N\] (U20). This is the smaller of the forces on the two
+    /// bodies or, for oversize balls, of the forces on the two flanks.
     pub fn preload(&self, nut: &BallNut, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {

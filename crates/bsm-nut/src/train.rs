@@ -16,23 +16,23 @@ use bsm_newton::{Bracket, FunctionValue};
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
-/// Largest ratio of push to mean ball load for which the effect of pushes on ball loads and contact
-/// angles is neglected.
+/// Largest ratio of push force to mean ball load for which the effect of push forces on ball loads
+/// and contact angles is neglected.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance, which is the relative motion of balls that do not touch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advance {
-    /// Difference between the largest and the smallest rate of balls without pushes, divided by
-    /// their mean rate.
+    /// Difference between the largest and the smallest precession rate of balls that do not touch,
+    /// divided by their mean rate.
     pub spread: f64,
     /// Helix angle between the centers of two balls that touch \[rad\].
     pub touch_angle: f64,
     /// Ball advance in each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Friction torque between balls if every push is [`MAX_PUSH_RATIO`] times the mean ball load,
-    /// divided by the friction coefficient between balls \[N·m\]. It is an upper bound for smaller
-    /// pushes.
+    /// Friction torque between balls if every push force is [`MAX_PUSH_RATIO`] times the mean ball
+    /// load, divided by the friction coefficient between balls \[N·m\]. It is an upper bound for
+    /// smaller push forces.
     pub contact_torque: f64,
 }
 
@@ -57,7 +57,7 @@ pub struct CircuitAdvance {
 /// Advance of a single ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallAdvance {
-    /// Rate of the ball without pushes, `$(P - \Omega_n)/W$`.
+    /// Relative precession rate of the ball without push forces, `$(P - \Omega_n)/W$`.
     pub rate: f64,
     /// Distance by which the ball is ahead of a cage that turns at constant speed \[m\].
     pub advance: f64,
@@ -72,17 +72,17 @@ pub struct TrainInputs {
     pub spacer: f64,
     /// Friction coefficient between balls.
     pub contact_friction: f64,
-    /// Push that the ball return requires at its exit.
+    /// Push force that the ball return requires at its exit.
     pub exit: Exit,
     /// Force required to move an unloaded ball \[N\].
     pub idle_drag: f64,
 }
 
-/// Push that a ball return requires at the exit from the loaded part (O12).
+/// Push force that a ball return requires at the exit from the loaded part (O12).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// Push that the ball return requires if the entering balls do not push. It is given as a force
-    /// \[N\] or follows from the step into the loaded part.
+    /// Push force that the ball return requires if the entering balls do not push. It is given as a
+    /// force \[N\] or follows from the step into the loaded part.
     pub push: ExitPush,
     /// Sum of the angles of all bends in the ball return \[rad\].
     pub bend: f64,
@@ -90,24 +90,25 @@ pub struct Exit {
     pub friction: f64,
 }
 
-/// Specification of the push that the ball return requires if the entering balls do not push.
+/// Specification of the push force that the ball return requires if the entering balls do not push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExitPush {
-    /// Push at the exit from the loaded part \[N\].
+    /// Push force at the exit from the loaded part \[N\].
     AtExit(f64),
     /// Force at the step into the loaded part, which is at the other end of the ball return \[N\].
     AtEntry(f64),
 }
 
 impl Exit {
-    /// Returns the factor by which the bends in the ball return amplify a push.
+    /// Returns the factor by which the bends in the ball return amplify a push force.
     fn growth(&self) -> f64 {
         (self.friction * self.bend).exp()
     }
 
-    /// Returns the push that the ball return requires at its exit \[N\].
+    /// Returns the push force that the ball return requires at its exit \[N\].
     ///
-    /// * `entry`: push of the first loaded ball on the balls in the ball return \[N\].
+    /// * `entry`: force with which the first loaded ball pushes against the balls in the ball
+    ///   return \[N\].
     /// * `centrifugal`: centrifugal term `$m v^2/2r_b$` \[N\].
     fn push(&self, entry: f64, centrifugal: f64) -> f64 {
         let grown = self.growth();
@@ -135,7 +136,7 @@ pub enum Rolling {
 pub struct BallOfTrain {
     /// State of the ball.
     pub rolling: Rolling,
-    /// Rate of the ball, `$(P - \Omega_n)/W$`.
+    /// Relative precession rate of the ball, `$(P - \Omega_n)/W$`.
     pub rate: f64,
     /// Normal forces from the neighboring balls in front and behind, in the direction of travel
     /// \[N\].
@@ -147,11 +148,11 @@ pub struct BallOfTrain {
 /// A circuit with a steady flow of balls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitTrain {
-    /// Rate of the balls that touch each other.
+    /// Relative precession rate of the balls that touch each other.
     pub rate: f64,
     /// Number of balls that pass a point per second \[1/s\].
     pub flux: f64,
-    /// Pushes at the exit from the loaded part and at the entry \[N\].
+    /// Push forces at the exit from the loaded part and at the entry to it \[N\].
     pub ends: [f64; 2],
     /// Balls in the order of the circuit.
     pub balls: Vec<BallOfTrain>,
@@ -170,14 +171,14 @@ pub struct Train {
     pub contact_torque: f64,
     /// Torque due to pushing the balls through the ball returns \[N·m\].
     pub return_torque: f64,
-    /// Torque lost when faster balls catch up with the train \[N·m\].
+    /// Torque lost when faster balls catch up with the ball train \[N·m\].
     pub catching_torque: f64,
     /// Relative error of the power balance: the power of screw and load minus all losses, divided
     /// by the losses.
     pub power_balance: f64,
-    /// Number of ball-to-ball contacts that transmit a push.
+    /// Number of ball-to-ball contacts that transmit a push force.
     pub touching: usize,
-    /// Largest push between balls \[N\].
+    /// Largest push force between balls \[N\].
     pub largest_push: f64,
 }
 
@@ -199,7 +200,7 @@ impl Train {
 pub enum TrainError {
     /// A ball is loaded on both flanks, which the ball-train model does not cover.
     #[error(
-        "a ball is loaded by both flanks, but pushes are calculated only for balls on one flank"
+        "a ball is loaded on both flanks, but push forces are calculated only for balls on one flank"
     )]
     BothFlanks,
     /// The balls of a circuit leave no gap between them.
@@ -208,39 +209,39 @@ pub enum TrainError {
         /// Index of the circuit.
         circuit: usize,
     },
-    /// A ball return requires a larger push than the balls can provide.
+    /// A ball return requires a larger push force than the balls can provide.
     #[error(
-        "the return needs a push of {needed:.3} N, but the balls can provide only {available:.3} N"
+        "the ball return needs a push force of {needed:.3} N, but the balls can provide only {available:.3} N"
     )]
     Return {
-        /// Push required at the exit \[N\].
+        /// Push force required at the exit from the loaded part \[N\].
         needed: f64,
-        /// Largest push that all balls together can provide before they slide \[N\].
+        /// Largest push force that all balls together can provide before they slide \[N\].
         available: f64,
     },
-    /// A push exceeds [`MAX_PUSH_RATIO`] times the largest ball load before the gaps reach their
-    /// given values.
-    #[error("the pushes between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
+    /// A push force exceeds [`MAX_PUSH_RATIO`] times the largest ball load before the gaps reach
+    /// their given values.
+    #[error("the push forces between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
-        /// Push at a train rate that is still too low \[N\].
+        /// Push force at a speed of the ball train that is still too low \[N\].
         push: f64,
-        /// Ratio of the push to the largest ball load.
+        /// Ratio of the push force to the largest ball load.
         part: f64,
     },
-    /// A circuit carries no load, so its rate is undetermined.
+    /// A circuit carries no load, so the speed of its balls is undetermined.
     #[error("circuit {circuit} carries no load, so the speed of its balls is unknown")]
     Unloaded {
         /// Index of the circuit.
         circuit: usize,
     },
-    /// A ball has no steady motion even without pushes.
+    /// A ball has no steady motion even without push forces.
     #[error("a single ball of circuit {circuit} has no steady motion")]
     NoMotion {
         /// Index of the circuit.
         circuit: usize,
     },
     /// No solution was found for a ball or for the flow in a circuit.
-    #[error("the pushes of circuit {circuit} could not be calculated: {what}")]
+    #[error("the push forces in circuit {circuit} could not be calculated: {what}")]
     NotConverged {
         /// Index of the circuit.
         circuit: usize,
@@ -283,10 +284,11 @@ impl BallNut {
         order
     }
 
-    /// Returns the ball advance for balls that do not touch, or `None` unless every loaded ball has
-    /// a steady motion.
+    /// Returns the ball advance for balls that do not touch, or `None` if any loaded ball has no
+    /// steady motion.
     ///
-    /// * `motions`: motions of the balls without pushes, from [`NutFriction`](crate::NutFriction).
+    /// * `motions`: motions of the balls without push forces, from
+    ///   [`NutFriction`](crate::NutFriction).
     /// * `spacer`: thickness of the spacers \[m\].
     pub fn advance(
         &self,
@@ -343,13 +345,14 @@ impl BallNut {
         Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
 
-    /// Returns the ball trains of all circuits, with pushes between the balls that touch (O8) to
-    /// (O16).
+    /// Returns the ball trains of all circuits, with the push forces between balls that touch (O8)
+    /// to (O16).
     ///
-    /// * `motions`: motions of the balls without pushes, from [`NutFriction`](crate::NutFriction).
+    /// * `motions`: motions of the balls without push forces, from
+    ///   [`NutFriction`](crate::NutFriction).
     /// * `friction`: friction coefficient; `None` if another friction law applies.
-    /// * `in_train`: function that creates a ball with pushes from an operating point and the ball
-    ///   state without pushes.
+    /// * `in_train`: function that creates a ball under push forces from an operating point and the
+    ///   ball state without push forces.
     ///
     /// # Errors
     ///
@@ -426,11 +429,11 @@ struct Flow<'a> {
     touch_angle: f64,
     /// Balls of the circuit, in the direction of travel; `None` for idle balls.
     balls: Vec<Option<&'a TrainBall>>,
-    /// Centrifugal term `$m v^2/2r_b$` of balls without pushes \[N\].
+    /// Centrifugal term `$m v^2/2r_b$` of balls without push forces \[N\].
     centrifugal: f64,
 }
 
-/// State of a ball at a given rate of the train.
+/// State of a ball at a given precession rate of the ball train.
 #[derive(Debug, Clone, Copy)]
 struct State {
     rolling: Rolling,
@@ -438,37 +441,39 @@ struct State {
     pushes: [f64; 2],
     /// Motion of the ball; `None` for idle and blocked balls.
     motion: Option<TrainMotion>,
-    /// Derivatives of the ball rate and of the push from behind with respect to the rate of the
-    /// train.
+    /// Derivatives of the ball rate and of the push force from behind with respect to the
+    /// precession rate of the ball train.
     by_train: [f64; 2],
-    /// Rate of the train and push from the front for which this state was calculated.
+    /// Precession rate of the ball train and push force from the front for which this state was
+    /// calculated.
     of: [f64; 2],
 }
 
-/// State of a circuit at a given rate of the train.
+/// State of a circuit at a given precession rate of the ball train.
 #[derive(Debug, Clone)]
 struct CircuitState {
     rate: f64,
     states: Vec<State>,
-    /// Push at the exit \[N\].
+    /// Contact force between balls at the exit from the loaded part \[N\].
     exit: f64,
 }
 
 impl CircuitState {
-    /// Returns the push of the first ball on the balls in the ball return \[N\].
+    /// Returns the force with which the first loaded ball pushes against the balls in the ball
+    /// return \[N\].
     fn entry(&self) -> f64 {
         self.states.first().map_or(0.0, |state| state.pushes[1])
     }
 }
 
-/// Relative change of the entry push between two passes around the circuit below which the push
-/// counts as constant.
+/// Relative change of the push force at the entry, between two passes around the circuit, below
+/// which the push force counts as constant.
 const ENTRY_TOLERANCE: f64 = 1e-9;
 /// Maximum number of passes around a circuit. If at least one ball is free, two passes are
 /// sufficient, because a free ball does not depend on the balls behind it.
 const MAX_PASSES: usize = 40;
-/// First step of the bracketing search, relative to the rate. The bracketing search is used if
-/// Newton's method does not find the rate of the train.
+/// First step of the bracketing search, relative to the precession rate. The bracketing search is
+/// used if Newton's method does not find the precession rate of the ball train.
 const STEP: f64 = 1e-4;
 /// Factor by which each bracketing step is longer than the previous step.
 const GROWTH: f64 = 3.0;
@@ -476,14 +481,14 @@ const GROWTH: f64 = 3.0;
 const STEPS: usize = 12;
 /// Ratio of the neighbors' friction moment to the moment that stops a ball (O6), above which a ball
 /// without a steady motion counts as blocked. The ratio is below 1 because the raceways also carry
-/// the difference between the pushes.
+/// the difference between the push forces.
 const MAX_STOPPED_SHARE: f64 = 0.9;
-/// Ratio of free length to ball length below which the free length is smaller than the rounding
-/// errors of the rates.
+/// Ratio of free length to ball length below which rounding errors of the precession rates exceed
+/// the free length.
 const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
 /// Permitted relative error of the free length.
 const ROOM_TOLERANCE: f64 = 1e-6;
-/// Permitted relative error of the rate of the train.
+/// Permitted relative error of the precession rate of the ball train.
 const RATE_TOLERANCE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
@@ -515,20 +520,21 @@ impl Flow<'_> {
         self.nut.helix.arc_length_per_radian() * self.touch_angle
     }
 
-    /// Converts a rate to a speed along the helix \[m/s\].
+    /// Converts a relative precession rate to a speed along the helix \[m/s\].
     fn speed_of(&self, rate: f64) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.speed.abs() * rate
     }
 
-    /// Returns the free length that results from the given ball rates at a rate of the train (O10),
-    /// minus the given free length, in units of the length per ball.
+    /// Returns the free length that results from the given ball rates and precession rate of the
+    /// ball train (O10), minus the given free length, in units of the length per ball.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
         let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
         gained - self.room / self.pitch()
     }
 
-    /// Returns the difference of the free lengths in an approximation that is linear in the pushes.
+    /// Returns the difference between the resulting and the given free length in an approximation
+    /// that is linear in the push forces.
     fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;
@@ -554,9 +560,9 @@ impl Flow<'_> {
         surplus
     }
 
-    /// Solves the circuit at a rate of the train, from the exit backward (O11), and repeats this
-    /// until the push at the entry is constant. Returns the difference between the resulting and
-    /// the given free length (O10).
+    /// Solves the circuit at a given precession rate of the ball train, from the exit backward
+    /// (O11), and repeats this until the push force at the entry is constant. Returns the
+    /// difference between the resulting and the given free length (O10).
     fn pass(
         &self,
         rate: f64,
@@ -573,9 +579,10 @@ impl Flow<'_> {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = [state.pushes[1], state.by_train[1]];
             }
-            // If all balls touch, each pass adds the push of the ball return, and no free length
-            // remains. This conclusion is valid only if the iteration started without a push at the
-            // entry. A push left over from another rate must therefore be reset to zero.
+            // If all balls touch, each pass adds the push force of the ball return, and no free
+            // length remains. This conclusion is valid only if the iteration started without a push
+            // force at the entry. A push force left over from another rate must therefore be reset
+            // to zero.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
             [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
@@ -585,11 +592,12 @@ impl Flow<'_> {
                 return Ok(FunctionValue { value, slope: Some(slopes.sum::<f64>() / rate) });
             }
         }
-        Err("the push at the entry did not converge")
+        Err("the push force at the entry did not converge")
     }
 
-    /// Returns the state of a ball for a given push from the front. The state contains the
-    /// derivative of the push from behind with respect to the rate of the train.
+    /// Returns the state of a ball for a given push force from the front. The state contains the
+    /// derivative of the push force from behind with respect to the precession rate of the ball
+    /// train.
     fn state(
         &self,
         ball: Option<&TrainBall>,
@@ -635,7 +643,7 @@ impl Flow<'_> {
             let back = (1.0 - by_front * by_train) / by_back;
             (by_back > 0.0)
                 .then(|| rolls(motion, [1.0, back]))
-                .ok_or("the speed of a ball in the train does not increase with the push behind it")
+                .ok_or("the speed of a ball does not increase with the push force from behind")
         };
         let is_known = last.of.map(f64::to_bits) == of.map(f64::to_bits);
         if let Some(motion) = last.motion.filter(|_| is_known) {
@@ -664,8 +672,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Returns the circuit at the rate of the train for which the free length equals the given free
-    /// length.
+    /// Returns the circuit at the precession rate of the ball train for which the free length
+    /// equals the given free length.
     ///
     /// * `largest_load`: largest ball load in the nut \[N\].
     fn steady(
@@ -692,7 +700,7 @@ impl Flow<'_> {
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
         // A ball provides at most the friction force of both contacts in full sliding. It provides
-        // no push if the ball in front stops its rotation (O6).
+        // no push force if the ball in front stops its rotation (O6).
         let given = self.rolling().map(TrainBall::sliding_push);
         let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
         let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
@@ -714,12 +722,13 @@ impl Flow<'_> {
         let begin = [0.5 * free_rate, 2.0 * free_rate];
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
         let guess = guess.root().map_or(free_rate, |root| root.x);
-        let mut why = "no rate of the train results in this free length";
+        let mut why = "no speed of the ball train gives this free length between the balls";
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
-                // Pushes increase with the rate of the train. If the free length at this rate is
-                // still too large, the actual pushes are larger than these.
+                // Push forces increase with the precession rate of the ball train. If the free
+                // length at this rate is still too large, the actual push forces are larger than
+                // the push forces at this rate.
                 if value.value > 0.0 {
                     least_push = pass
                         .states
@@ -728,7 +737,8 @@ impl Flow<'_> {
                 }
                 value
             }
-            // No ball can provide the push at this rate, so this rate is an upper limit.
+            // At this precession rate, no ball can provide the push force, so this rate is an upper
+            // limit.
             Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;
@@ -750,7 +760,7 @@ impl Flow<'_> {
         // The free length must decrease with increasing rate. Otherwise, another rate may lead to
         // the same free length.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
-            return Err(failed("more than one rate of the train results in this free length"));
+            return Err(failed("more than one speed of the ball train gives this free length"));
         }
         Ok(pass)
     }
@@ -790,8 +800,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Returns the power losses at the raceways, between balls (including idle balls), in the ball
-    /// return, and due to catching up \[W\].
+    /// Returns the power losses \[W\] at the raceways, between balls (including idle balls), in the
+    /// ball return, and where faster balls catch up.
     fn losses(&self, pass: &CircuitState) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
@@ -832,7 +842,7 @@ impl Flow<'_> {
         self.balls.iter().copied().zip(&pass.states).map(of).sum()
     }
 
-    /// Returns the train with its balls in the order of the circuit.
+    /// Returns the ball train with its balls in the order of the circuit.
     fn train(&self, pass: &CircuitState, is_reversed: bool) -> CircuitTrain {
         let mut balls: Vec<_> = pass
             .states

@@ -177,7 +177,7 @@ fn reason_is_stated_if_pushes_have_no_solution() {
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
         (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
-        (json!({"return_push_N": 1e4}), Settings::default(), "the return needs a push"),
+        (json!({"return_push_N": 1e4}), Settings::default(), "the ball return needs a push force"),
         // Balls are blocked if they have no steady motion just below the push that stops them (O6).
         (
             json!({"screw_speed_rpm": -100, "ball_gap_mm": 0.06}),

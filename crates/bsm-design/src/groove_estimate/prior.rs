@@ -9,8 +9,8 @@
 use super::{CatalogLine, PER_M};
 use crate::statistics::{Normal, ln_mixture};
 
-/// Those numbers of the prior distribution that are fitted to catalog rows. All other numbers in
-/// this file are judgment, or widths and tail weights that were chosen once.
+/// Numbers of the prior distribution that are fitted to catalog rows. All other numbers in this
+/// file are judgment, or widths and tail weights that were chosen once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
     /// Ball diameters \[mm\], each with its weight (popularity).
@@ -18,7 +18,7 @@ pub struct Prior {
     /// Numbers of loaded turns, each with its weight for every [`BallReturn`] in the order of
     /// [`BallReturn::ALL`].
     turns: [(f64, [f64; 3]); 23],
-    /// Factors of lead and nominal diameter. The smaller of the two products is the usual ball
+    /// Factors of lead and nominal diameter. The smaller of the two products is the typical ball
     /// diameter.
     usual_ball: (f64, f64),
     /// Median and logarithmic standard deviation of the loaded share of a turn, for every
@@ -135,8 +135,8 @@ const ALIKE_TURNS: f64 = 0.02;
 /// Minimum weight of every ball return if the number of turns is given.
 const MIN_RETURN_WEIGHT: f64 = 1e-3;
 
-/// Distribution of the logarithm of the ball diameter divided by the usual ball diameter. The first
-/// component describes most balls, and the second component is a wide tail.
+/// Distribution of the logarithm of the ball diameter divided by the typical ball diameter. The
+/// first component describes most balls, and the second component is a wide tail.
 const BALL_SIZE: [(f64, Normal); 2] =
     [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
 
@@ -152,7 +152,7 @@ const EXCESS: [(f64, Normal); 3] = [
 const EXCESS_VARIANCE: f64 = 0.028 * 0.028 + 0.05 * 0.05;
 
 /// Distribution of the difference between nominal and core diameter divided by the ball diameter.
-/// The first component describes usual grooves, and the second component is a wide tail.
+/// The first component describes typical grooves, and the second component is a wide tail.
 const CORE_DEPTH: [(f64, Normal); 2] =
     [(0.9, Normal { mean: 0.85, deviation: 0.055 }), (0.1, Normal { mean: 0.85, deviation: 0.25 })];
 
@@ -202,7 +202,7 @@ impl BallReturn {
 }
 
 impl Prior {
-    /// The prior that all estimates use by default.
+    /// The prior that estimates use by default.
     pub const USUAL: Self = Self {
         balls: BALLS,
         turns: TURNS,
@@ -210,8 +210,8 @@ impl Prior {
         loaded_shares: [(0.91, 0.18), (0.72, 0.09), (0.60, 0.12)],
     };
 
-    /// Fits the prior to catalog rows. For a type of ball return without rows, all numbers of turns
-    /// get equal weights, and the loaded share keeps its usual value.
+    /// Fits the prior to catalog rows. If there are no rows for a type of ball return, all numbers
+    /// of turns get equal weights for this type, and the loaded share keeps its default value.
     pub fn fitted(rows: &[KnownGroove]) -> Self {
         let total = |wanted: &dyn Fn(&KnownGroove) -> bool| -> f64 {
             rows.iter().filter(|row| wanted(row)).map(|row| row.weight).sum()

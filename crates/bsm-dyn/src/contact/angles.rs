@@ -56,7 +56,7 @@ impl<D: Scalar> Angles<D> {
     ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
     /// ```
     ///
-    /// and its reciprocal if the load drives.
+    /// and its reciprocal if the load back-drives the screw.
     ///
     /// * `friction`: friction coefficient `$f \ge 0$`.
     /// * `size_ratio`: ratio of ball radius to pitch circle radius `$r_b/r_m$`.
@@ -239,8 +239,8 @@ pub struct Sines<D> {
     pub cos_b: D,
 }
 
-/// In all methods, `back` is true if the load drives, and `friction` is the coefficient `$f \ge
-/// 0$`.
+/// In all methods, `back` is true if the load back-drives the screw, and `friction` is the
+/// coefficient `$f \ge 0$`.
 impl<D: Real> Sines<D> {
     /// Returns the tangent of the lead angle, `$\tan\alpha$`.
     #[inline(always)]
@@ -255,7 +255,8 @@ impl<D: Real> Sines<D> {
         (self.cos_b.square() + self.tan_a().square()).sqrt()
     }
 
-    /// Returns `$\sin\beta$` and `$D$` in this order, or in reverse order if the load drives.
+    /// Returns `$\sin\beta$` and `$D$` in this order, or in reverse order if the load back-drives
+    /// the screw.
     #[inline(always)]
     fn by_direction(&self, back: D::Mask) -> [D; 2] {
         let (s, d) = (self.sin_b, self.slip_factor());

@@ -190,7 +190,7 @@ impl<D: Real> Load<D> {
 ///
 /// A negative efficiency means that the screw is self-locking in this direction.
 ///
-/// * `back`: true if the load drives.
+/// * `back`: true if the load back-drives the screw.
 #[inline(always)]
 pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
@@ -199,7 +199,7 @@ pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
 
 /// Returns the torque on the screw for a given efficiency, the inverse of [`efficiency`] (B8).
 ///
-/// * `back`: true if the load drives.
+/// * `back`: true if the load back-drives the screw.
 #[inline(always)]
 pub fn torque_of<F: Real>(back: F::Mask, ideal: F, efficiency: F) -> F {
     F::select(back, ideal * efficiency, ideal / efficiency)
@@ -244,9 +244,9 @@ impl<F: Real> Power<F> {
     /// T W - F_a r_m \tan\alpha\, W = \sum_c P_c
     /// ```
     ///
-    /// `friction` is the sum of the friction powers of all contacts \[W\]. At an exact root, the
-    /// powers balance identically, so this error checks kinematics and force balance against each
-    /// other.
+    /// `friction` is the sum of the friction powers of all contacts \[W\]. An exact root satisfies
+    /// the power balance identically, so this error checks kinematics and force balance against
+    /// each other.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
         // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)

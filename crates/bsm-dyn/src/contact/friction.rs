@@ -13,9 +13,9 @@ use super::transition::Transition;
 /// Friction acts against the slip, and its magnitude is the normal load multiplied by the
 /// coefficient. This applies to a point contact (F1) and to every point of a contact ellipse (E4).
 ///
-/// The closed forms, the reduced equations of the rigid and the elastic model, and the fast sums
-/// over an ellipse are valid only for a constant [`Coulomb`] coefficient. They take this
-/// coefficient instead of a law.
+/// The closed forms, the reduced equations of the rigid and the elastic model, and the vectorized
+/// sums over an ellipse are valid only for a constant [`Coulomb`] coefficient. They take this
+/// coefficient instead of a friction law.
 pub trait FrictionLaw<D> {
     /// Returns the friction coefficient at a point.
     ///

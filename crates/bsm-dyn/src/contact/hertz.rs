@@ -554,7 +554,8 @@ mod tests {
                 Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
             // The tolerance covers the truncation error h² and the rounding error of (H7). The
-            // rounding error is 1e-16, divided by the distance from a circle and by h.
+            // rounding error of the difference quotient is 1e-16/h, divided by the logarithm of the
+            // curvature ratio, which is small near a circle.
             let h = 1e-4;
             let tol = 1e-6 + 1e-11 / log_ratio;
             let read: [fn(&Hertz) -> f64; 4] =

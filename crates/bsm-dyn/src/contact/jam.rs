@@ -28,8 +28,8 @@ pub struct Wedge<D> {
 }
 
 impl<D: Scalar> Wedge<D> {
-    /// Returns the wedge angle `$D = \beta_B - \beta_A$` \[rad\]. If it is positive, the wedge
-    /// opens toward the axis.
+    /// Returns the wedge angle `$D = \beta_B - \beta_A$` \[rad\]. The wedge opens toward the axis
+    /// if the angle is positive.
     pub fn opening(&self) -> D {
         self.angles[1] - self.angles[0]
     }
@@ -226,7 +226,7 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Returns the friction force along the track with which the loaded balls of one turn push the ball
+/// Returns the friction force along the track that the loaded balls of one turn exert on the ball
 /// ahead \[N\] (M16).
 ///
 /// * `balls`: number of balls per turn.
@@ -290,7 +290,7 @@ mod tests {
         /// Eq 24 of Dong et al. is the solution of the two force balances of Eq 23. The unknowns
         /// are the force of the opposite wall and the thrust.
         #[test]
-        fn step_thrust_satisfies_the_force_balances_of_eq_23(
+        fn step_thrust_satisfies_the_force_balances_of_eq_23_of_dong(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
         ) {
             let (sin, cos) = angle.sin_cos();
@@ -340,7 +340,7 @@ mod tests {
     /// For a linear spring, the impact force is proportional to the speed and satisfies Eq 19 with
     /// the approach of the spring.
     #[test]
-    fn linear_impact_force_satisfies_eq_19() {
+    fn linear_impact_force_satisfies_eq_19_of_dong() {
         let (mass, stiffness) = (1.7e-4, 3e7);
         let force = linear_impact_force(mass, 1.3, stiffness);
         let approach = force / stiffness;

@@ -37,7 +37,10 @@ impl<D: Copy> Lubricant<D> {
     /// Applies a function to every number in the struct.
     #[inline(always)]
     #[must_use]
-    #[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
+    #[expect(
+        clippy::manual_map,
+        reason = "a closure would not be compiled for the instruction set"
+    )]
     pub fn map<E>(&self, f: impl Fn(D) -> E) -> Lubricant<E> {
         let Self { oil, roughness, losses, .. } = self;
         let [at_40, at_100] = oil.viscosities;

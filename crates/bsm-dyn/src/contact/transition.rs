@@ -1,5 +1,5 @@
-//! Position along a line across a contact ellipse at which the friction coefficient of an oil
-//! changes its slope.
+//! Position, along a line across a contact ellipse, at which the slope of the friction coefficient
+//! of an oil changes.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y34).
 
@@ -12,7 +12,8 @@ use crate::contact::lubricant::oil::PRESSURE_SLOPE;
 /// Minimum argument of the logarithm.
 const TINY: f64 = 1e-300;
 
-/// Transition of the friction coefficient along a line, at the pressure at which the oil stiffens.
+/// Transition of the friction coefficient along a line. It occurs at the pressure at which the oil
+/// stiffens.
 #[derive(Debug, Clone, Copy)]
 pub struct Transition {
     /// Twice the argument of (Y11) for a slip speed of one.

@@ -27,7 +27,8 @@ impl Chords {
         inner: InnerNodes { count: None, inside: None },
     };
 
-    /// Places the lines at a block of nodes.
+    /// Calculates the positions, load fractions and half lengths of the lines at a block of
+    /// quadrature nodes, and the nodes along the lines.
     ///
     /// * `frozen`: numbers of nodes along the lines, if they are already fixed.
     #[inline(always)]
@@ -61,11 +62,11 @@ pub(super) trait AddChords<S: Simd> {
     fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
-/// Number of blocks of lines that are placed before any of them is summed. The processor can then
-/// work on some blocks while it waits for others.
+/// Number of blocks of lines that are calculated before any of them is summed. The processor can
+/// then work on some blocks while it waits for others.
 const AHEAD: usize = 2;
 
-/// Visits the lines across both ellipses. Ellipses with `done` set are skipped.
+/// Calls `sums` with the lines across both ellipses. Ellipses with `done` set are skipped.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(
     simd: S,

@@ -114,7 +114,7 @@ mod tests {
 
     /// There is no slip at a spin pole, and no slip along the groove on a line of pure rolling.
     #[test]
-    fn there_is_no_slip_at_spin_poles() {
+    fn slip_is_zero_at_spin_poles() {
         let (_, _, slip) = ellipse();
         let (lines, poles) = (slip.rolling_lines(), slip.spin_poles());
         assert!(!lines.is_empty() && !poles.is_empty(), "{lines:?} {poles:?}");

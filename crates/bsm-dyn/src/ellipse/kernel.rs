@@ -3,7 +3,10 @@
 //! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate). Tests
 //! compare both implementations.
 
-#![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indexes of vectors and matrices, written as in the equations"
+)]
 
 use bsm_kin::Real;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
@@ -88,7 +91,7 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
 
 /// Nodes along a block of lines whose spin poles are inside the contact ellipse.
 pub(super) struct NearPole<S: Simd> {
-    /// Angle of the pole, and its width.
+    /// Angle and angular width of the spin pole.
     at: Lane<S>,
     width: Lane<S>,
     sides: [NearSide<S>; 2],
@@ -354,7 +357,7 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
-    /// Number of nodes on all lines, where nodes that are processed side by side count once.
+    /// Number of nodes on all lines. Nodes that are processed side by side count as one node.
     pub(super) count: usize,
 }
 
@@ -394,7 +397,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // In every case, the lane has as many values as a block.
+        // For every vector width, the number of vectors is chosen so that the lane holds one block.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),
@@ -475,7 +478,7 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool
     simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done })
 }
 
-/// Arguments of [`sums`].
+/// Function object for [`sums`]. It is compiled as a separate function because its code is long.
 struct SumsCall<'a, S, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     points: &'a [Patch; 2],
@@ -616,7 +619,7 @@ impl<S: Simd> Chord<S> {
     }
 }
 
-/// Adds values to totals.
+/// Adds each lane of values to its block of totals, starting at index `at` of the block.
 #[inline(always)]
 fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
     for (total, value) in totals.iter_mut().zip(values) {

@@ -87,8 +87,8 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // For coarse placements (used on the way to a root) and frozen placements, it is already
-        // known which panels are split.
+        // It is already known which panels are split for frozen nodes, and for the coarse nodes
+        // that are used before the solver has converged.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });

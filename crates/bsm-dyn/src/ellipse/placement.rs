@@ -1,4 +1,4 @@
-//! Number and position of the nodes of the integration over an ellipse. The nodes depend on the
+//! Number and positions of the nodes of the integration over an ellipse. The nodes depend on the
 //! slip, or are kept from a previous slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T18), (T19).

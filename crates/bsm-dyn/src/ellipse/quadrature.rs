@@ -118,7 +118,7 @@ impl Gauss {
 
     /// Returns a rule with an equal number of nodes, which are concentrated at both ends.
     fn graded(&self) -> Self {
-        // x² (3 − 2x), and its slope
+        // x² (3 − 2x), and its slope 6x (1 − x)
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
         let weights = self.abscissae.iter().zip(&self.weights);
         Self { abscissae, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
@@ -242,9 +242,9 @@ impl Quadrature {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a few digits, and one node at least"
+            reason = "an accuracy has only a few digits, and at least one node is used"
         )]
-        // The subtraction ensures that rounding errors do not affect powers of ten.
+        // Subtracting 1e-9 ensures that rounding errors do not affect powers of ten.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
         nodes.max(1)
     }
@@ -260,7 +260,7 @@ impl Quadrature {
     /// `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
-        // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are sufficient  (T19)
+        // sufficient number of nodes at η: m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)
         let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
             if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }

@@ -113,7 +113,8 @@ impl<F: Real> EllipseSlip<F> {
         (self.rolling_rate * self.height(xi), self.spin_speed * half_length)
     }
 
-    /// Returns the distance of the contact surface from the ball center along the contact normal.
+    /// Returns the distance between the contact surface and the ball center, along the contact
+    /// normal.
     #[inline(always)]
     pub(super) fn height(&self, xi: F) -> F {
         self.radius - self.sagitta * (xi * xi)

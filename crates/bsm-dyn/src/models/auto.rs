@@ -172,7 +172,7 @@ pub struct ModelErrors<F = f64> {
 impl<F: Real> ModelErrors<F> {
     /// Calculates the error bounds from the results for a rolling ball.
     ///
-    /// * `back`: true if the load drives.
+    /// * `back`: true if the load back-drives the screw.
     /// * `onset_number`, `cross_slip`: infinite or NaN if they are undefined. In this case the
     ///   bounds are infinite or NaN, too.
     /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.

@@ -16,7 +16,7 @@ use crate::models::ball::{
 pub struct ScrewSize<D = f64> {
     /// Pitch circle radius `$r_m$` \[m\].
     pub pitch_radius: D,
-    /// Load on the balls.
+    /// External load on the balls.
     pub load: Load<D>,
     /// Relative speed `$W$` \[rad/s\], if known; required for the powers.
     pub relative_speed: Option<D>,
@@ -24,7 +24,7 @@ pub struct ScrewSize<D = f64> {
 
 /// Returns true if the screw can be turned, that is, if it is not self-locking.
 ///
-/// * `back`: true if the load drives.
+/// * `back`: true if the load back-drives the screw.
 /// * `load_ratio`: normal load divided by axial load per ball.
 #[inline(always)]
 pub fn turns<F: Real>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
@@ -36,7 +36,7 @@ impl<F: Real> ScrewSize<F> {
     /// Returns the torque of the frictionless screw and the torque of the screw with friction. Both
     /// are NaN if the screw cannot be turned.
     ///
-    /// * `back`: true if the load drives.
+    /// * `back`: true if the load back-drives the screw.
     /// * `tan_a`: tangent of the lead angle.
     #[inline(always)]
     fn torques(&self, turns: F::Mask, (back, tan_a): (F::Mask, F), efficiency: F) -> (F, F) {
@@ -62,7 +62,7 @@ pub(crate) fn performance<D: Scalar>(
 /// Calculates the steady state from the efficiency and the ratio of normal load to axial load.
 /// Torque and loads are NaN if the screw cannot be turned.
 ///
-/// * `back`: true if the load drives.
+/// * `back`: true if the load back-drives the screw.
 /// * `tan_a`: tangent of the lead angle.
 #[inline(always)]
 pub fn transmitted<F: Real>(
@@ -194,7 +194,7 @@ mod tests {
     /// The end points of Fig. 5 of the paper (slip across and along the groove) agree with a hand
     /// calculation.
     #[test]
-    fn slip_across_the_groove_costs_less_than_along_it() {
+    fn slip_across_the_groove_costs_less_power_than_slip_along_it() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
         // Hand calculation with six digits: (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 −
@@ -263,7 +263,7 @@ mod tests {
         fn self_locking_changes_at_the_limit_angle(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
             let locks = |d, contact: f64| Angles { lead: a, contact }.self_locking(d, f);
             let Some(border) = Angles::locking_contact_angle(Direction::RotaryToLinear, a, f) else {
-                panic!("friction locks some contact angle");
+                panic!("friction locks the screw at some contact angle");
             };
             prop_assert!(locks(Direction::RotaryToLinear, border * (1.0 - 1e-9)));
             prop_assert!(border > 1.57 || !locks(Direction::RotaryToLinear, border * (1.0 + 1e-9)));

@@ -216,7 +216,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     weights
 }
 
-/// Runs Newton's method from `y`.
+/// Runs Newton's method from the starting value `y`.
 fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -239,7 +239,7 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, if no root is found, or if the powers do not balance.
+    /// [`NoAnswer`] if there is no root, if no root is found, or if the power balance is violated.
     pub(crate) fn solved(
         &self,
         contacts: &ElasticContacts,

@@ -41,7 +41,8 @@ pub enum DrivenBody {
     Both,
 }
 
-/// The two contacts in the force balance. The friction terms are negative if the load drives.
+/// The two contacts in the force balance. The friction terms are negative if the load back-drives
+/// the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
     /// Sines and cosines of lead angle and contact angle.
@@ -98,7 +99,7 @@ impl<D: Real> TwoContacts<D> {
 
     /// Returns the efficiency in the direction of the drive.
     ///
-    /// * `back`: true if the load drives.
+    /// * `back`: true if the load back-drives the screw.
     #[inline(always)]
     pub fn efficiency(&self, back: D::Mask) -> D {
         let forward = self.forward_efficiency();
@@ -197,7 +198,7 @@ mod tests {
 
     use super::*;
 
-    /// Example of Lin, Velinsky and Ravani (1994).
+    /// Example from the paper of Lin, Velinsky and Ravani (1994).
     const LIN: QuasiStatic = QuasiStatic {
         angles: Angles { lead: PI / 18.0, contact: FRAC_PI_4 },
         friction: Coulomb(0.075),
@@ -210,7 +211,7 @@ mod tests {
 
     /// Hand calculation for the screw: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
     #[test]
-    fn lins_example_agrees_with_hand_calculation() {
+    fn efficiency_of_lins_example_agrees_with_hand_calculation() {
         // The hand calculation was done with six digits.
         assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
         // Hand calculation for the nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 ×

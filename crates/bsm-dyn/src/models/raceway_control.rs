@@ -37,9 +37,9 @@ pub struct RacewayControl<D = f64> {
 /// Reusable memory for solving raceway-control models.
 pub struct RacewayWorkspace {
     newton: Workspace<STATIC>,
-    /// Quadrature for values.
+    /// Quadrature rule for results without derivatives.
     quadrature: Quadrature,
-    /// Quadrature for derivatives.
+    /// Quadrature rule for derivatives.
     sensitivity_quadrature: Quadrature,
 }
 
@@ -168,8 +168,8 @@ impl RollingBall {
     }
 
     /// Finds other balls that satisfy the same equations. These are balls with the same controlling
-    /// raceway and a larger difference of the contact angles, and the screw-controlled ball if each
-    /// raceway satisfies (W7) when it controls.
+    /// raceway and a larger difference of the contact angles. If each raceway satisfies (W7) when
+    /// it controls, the screw-controlled ball is also included.
     fn alternatives(
         &self,
         contacts: &ElasticContacts,
@@ -474,10 +474,10 @@ mod tests {
     }
 
     proptest! {
-        /// The forces in the result balance, both contact centers roll along the groove, and the
-        /// spin at one raceway is zero.
+        /// The forces in the result are in equilibrium, both contact centers roll along the groove,
+        /// and the spin at one raceway is zero.
         #[test]
-        fn forces_on_the_ball_balance_and_the_ball_rolls(
+        fn ball_is_in_equilibrium_and_rolls_at_both_contacts(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
@@ -518,7 +518,7 @@ mod tests {
 
     /// The centrifugal force presses the ball against the nut.
     #[test]
-    fn load_increases_both_contact_angles_and_speed_separates_them() {
+    fn load_increases_contact_angles_and_speed_increases_their_difference() {
         let angles = |axial, rpm| {
             let o = solved(&lin(axial, rpm));
             (o.ball.nut.angle, o.ball.screw.angle)

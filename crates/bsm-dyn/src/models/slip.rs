@@ -120,7 +120,7 @@ impl<D: Scalar> SteadyBall<D> {
         Contact::new(touch.site, touch.angle, &self.frame())
     }
 
-    /// Returns the motion relative to the contacting body.
+    /// Returns the motion of the ball relative to the contacting body.
     pub fn relative_to(&self, site: Site) -> Motion<D> {
         self.motion.relative_to(self.body_speed(site), &self.frame())
     }

@@ -86,9 +86,9 @@ fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
     true
 }
 
-/// Solves `count` points and returns the number of points with neither a solution nor evidence that
-/// no solution exists.
-fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize {
+/// Solves `count` points and returns the number of points that have neither a solution nor evidence
+/// that no solution exists.
+fn count_unsolved_points(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize {
     let mut work = ModelWorkspace::default();
     let solve = |screw: ElasticPoint| is_consistent(&screw, &problem(screw).solve(&mut work));
     extreme_screws(1994).take(count).map(solve).filter(|answered| !answered).count()
@@ -99,7 +99,11 @@ fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize 
 #[test]
 fn raceway_control_solves_every_point_or_excludes_a_solution() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
-        assert_eq!(unanswered(4000, |screw| raceway_control(screw, control)), 0, "{control:?}");
+        assert_eq!(
+            count_unsolved_points(4000, |screw| raceway_control(screw, control)),
+            0,
+            "{control:?}"
+        );
     }
 }
 
@@ -107,28 +111,28 @@ fn raceway_control_solves_every_point_or_excludes_a_solution() {
 fn rigid_results_at_extreme_points_are_consistent() {
     // About 0.25 % of the points are known to fail, because the continuation fails at extreme
     // inertia or friction.
-    assert!(unanswered(4000, |screw| rigid(&screw)) <= 20);
+    assert!(count_unsolved_points(4000, |screw| rigid(&screw)) <= 20);
 }
 
 #[test]
 fn elastic_solutions_at_extreme_points_are_consistent() {
     // About 0.1 % of the points are known to fail, because friction nearly holds the load.
-    assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
+    assert!(count_unsolved_points(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 
 #[test]
 fn traction_solutions_at_extreme_points_are_consistent() {
     let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
     let count = campaign(300);
-    let unanswered = unanswered(count, traction);
+    let unsolved = count_unsolved_points(count, traction);
     // At the points that are known to fail, the inertia forces far exceed load and friction. Either
     // path tracking fails, or a root is inaccurate due to rounding errors.
-    assert!(unanswered <= 1 + count / 150, "{unanswered}");
+    assert!(unsolved <= 1 + count / 150, "{unsolved}");
 }
 
-/// An audit found that the elastic model returned no result within 30 s for a contact angle of
-/// 1e-307 deg, whose cotangent is infinite. The test sets one input at a time to extreme values, up
-/// to the smallest and the largest positive numbers.
+/// An earlier elastic model returned no result within 30 s for a contact angle of 1e-307 deg, whose
+/// cotangent is infinite. The test sets one input at a time to extreme values, up to the smallest
+/// and the largest positive numbers.
 #[test]
 fn every_model_returns_in_time_at_extreme_inputs() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
@@ -183,7 +187,9 @@ fn every_model_returns_in_time_at_extreme_inputs() {
 /// The error bound is finite even if the screw would be self-locking with saturated friction.
 #[test]
 fn auto_solutions_at_extreme_points_are_consistent() {
-    unanswered(campaign(300), |screw| Problem::Auto(Auto { at: screw, tolerance: 1e-2 }));
+    count_unsolved_points(campaign(300), |screw| {
+        Problem::Auto(Auto { at: screw, tolerance: 1e-2 })
+    });
 }
 
 /// Results do not depend on the units of length, force and time: inputs with equal ratios give the

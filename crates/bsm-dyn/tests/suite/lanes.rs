@@ -19,7 +19,7 @@ const INPUTS: usize = 9;
 const OUTPUTS: usize = 13;
 
 /// Evaluates all formulas for a point whose ball has radius 1. `flags` states whether the load
-/// drives, and whether the nut rotates.
+/// back-drives the screw and whether the nut rotates.
 #[inline(always)]
 fn formulas<D: Real>(
     x: [D; INPUTS],

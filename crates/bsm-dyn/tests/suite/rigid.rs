@@ -195,9 +195,9 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 
-/// Each expected failure has the expected reason.
+/// Operating points without a solution report the correct reason.
 #[test]
-fn expected_failures_have_the_expected_reason() {
+fn points_without_a_solution_report_the_correct_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
     assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
     let ideal = OperatingPoint { friction: Coulomb(0.0), ..lin() };
@@ -245,8 +245,8 @@ fn screw_that_locks_against_its_load_has_no_root() {
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
 }
 
-/// For inertia ratios from 3e4 down to 3e-12, the model finds a root with balanced powers, and the
-/// efficiency changes smoothly from one limit to the other.
+/// For inertia ratios from 3e4 down to 3e-12, the model finds a root that satisfies the power
+/// balance, and the efficiency changes smoothly from one limit to the other.
 #[test]
 fn efficiency_is_continuous_from_large_to_small_inertia() {
     let mut last = f64::NAN;
@@ -266,7 +266,7 @@ fn efficiency_is_continuous_from_large_to_small_inertia() {
 /// If the rounding error of the inertia forces at the screw speed exceeds the load, the result
 /// equals the limit for large inertia from the previous test.
 #[test]
-fn extreme_inertia_gives_the_limit_of_large_inertia() {
+fn efficiency_at_extreme_inertia_equals_the_large_inertia_limit() {
     for exponent in -160..-40 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
         let eta = solved(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() })
@@ -301,9 +301,10 @@ fn case() -> impl Strategy<Value = OperatingPoint> {
 }
 
 proptest! {
-    /// Whenever the model converges, the powers balance and the residual is small.
+    /// Whenever the model converges, the root satisfies the power balance and the residual is
+    /// small.
     #[test]
-    fn powers_balance_at_every_root(case in case()) {
+    fn every_root_satisfies_the_power_balance(case in case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {

@@ -71,7 +71,7 @@ impl Tally {
 
 /// Solves random cases in the ranges for which the rigid model is specified. `pitch` returns a
 /// random pitch circle radius.
-fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
+fn solve_random_screws(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut work = RigidWorkspace::default();
     let mut tally = Tally { calmest: f64::INFINITY, ..Tally::default() };
@@ -100,7 +100,7 @@ fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> 
 /// All cases have the pitch circle of Lin's screw.
 #[test]
 fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
-    let tally = campaign(10_000, 1994, |_| 24.3e-3);
+    let tally = solve_random_screws(10_000, 1994, |_| 24.3e-3);
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
     assert!(tally.more_than_twelve * 100 < tally.converged, "{tally:#?}");
@@ -112,7 +112,7 @@ fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
 /// The pitch circle diameters range from 8 to 100 mm.
 #[test]
 fn screws_with_catalog_pitch_circles_converge_or_have_no_solution() {
-    let tally = campaign(10_000, 2026, |rng| rng.random_range(4e-3..50e-3));
+    let tally = solve_random_screws(10_000, 2026, |rng| rng.random_range(4e-3..50e-3));
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
     // Larger balls at 6000 rpm and 20 N have inertia ratios of up to 30, for which the starting

@@ -27,7 +27,7 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
     ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
 }
 
-/// Creates a ball of a train that is solved by the traction model.
+/// Creates a ball in a ball train that is solved by the traction model.
 ///
 /// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
@@ -37,8 +37,8 @@ fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> Tra
     traction.in_train(&free, friction, work).expect("a ball that moves")
 }
 
-/// Screw speed \[rpm\], pushes \[N\], precession rate, and a triple of torque \[N·m\], power loss
-/// at the raceways \[W\] and angular speed relative to the neighbors \[rad/s\].
+/// Screw speed \[rpm\], push forces \[N\], precession rate, and a triple of torque \[N·m\], power
+/// loss at the raceways \[W\] and angular speed relative to the neighbors \[rad/s\].
 type Reference = (f64, [f64; 2], f64, [f64; 3]);
 
 const REFERENCES: [Reference; 9] = [
@@ -73,7 +73,7 @@ fn pushed_balls_match_the_reference() {
 }
 
 #[test]
-fn pushes_at_a_given_rate_match_the_reference() {
+fn push_forces_at_a_given_precession_rate_match_the_reference() {
     let work = &mut ModelWorkspace::default();
     for (rpm, rate, back, torque, power) in [
         (100.0, 0.445_289_893_3, 0.690_948_6, 0.085_503_6, 1.428_459e-2),
@@ -103,7 +103,7 @@ fn power_balance_error(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 
 }
 
 #[test]
-fn powers_of_a_pushed_ball_balance() {
+fn pushed_ball_satisfies_power_balance() {
     let work = &mut ModelWorkspace::default();
     for rpm in [100.0, -100.0] {
         let at = ball(rpm);
@@ -138,7 +138,7 @@ fn compliance_is_the_derivative_of_the_precession_rate() {
 }
 
 #[test]
-fn a_given_rate_and_a_given_push_lead_to_the_same_motion() {
+fn given_precession_rate_and_given_push_force_lead_to_the_same_motion() {
     let work = &mut ModelWorkspace::default();
     let ball = train_ball(ball(100.0), BALLS, work);
     let pushed = ball.pushed(ball.free(), [0.8, 0.5], work).expect("a motion");
@@ -153,8 +153,8 @@ fn a_given_rate_and_a_given_push_lead_to_the_same_motion() {
 }
 
 /// Returns the relative change of the precession rate \[%\] divided by `part`, and the relative
-/// increase of the power loss at the raceways. The push from behind is `part` times `f Q`, without
-/// friction between balls.
+/// increase of the power loss at the raceways. The push force from behind is `part` times `f Q`,
+/// without friction between balls.
 fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     let work = &mut ModelWorkspace::default();
     let mut at = ball(rpm);

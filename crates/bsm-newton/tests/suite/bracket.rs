@@ -50,7 +50,7 @@ fn root_at_an_end_needs_no_evaluation() {
     }
 }
 
-/// The failures are expected: invalid brackets are reported as results, without a panic.
+/// Invalid brackets are expected failures. They are reported as results, without a panic.
 #[test]
 fn invalid_brackets_are_reported() {
     let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);
@@ -63,9 +63,10 @@ fn invalid_brackets_are_reported() {
     }
 }
 
-/// A pole is also a sign change. The search finds its location, and the returned value is large.
+/// A pole is also a sign change. The search finds its location, and the reported function value is
+/// large.
 #[test]
-fn value_at_a_pole_is_large() {
+fn reported_value_at_a_pole_is_large() {
     let found = root(|x| 1.0 / (x - 0.3), [0.0, 1.0]);
     assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
 }

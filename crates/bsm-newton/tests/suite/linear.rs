@@ -117,7 +117,7 @@ fn fixed_unknowns_have_unit_rows() {
     // Both solutions must be bit-identical.
     assert_eq!(x, y);
     for i in fixed {
-        // The solution for a row of the identity matrix is the right-hand side.
+        // In a row of the identity matrix, the solution equals the right-hand side.
         assert!((x[i] - rhs[i]).abs() <= 1e-15, "{i}");
     }
 }
@@ -147,7 +147,7 @@ fn condensed_matrix_is_the_schur_complement() {
     }
 }
 
-/// The failures are expected: singular matrices are reported as errors, without a panic.
+/// Singular matrices are expected failures. They are reported as errors, without a panic.
 #[test]
 fn singular_matrices_are_reported() {
     let mut zero = Dense::<3>::default();

@@ -25,7 +25,7 @@ fn circle(x: f64, y: f64) -> Value {
 }
 
 /// Follows a curve from a point. The event function is the height above a horizontal line.
-fn follow(
+fn follow_curve(
     curve: impl Fn(f64, f64) -> Value,
     (z, towards): ([f64; 2], [f64; 2]),
     height: f64,
@@ -41,7 +41,7 @@ fn follow(
 fn closed_curve_is_followed_once_around() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
         let seed = ([1.0, 0.0], towards);
-        let seen = follow(circle, seed, 0.6, |_| true, &StepControl::default());
+        let seen = follow_curve(circle, seed, 0.6, |_| true, &StepControl::default());
         assert_eq!(seen.end, PathEnd::Closed, "{seen:?}");
         assert_eq!(seen.crossings.len(), 2, "{seen:?}");
         for (crossing, expected) in seen.crossings.iter().zip([first, -first]) {
@@ -75,7 +75,7 @@ fn close_pair_is_found_or_counted_as_unresolved() {
     for (height, crossings, resolved, points) in
         [(1.0 - 1e-4, 2, true, 37), (1.0, 0, false, 42), (1.0 + 1e-2, 0, true, 19)]
     {
-        let seen = follow(circle, seed, height, |_| true, &StepControl::default());
+        let seen = follow_curve(circle, seed, height, |_| true, &StepControl::default());
         assert_eq!(seen.end, PathEnd::Closed, "{height}: {seen:?}");
         assert_eq!(seen.crossings.len(), crossings, "{height}: {seen:?}");
         assert_eq!(seen.unresolved == 0, resolved, "{height}: {seen:?}");
@@ -88,18 +88,19 @@ fn close_pair_is_found_or_counted_as_unresolved() {
 fn path_follows_a_pole_until_the_caller_ends_it() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
     let seed = ([0.0, 1.0], [1.0, 0.0]);
-    let seen = follow(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &StepControl::default());
+    let seen = follow_curve(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &StepControl::default());
     assert_eq!(seen.end, PathEnd::Ended, "{seen:?}");
     assert_eq!(seen.crossings.len(), 1, "{seen:?}");
     assert!((seen.crossings[0].z[0] - 0.999).abs() < 1e-9, "{seen:?}");
     let cut = StepControl { max_points: 5, ..StepControl::default() };
-    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, PathEnd::MaxPoints);
-    let first = follow(pole, seed, 2.0, |seen| seen.crossings.is_empty(), &StepControl::default());
+    assert_eq!(follow_curve(pole, seed, 1e3, |_| true, &cut).end, PathEnd::MaxPoints);
+    let first =
+        follow_curve(pole, seed, 2.0, |seen| seen.crossings.is_empty(), &StepControl::default());
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// The failures are expected: the domain of the equations is limited, or there is no curve near the
-/// seed.
+/// These failures are expected, because the domain of the equations is limited, or because there is
+/// no curve near the seed.
 #[test]
 fn lost_paths_and_missing_curves_are_reported() {
     let root = |x: f64, y: f64| {
@@ -108,11 +109,13 @@ fn lost_paths_and_missing_curves_are_reported() {
         }
         Ok((y - x.sqrt() - x, [-0.5 / x.sqrt() - 1.0, 1.0]))
     };
-    let seen = follow(root, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
+    let seen =
+        follow_curve(root, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
     assert!(seen.end == PathEnd::Lost, "{seen:?}");
     assert!(seen.crossings.len() == 1 && seen.last[0] < 1e-3, "{seen:?}");
     let nothing = |x: f64, y: f64| Ok((x * x + y * y + 1.0, [2.0 * x, 2.0 * y]));
-    let seen = follow(nothing, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
+    let seen =
+        follow_curve(nothing, ([1.0, 2.0], [-1.0, 0.0]), 1.0, |_| true, &StepControl::default());
     assert_eq!(seen.end, PathEnd::NoCurve, "{seen:?}");
 }
 

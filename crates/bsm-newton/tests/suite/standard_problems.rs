@@ -115,8 +115,8 @@ fn powell_badly_scaled_finds_the_published_root() {
         path.push(report);
     }
     assert!(path[0].n_jacobian <= 53, "{:?}", path[0]);
-    // The tolerance is the rounding error of 1e4 x y − 1, which is reached after at most two more
-    // steps.
+    // The tolerance is the rounding error of 1e4 x y − 1. At most two more steps are needed to
+    // reach it.
     assert!(path[1].residual <= 1e-15, "{:?}", path[1]);
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
@@ -267,7 +267,7 @@ fn step_limit_is_reported() {
 
 /// The failure is expected because a scale is not positive and finite.
 #[test]
-fn bad_scale_is_reported() {
+fn invalid_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let scales = Scales { x: &[1.0; 2], f: &[1.0, bad] };
         let mut x = [0.0; 2];
@@ -300,11 +300,12 @@ fn derivatives_of_a_root_match_the_closed_form() {
     }
 }
 
-/// The curve is the line 2x = 0, 3y = 0, and the plane that intersects it is -z/2. The direction of
-/// the curve has the sign of the determinant for both orders of the rows. Its length is the
-/// reciprocal of the coefficient of the plane.
+/// The solution curve is the line 2x = 0, 3y = 0, and the last row of the Jacobian belongs to the
+/// plane -z/2 = 0, which intersects the curve. For either order of the first two rows, the sign of
+/// the tangent equals the sign of the determinant. The length of the tangent is the reciprocal of
+/// the coefficient of the plane.
 #[test]
-fn direction_of_a_path_has_the_sign_of_the_determinant() {
+fn path_direction_has_the_sign_of_the_determinant() {
     let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
     for (order, sense) in [([0, 1], 1.0), ([1, 0], -1.0)] {
         let system = Problem(|_: &[f64; 3]| {

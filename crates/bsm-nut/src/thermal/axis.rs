@@ -14,10 +14,10 @@ use super::{
 pub struct HeatSources {
     /// Friction in the contacts at nut and screw.
     pub contacts: [f64; 2],
-    /// Losses of the balls outside these contacts, which are drag due to preload, ball returns and
-    /// lubricant.
+    /// Other losses of the balls: drag due to preload, losses in the ball returns, and lubricant
+    /// losses.
     pub balls: f64,
-    /// Friction of the seals.
+    /// Friction of the nut seals.
     pub seals: f64,
     /// Friction of all support bearings.
     pub bearings: f64,
@@ -130,7 +130,7 @@ impl ThermalAxis {
     ///
     /// * `phases`, `powers`: duration and speed of every phase, and time-averaged powers, as in
     ///   [`rises`](Self::rises).
-    /// * `missing`: usual powers of heat sources that are not given.
+    /// * `missing`: typical powers of heat sources that are not given.
     /// * `numbers`: function that calculates the results from a network and its temperature rises.
     ///   It must always return the same number of results.
     ///

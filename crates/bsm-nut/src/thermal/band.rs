@@ -14,25 +14,25 @@ pub struct StateInterval {
     pub ends: Vec<[f64; 2]>,
     /// Estimated quantities and factors for which no steady state exists, with the reason.
     pub none: Vec<(Guess, f64, NoSteadyState)>,
-    /// Reason why no steady state exists if unknown heat sources have their usual values; `None` if
-    /// it exists.
+    /// Reason why no steady state exists if unknown heat sources have their typical values; `None`
+    /// if a steady state exists.
     pub none_complete: Option<NoSteadyState>,
 }
 
 /// Returns the uncertainty band of results (I21). Each estimated quantity is multiplied and divided
 /// by its uncertainty factor, one at a time. The change caused by unknown heat sources with their
-/// usual values is added to the upper or lower end, depending on its sign.
+/// typical values is added to the upper or lower end, depending on its sign.
 ///
 /// * `guessed`: function that calculates the results with one estimated quantity multiplied by a
 ///   factor.
-/// * `complete`: function that calculates the results with usual values of unknown heat sources.
+/// * `complete`: function that calculates the results with typical values of unknown heat sources.
 pub(super) fn interval(
     middle: Vec<f64>,
     guesses: impl Iterator<Item = Guess>,
     guessed: impl Fn((Guess, f64)) -> Result<Vec<f64>, NoSteadyState>,
     complete: impl Fn() -> Result<Vec<f64>, NoSteadyState>,
 ) -> StateInterval {
-    // Amounts by which results are lower and higher than without changes.
+    // Amounts by which each result decreases and increases when one quantity is changed.
     let changes = |found: &[f64]| -> Vec<[f64; 2]> {
         let change =
             |(found, middle): (&f64, &f64)| [(middle - found).max(0.0), (found - middle).max(0.0)];
@@ -71,8 +71,8 @@ pub(super) fn interval(
 impl WarmNut<'_> {
     /// Returns the uncertainty band of results calculated from a warm state (I21).
     ///
-    /// * `missing`: usual torques of the seals and of all support bearings \[N·m\], or zero if they
-    ///   are given.
+    /// * `missing`: typical torques of the seals and of all support bearings \[N·m\], or zero if
+    ///   the torques are given.
     /// * `numbers`: function that calculates the results from a nut and its warm state. It must
     ///   always return the same number of results.
     pub fn band(

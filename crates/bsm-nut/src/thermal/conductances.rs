@@ -41,7 +41,7 @@ impl Guess {
         }
     }
 
-    /// Returns a clause that "2 times larger" completes.
+    /// Returns the beginning of a clause that continues with "2 times larger".
     pub fn clause(self) -> &'static str {
         match self {
             Self::Nut => "the conductance of the nut is",
@@ -112,7 +112,8 @@ const BEARING: f64 = 3125.0;
 /// Default ratio of the surface area of bracket and table to the surface area of the nut.
 const CARRIAGE: f64 = 10.0;
 /// Conductance between nut and screw through the contacts of all balls, divided by the pitch circle
-/// diameter \[W/(m·K)\]. For usual nuts at 1000 rpm, it agrees with (I11) to within a factor of 2.
+/// diameter \[W/(m·K)\]. For typical nuts at 1000 rpm, it agrees with (I11) to within a factor of
+/// 2.
 const USUAL_BALLS: f64 = 65.0;
 
 /// Returns the film coefficient of a cylinder rotating in air \[W/(m²·K)\] (I9).
@@ -171,8 +172,8 @@ pub enum BallLink {
         /// Cosine of the lead angle.
         lead_cosine: f64,
     },
-    /// The groove geometry is unknown. A usual conductance connects nut and screw directly, without
-    /// a node for the balls.
+    /// The groove geometry is unknown. A typical conductance connects nut and screw directly,
+    /// without a node for the balls.
     Usual,
 }
 
@@ -314,7 +315,7 @@ fn bearing_conductance(diameter: f64) -> f64 {
     BEARING * diameter.powi(2)
 }
 
-/// Coolant in a hollow screw.
+/// Coolant that flows through a hollow screw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coolant {
     /// Water.

@@ -13,8 +13,8 @@ use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind,
 /// returns the friction implements this trait. It is assumed that its result does not jump, so
 /// there are no models to hold constant.
 pub trait HeldFriction {
-    /// Returns the friction under a load at given speeds, or `None` unless the friction of every
-    /// ball is known.
+    /// Returns the friction under a load at given speeds, or `None` if the friction of any ball is
+    /// unknown.
     ///
     /// * `oil`: oil temperature \[K\].
     /// * `between_loads`: permitted relative error of the friction that is interpolated between
@@ -72,8 +72,8 @@ where
 /// Models of the balls in each phase of the duty cycle.
 pub(super) type ModelsOfPhases = Vec<Vec<Option<BallModel>>>;
 
-/// Default permitted error of the friction that is interpolated between ball loads. It is one tenth
-/// of the residual heat of a steady state.
+/// Default permitted relative error of the friction that is interpolated between ball loads. It is
+/// one tenth of the relative heat residual of a steady state.
 pub const BETWEEN_LOADS: f64 = 1e-9;
 
 /// A phase of the duty cycle.
@@ -108,7 +108,7 @@ pub struct WarmNut<'a> {
     pub phases: Vec<WarmPhase>,
     /// Function that calculates the friction of the balls.
     pub friction: &'a (dyn HeldFriction + 'a),
-    /// Drag torque outside the contacts divided by the warm preload, `$K_x h$` \[m\] (I15).
+    /// Drag torque not caused by the contacts, divided by the warm preload, `$K_x h$` \[m\] (I15).
     pub drag: f64,
     /// Friction torque of the seals \[N·m\].
     pub seal: f64,
@@ -129,7 +129,7 @@ pub struct PhaseState {
     pub found: Equilibrium,
     /// Friction of the balls; `None` at standstill.
     pub friction: Option<FrictionSum>,
-    /// Drag torque of the balls outside the contacts \[N·m\].
+    /// Drag torque of the balls that is not caused by the contacts \[N·m\].
     pub drag: f64,
 }
 
@@ -147,7 +147,8 @@ pub struct NutAtTemperature {
     pub phases: Vec<Option<PhaseState>>,
 }
 
-/// Returns the drag torque outside the contacts divided by the preload, `$K_x h$` \[m\] (I15).
+/// Returns the drag torque that is not caused by the contacts, divided by the preload, `$K_x h$`
+/// \[m\] (I15).
 ///
 /// * `rule`, `contacts`: drag torque due to the cold preload according to the manufacturers' rule,
 ///   and drag torque of the contacts alone \[N·m\].

@@ -78,7 +78,8 @@ pub struct Steady {
     /// Loop gain (I18), which is 0 without thermal feedback and 1 at the fold.
     pub gain: f64,
     /// True if the balls would choose different models or controlling raceways in this state. The
-    /// state is then at a jump of the friction, and its friction is that on one side of the jump.
+    /// friction is then discontinuous at this state, and the reported friction is the value on one
+    /// side of the discontinuity.
     pub on_jump: bool,
     /// Ball models with which the friction was calculated.
     models: ModelsOfPhases,
@@ -96,7 +97,7 @@ impl Steady {
     }
 }
 
-/// The fold, at which the branch of steady states turns back. No steady state exists at higher
+/// The fold: the largest speed on the branch of steady states. No steady state exists at higher
 /// speeds (I20).
 #[derive(Debug, Clone)]
 pub struct Fold {
@@ -163,17 +164,17 @@ pub enum NoSteadyState {
     /// The nut cannot carry a load.
     #[error(transparent)]
     Nut(#[from] NutError),
-    /// The branch of steady states ends at a jump of friction (where balls begin to slide) or of
-    /// ball loads.
+    /// The branch of steady states ends where the friction is discontinuous (balls begin to slide)
+    /// or the ball loads are discontinuous.
     #[error(
-        "the warm states end at {factor:.2} times these speeds, where the friction or the loads of the balls jump"
+        "the warm steady states could be followed only up to {factor:.2} times these speeds, where the friction or the ball loads are discontinuous"
     )]
     Jump {
         /// Speed factor at which the branch ends.
         factor: f64,
     },
     /// The search did not find a steady state.
-    #[error("no warm state was found")]
+    #[error("no warm steady state was found")]
     NotFound,
 }
 
@@ -190,12 +191,13 @@ struct HeatBalance<'a> {
     weight: f64,
     /// False after the nut has lost its preload.
     has_preload: Cell<bool>,
-    /// Models of the balls. They are held constant during a solve, because the friction jumps where
-    /// a ball chooses another model.
+    /// Models of the balls. They are held constant during a solve, because the friction is
+    /// discontinuous where a ball chooses another model.
     models: ModelsOfPhases,
 }
 
-/// Derivatives of the heat at nut, screw and balls with respect to the temperatures of all nodes.
+/// Derivatives of the heat flows into nut, screw and balls with respect to the temperatures of all
+/// nodes.
 type HeatSlopes = [[f64; NODES]; FRICTION_NODES];
 
 /// Heat balance at a fixed speed factor.
@@ -290,8 +292,8 @@ impl HeatBalance<'_> {
         from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
     }
 
-    /// Returns `$P' M^{-1}$`, reduced to nut, screw and balls. It has the same nonzero eigenvalues
-    /// as `$M^{-1} P'$`.
+    /// Returns `$P' M^{-1}$`, reduced to the nodes of nut, screw and balls. The matrix has the same
+    /// nonzero eigenvalues as `$M^{-1} P'$`.
     fn loop_matrix(
         &self,
         slopes: &HeatSlopes,
@@ -363,7 +365,7 @@ impl HeatBalance<'_> {
         Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
     }
 
-    /// Returns this heat balance with other ball models.
+    /// Returns a copy of this heat balance with other ball models.
     fn with_models(self, models: ModelsOfPhases) -> Self {
         Self { models, ..self }
     }
@@ -557,7 +559,7 @@ impl WarmNut<'_> {
         }
         let decided = self.models(&state.rises, 1.0, &state.heated);
         let decided = decided.ok_or(NoSteadyState::NoFriction)?;
-        // A steady state may exist on only one side of the jump.
+        // A steady state may exist on only one side of the discontinuity.
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
@@ -672,7 +674,7 @@ impl WarmNut<'_> {
     }
 }
 
-/// Returns true if all balls that have a model in both lists have the same model in both lists.
+/// Returns true if every ball that has a model in both lists has the same model in both lists.
 fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
     let phases = one.iter().zip(other);
     phases.flat_map(|(one, other)| one.iter().zip(other)).all(|pair| match pair {

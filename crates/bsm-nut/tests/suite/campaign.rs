@@ -1,5 +1,5 @@
 //! Tests with random nuts and random combinations of all features. For each nut, the solver must
-//! find the equilibrium or report that nothing carries the load.
+//! find the equilibrium or report that the nut cannot carry the load.
 
 use crate::nuts;
 
@@ -115,7 +115,8 @@ pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
 fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, point: u32) {
     let radius = nut.helix.radius;
     let arms = [1.0, -1.0, 1.0, 1.0 / radius, -1.0 / radius];
-    // The step is one nanometer, and the elastic approaches are of the order of micrometers.
+    // The step of one nanometer is small compared with the elastic approaches, which are of the
+    // order of micrometers.
     let step = 1e-9;
     let held = |sign: f64| {
         let at = |i: usize| Freedom::Held(found.displacement[i] + sign * step * arms[i]);
@@ -143,7 +144,7 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
 /// their load, the largest residual and the largest number of steps.
 ///
 /// * `every`: interval between nuts whose stiffness is compared with finite differences.
-fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
+fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
     for point in 0..points {
@@ -169,8 +170,8 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
                 let numbers = found.balls.iter().flat_map(|b| b.loads).chain(found.displacement);
                 assert!(numbers.into_iter().all(f64::is_finite), "{point}");
             }
-            // These nuts have only one flank, or a few balls far from the line of action of the
-            // load.
+            // Nuts that cannot carry their load have only one flank, or a few balls far from the
+            // line of action of the load.
             Err(
                 NutError::NothingCarries { .. }
                 | NutError::BallLeavesFlank { .. }
@@ -183,9 +184,9 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
 }
 
 /// Solves random nuts and checks the properties that every nut must have.
-#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+#[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_campaign(points: u32, seed: u64, every: u32) {
-    let (solved, nothing, worst, most) = campaign(points, seed, every);
+    let (solved, nothing, worst, most) = solve_random_nuts(points, seed, every);
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
@@ -206,7 +207,7 @@ fn ten_thousand_random_nuts_find_their_equilibrium() {
     check_campaign(10_000, 2026, 1);
 }
 
-/// Returns an extreme nut whose play, oversize, errors, conformities and speeds may be far beyond
+/// Returns an extreme nut. Its play, oversize, errors, conformities and speeds may be far beyond
 /// practical values.
 fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     let mut nut = nut(rng);
@@ -322,7 +323,7 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
 
 /// Checks that extreme nuts are either in equilibrium according to their own loads and contact
 /// angles, or are rejected with a reason. The numbers of both outcomes are printed.
-#[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
+#[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_extreme_campaign(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut refused) = (0, [0; 5]);

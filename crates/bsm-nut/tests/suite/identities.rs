@@ -19,8 +19,8 @@ fn circuit(start_deg: f64, arc_deg: f64, balls: usize, flanks: Flanks) -> Circui
     Circuit { start, arc, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// Returns a nut with 98 balls on 4.81 turns, in which both flanks can carry load.
-fn nut_a() -> BallNut {
+/// Returns a nut with 98 balls on 4.81 turns, whose two flanks can both carry load.
+fn nut_with_98_balls() -> BallNut {
     with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Both)])
 }
 
@@ -35,10 +35,10 @@ fn prescribed_displacements(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
 
-/// In a rigid, guided nut, all balls carry the equal load given by the closed formula.
+/// In a rigid, guided nut, all balls carry the same load, which matches the closed formula.
 #[test]
 fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
-    let nut = nut_a();
+    let nut = nut_with_98_balls();
     let equal = nut.equal(6340.0).expect("load");
     let found = nut.solve(&Support::guided(6340.0)).expect("load");
     for ball in &found.balls {
@@ -46,7 +46,7 @@ fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
-    // The search starts from the solution with equal loads.
+    // The search starts from the solution with equal ball loads, so it needs at most one step.
     assert!(found.steps <= 1, "{}", found.steps);
     assert!(!nut.shares_equally(&Support::free(6340.0)));
     let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -56,8 +56,8 @@ fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
 /// The stiffness equals the slope of the forces under prescribed displacements, even if all bodies
 /// are elastic.
 #[test]
-fn stiffness_is_the_slope_of_the_forces() {
-    let mut nut = nut_a();
+fn stiffness_matches_the_slope_of_the_forces() {
+    let mut nut = nut_with_98_balls();
     nut.nut_bar = Some(Bar { stiffness: 453e6, anchor: -0.01 });
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 0.07 });
     nut.ring = Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 });
@@ -85,9 +85,9 @@ fn stiffness_is_the_slope_of_the_forces() {
 
 /// The ball forces carry the load within rounding errors, and the stiffness matrix is symmetric.
 #[test]
-fn forces_add_up_to_the_load() {
+fn ball_forces_add_up_to_the_load() {
     let load = [8000.0, 300.0, -500.0, 20.0, 40.0];
-    let found = nut_a().solve(&Support(load.map(Freedom::Loaded))).expect("carried");
+    let found = nut_with_98_balls().solve(&Support(load.map(Freedom::Loaded))).expect("carried");
     for (carried, load) in found.carried.iter().zip(load) {
         // The iteration stops at 1e-12 of the sum of all forces.
         assert!((carried - load).abs() < 1e-8, "{carried} {load}");
@@ -105,7 +105,7 @@ fn forces_add_up_to_the_load() {
 /// as predicted by first-order theory.
 #[test]
 fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
-    let mut nut = nut_a();
+    let mut nut = nut_with_98_balls();
     let positions = nut.positions();
     let (first, last) = (positions[0].z, positions[positions.len() - 1].z);
     let equal = nut.equal(10e3).expect("load");
@@ -126,7 +126,7 @@ fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
 /// balance.
 #[test]
 fn a_free_nut_tilts_under_a_central_load() {
-    let found = nut_a().solve(&Support::free(6340.0)).expect("carried");
+    let found = nut_with_98_balls().solve(&Support::free(6340.0)).expect("carried");
     // An independent solution gives max/mean = 1.2536 at one tenth of the rating.
     assert_relative_eq!(found.concentration(), 1.2536, epsilon = 6e-5);
     let tilt = found.displacement[3].hypot(found.displacement[4]);
@@ -138,7 +138,7 @@ fn a_free_nut_tilts_under_a_central_load() {
 fn load_concentrations_match_an_independent_solution() {
     let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
     let returns = with_circuits((0..5).map(stacked).collect());
-    let mut bars = nut_a();
+    let mut bars = nut_with_98_balls();
     let first = bars.positions()[0].z;
     bars.nut_bar = Some(Bar { stiffness: 453e6, anchor: first });
     bars.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: first });
@@ -154,7 +154,7 @@ fn load_concentrations_match_an_independent_solution() {
 /// closed formula for a solid shaft.
 #[test]
 fn torsion_reduces_the_stiffness_of_the_screw() {
-    let nut = nut_a();
+    let nut = nut_with_98_balls();
     let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
     let radius = 0.5 * nut.groove_diameters()[0];
     let per_radian = nut.helix.lead() / TAU;
@@ -166,7 +166,7 @@ fn torsion_reduces_the_stiffness_of_the_screw() {
 /// A deep-groove ball bearing, modeled as a nut with zero lead, matches a commercial program for
 /// ISO/TS 16281.
 #[test]
-fn nut_with_zero_lead_is_a_ball_bearing() {
+fn nut_with_zero_lead_matches_a_ball_bearing() {
     let radius = 5.75e-3;
     let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
     let bearing = |gap: f64| BallNut {
@@ -224,7 +224,7 @@ fn displacement_for_a_given_preload_is_found() {
     let offset = pair.preload_displacement(PreloadKind::Offset, 3000.0, &support).expect("reached");
     // The reference value is 11.7229564202 um.
     assert_relative_eq!(offset, 11.722_956_420_2e-6, max_relative = 1e-10);
-    let single = nut_a();
+    let single = nut_with_98_balls();
     let found =
         single.preload_displacement(PreloadKind::Oversize, 2000.0, &support).expect("reached");
     let tight = single.preloaded(PreloadKind::Oversize, found);
@@ -266,7 +266,7 @@ fn cold_pair(x: bool) -> BallNut {
 /// uniformly warm nut lost its preload by thermal expansion. The reference values come from an
 /// independent solution with ten digits.
 #[test]
-fn preload_is_set_cold_and_changes_with_temperatures() {
+fn preload_is_set_at_assembly_and_changes_with_temperatures() {
     let table = [
         ([0.0, 0.0, 0.0], 2500.0, 2500.0),
         ([0.0, 2.0, 0.0], 3_110.702_842, 2_378.952_327),
@@ -294,7 +294,7 @@ fn preload_is_set_cold_and_changes_with_temperatures() {
 /// pairs of either arrangement nor in a nut with oversize balls and elastic bars.
 #[test]
 fn a_uniform_temperature_rise_does_not_change_the_ball_loads() {
-    let mut single = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
+    let mut single = nut_with_98_balls().preloaded(PreloadKind::Oversize, 8e-6);
     single.nut_bar = Some(Bar { stiffness: 453e6, anchor: 0.0 });
     for nut in [cold_pair(true), cold_pair(false), single] {
         let at = |nut: &BallNut| nut.solve(&Support::guided(900.0)).expect("carried").balls;
@@ -318,12 +318,12 @@ fn o_arrangement_is_stiffer_against_tilting_than_x_arrangement() {
 /// give contact angles beyond 90 deg.
 #[test]
 fn a_ball_that_leaves_its_flank_is_rejected() {
-    let mut nut = nut_a();
+    let mut nut = nut_with_98_balls();
     nut.errors.gap = 500e-6;
     let refused = nut.solve(&Support::guided(19e3)).expect_err("out of its groove");
     assert!(matches!(refused, NutError::BallLeavesFlank { angle, .. } if angle > 1.6), "{refused}");
     let tilted = prescribed_displacements([20e-6, 0.0, 0.0, 10e-3, 0.0]);
-    assert!(matches!(nut_a().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
+    assert!(matches!(nut_with_98_balls().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
 }
 
 /// A load that points away from the only flank would move the nut without limit, so it is rejected.
@@ -340,7 +340,7 @@ fn a_load_away_from_the_only_flank_is_rejected() {
 /// but it still carries its load.
 #[test]
 fn a_long_screw_deforms_but_carries_its_load() {
-    let mut nut = nut_a();
+    let mut nut = nut_with_98_balls();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let found = nut.solve(&Support::guided(100e3)).expect("carried");
     // The elongation F l/EA is 2.3 mm for a length of 5 m.
@@ -350,11 +350,11 @@ fn a_long_screw_deforms_but_carries_its_load() {
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
 }
 
-/// A prescribed displacement of the nut that is far from the position of an undeformed screw
-/// deforms the bodies. The solver used to report that nothing carries the load.
+/// If the nut is displaced far from the position of the undeformed screw, the bodies deform. The
+/// solver used to report that no ball carries the load.
 #[test]
 fn a_large_prescribed_displacement_deforms_the_bodies() {
-    let mut nut = nut_a();
+    let mut nut = nut_with_98_balls();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
     let again = nut.solve(&prescribed_displacements(loaded.displacement)).expect("held");
@@ -366,7 +366,7 @@ fn a_large_prescribed_displacement_deforms_the_bodies() {
 /// nut.
 #[test]
 fn guide_springs_cover_the_range_from_free_to_guided() {
-    let nut = nut_a();
+    let nut = nut_with_98_balls();
     let sprung = |stiffness: f64| {
         let mut support = Support::free(6340.0);
         for (i, freedom) in support.0.iter_mut().enumerate().skip(1) {
@@ -395,7 +395,8 @@ fn friction_of_equally_loaded_balls_adds_up() {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
-    // The friction of equally loaded balls is calculated only once.
+    // Number of calculated ball states. All balls carry the same load, so their friction is
+    // calculated only once.
     let mut solves = 0;
     let counted = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, |screw| {
         solves += 1;
@@ -412,7 +413,7 @@ fn friction_of_equally_loaded_balls_adds_up() {
     };
     let single = rolling(whole);
     let expected = single.efficiency().expect("solved");
-    // The load on a ball is accurate to 1e-12, and the models converge to 1e-10.
+    // The ball loads are accurate to 1e-12, and the ball models converge to 1e-10.
     assert_relative_eq!(all.efficiency.expect("a load"), expected, max_relative = 1e-9);
     let heat = single.solved().expect("solved").transmission.power.expect("speed").dissipated;
     assert_relative_eq!(all.heat.expect("all balls"), heat, max_relative = 1e-7);
@@ -436,7 +437,7 @@ fn friction_of_equally_loaded_balls_adds_up() {
 /// contact ellipses.
 #[test]
 fn oversize_balls_cause_a_drag_torque() {
-    let tight = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
+    let tight = nut_with_98_balls().preloaded(PreloadKind::Oversize, 8e-6);
     let found = tight.solve(&Support::guided(0.0)).expect("at rest");
     let drag = |screw_speed: f64, friction: f64| {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
@@ -461,9 +462,9 @@ proptest! {
 
     /// Shifting the nut along the screw by whole turns does not change the ball loads.
     #[test]
-    fn a_shift_by_whole_turns_does_not_change_the_loads(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
+    fn shifting_the_nut_by_whole_turns_does_not_change_ball_loads(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
         let load = Support([axial, side, 0.0, 0.0, 0.0].map(Freedom::Loaded));
-        let here = nut_a().solve(&load).expect("carried");
+        let here = nut_with_98_balls().solve(&load).expect("carried");
         let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
         let there = there.solve(&load).expect("carried");
         // After two turns, helix angles have rounding errors of 1e-15, and elastic approaches are
@@ -471,9 +472,9 @@ proptest! {
         prop_assert!((here.max_load() / there.max_load() - 1.0).abs() < 1e-9);
     }
 
-    /// No ball carries more than the bound, regardless of manufacturing errors and elastic bars.
+    /// No ball load exceeds the bound (U27), regardless of manufacturing errors and elastic bars.
     #[test]
-    fn no_ball_load_exceeds_the_bound(
+    fn no_ball_load_exceeds_its_upper_bound(
         axial in 500.0..40e3_f64,
         amplitude in 0.0..4e-6_f64,
         phase in 0.0..TAU,
@@ -492,15 +493,15 @@ proptest! {
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// A nut with both flanks carries any load, and forces are balanced to 1e-12.
+    /// A nut with contact on both flanks carries any load, and forces are balanced to 1e-12.
     #[test]
-    fn nut_with_both_flanks_carries_every_load(
+    fn nut_with_contact_on_both_flanks_carries_any_load(
         load in prop::array::uniform5(-1.0..1.0_f64),
         size in -1.0..5.0_f64,
         gap in 0.0..20e-6_f64,
         oversize in -5e-6..5e-6_f64,
     ) {
-        let mut nut = nut_a();
+        let mut nut = nut_with_98_balls();
         nut.errors.gap = gap;
         nut.errors.oversize = oversize;
         let size = 10f64.powf(size);
@@ -512,17 +513,18 @@ proptest! {
     }
 }
 
-/// In a single nut, the thermal expansion of the balls first takes up the play. The balls press on
-/// both flanks only after the play is closed. The preload is then the same as with oversize balls
-/// whose excess is the remaining expansion.
+/// In a single nut, the thermal expansion of the balls first takes up the play. The balls press
+/// against both flanks only after the play is closed. The preload is then the same as with oversize
+/// balls whose excess is the remaining expansion.
 #[test]
 fn thermal_expansion_of_balls_takes_up_the_play_first() {
     let rises = [0.0, 0.0, 10.0];
     // The expansion is Δr = r_b α_T ΔT, and `taken` is the play that it takes up.
-    let growth = nut_a().ball.radius * 11.5e-6 * 10.0;
-    let taken = 4.0 * growth / (nut_a().contact_angle.sin() * nut_a().helix.lead_angle.cos());
+    let growth = nut_with_98_balls().ball.radius * 11.5e-6 * 10.0;
+    let taken = 4.0 * growth
+        / (nut_with_98_balls().contact_angle.sin() * nut_with_98_balls().helix.lead_angle.cos());
     let preload = |play: Option<f64>| {
-        let mut nut = nut_a();
+        let mut nut = nut_with_98_balls();
         nut.errors.axial_play = play;
         let warm = nut.warmed(rises, 11.5e-6);
         let found = warm.solve(&Support::guided(0.0)).expect("at rest");
@@ -535,7 +537,7 @@ fn thermal_expansion_of_balls_takes_up_the_play_first() {
     // The tolerance is the relative rounding error of the difference between two plays.
     assert_relative_eq!(errors.axial_play.expect("a play"), 2.0 * taken, max_relative = 1e-12);
     let (half, _) = preload(Some(0.5 * taken));
-    let oversize = nut_a().preloaded(PreloadKind::Oversize, growth);
+    let oversize = nut_with_98_balls().preloaded(PreloadKind::Oversize, growth);
     let found = oversize.solve(&Support::guided(0.0)).expect("at rest");
     let expected = found.preload(&oversize, PreloadKind::Oversize);
     // The solver balances forces to 1e-12 of the loads.

@@ -17,7 +17,7 @@ pub(crate) fn number(value: &Value, key: &str) -> Option<f64> {
     value.get(key).and_then(Value::as_f64)
 }
 
-fn numbers(value: &Value) -> Vec<Option<f64>> {
+fn read_numbers(value: &Value) -> Vec<Option<f64>> {
     value.as_array().expect("list").iter().map(Value::as_f64).collect()
 }
 
@@ -103,7 +103,7 @@ pub(crate) fn nut(case: &Value) -> BallNut {
     nut
 }
 
-fn support(case: &Value) -> Support {
+fn read_support(case: &Value) -> Support {
     Support(["uz", "ux", "uy", "px", "py"].map(|key| match number(&case["load_SI"], key) {
         Some(load) => Freedom::Loaded(load),
         None => Freedom::Held(number(&case["fixed_SI"], key).unwrap_or(0.0)),
@@ -133,7 +133,7 @@ fn nuts_match_the_reference_cases() {
     for case in &cases {
         let name = case["name"].as_str().expect("name");
         let nut = nut(&case["case"]);
-        let found = nut.solve(&support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let found = nut.solve(&read_support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let expect = &case["expect"];
         // The reference is printed with 14 digits, and the two solutions agree to 3e-11 or better.
         let tolerance = number(case, "rel_tol").expect("tolerance");
@@ -142,7 +142,7 @@ fn nuts_match_the_reference_cases() {
         for (c, key) in
             ["nut_plus_N", "nut_minus_N", "screw_plus_N", "screw_minus_N"].iter().enumerate()
         {
-            let expected: Vec<_> = numbers(&expect[key]);
+            let expected: Vec<_> = read_numbers(&expect[key]);
             for (i, (found, expected)) in load(c).iter().zip(&expected).enumerate() {
                 let expected = expected.expect("load");
                 let allowed = tolerance * expected.max(1e-6 * largest);
@@ -154,12 +154,18 @@ fn nuts_match_the_reference_cases() {
             }
         }
         let angle = |c: usize| found.balls.iter().map(|b| b.angles[c] / DEG).collect::<Vec<_>>();
-        assert_agree(name, "nut angle", &angle(0), &numbers(&expect["nut_plus_deg"]), tolerance);
+        assert_agree(
+            name,
+            "nut angle",
+            &angle(0),
+            &read_numbers(&expect["nut_plus_deg"]),
+            tolerance,
+        );
         assert_agree(
             name,
             "screw angle",
             &angle(2),
-            &numbers(&expect["screw_plus_deg"]),
+            &read_numbers(&expect["screw_plus_deg"]),
             tolerance,
         );
         let [uz, ux, uy, px, py] = found.displacement;
@@ -168,14 +174,14 @@ fn nuts_match_the_reference_cases() {
             name,
             "displacement",
             &lengths,
-            &numbers(&expect["displacement_um"]),
+            &read_numbers(&expect["displacement_um"]),
             tolerance,
         );
         assert_agree(
             name,
             "tilt",
             &[px, py].map(|t| t * 1e6),
-            &numbers(&expect["tilt_urad"]),
+            &read_numbers(&expect["tilt_urad"]),
             tolerance,
         );
         // The list includes the sum of all forces, which is needed to distinguish zero from
@@ -185,12 +191,12 @@ fn nuts_match_the_reference_cases() {
             all.push(sum);
             all
         };
-        let expected = numbers(&expect["reaction_SI"]).into_iter().chain([Some(sum)]);
+        let expected = read_numbers(&expect["reaction_SI"]).into_iter().chain([Some(sum)]);
         let carried = with_sum(found.carried.to_vec());
         assert_agree(name, "carried", &carried, &expected.collect::<Vec<_>>(), tolerance);
         let rows = found.stiffness.concat();
-        assert_agree(name, "stiffness", &rows, &numbers(&expect["stiffness_SI"]), tolerance);
-        let expected = numbers(&expect["body_axial_N"]).into_iter().chain([Some(sum)]);
+        assert_agree(name, "stiffness", &rows, &read_numbers(&expect["stiffness_SI"]), tolerance);
+        let expected = read_numbers(&expect["body_axial_N"]).into_iter().chain([Some(sum)]);
         let bodies = with_sum(found.bodies.clone());
         assert_agree(name, "bodies", &bodies, &expected.collect::<Vec<_>>(), tolerance);
         let whole = [found.max_load(), found.concentration()];
@@ -215,7 +221,7 @@ fn nuts_match_the_reference_cases() {
         // equilibrium, because the energy is convex.
         let off = [1e-6, -1e-6, 1e-6, 1e-5, -1e-5];
         let start = std::array::from_fn(|i| found.displacement[i] + off[i]);
-        let again = nut.solve_from(&support(case), Some(&start)).expect("carried");
+        let again = nut.solve_from(&read_support(case), Some(&start)).expect("carried");
         let [here, there] = [&found, &again]
             .map(|f| f.balls.iter().flat_map(|b| b.loads).map(Some).collect::<Vec<_>>());
         let there: Vec<f64> = there.into_iter().flatten().collect();

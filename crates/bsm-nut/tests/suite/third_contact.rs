@@ -41,7 +41,7 @@ struct Scene {
 }
 
 impl Scene {
-    fn of(case: &Value) -> Self {
+    fn from_reference(case: &Value) -> Self {
         let get = |key: &str| number(case, key);
         let given = |key: &str| get(key).unwrap_or_else(|| panic!("{key}"));
         Self {
@@ -63,8 +63,8 @@ impl Scene {
         }
     }
 
-    /// Returns the screw of the independent study of third contacts.
-    fn of_study(friction: f64, play_um: f64) -> Self {
+    /// Returns the screw that was used in the independent study of third contacts.
+    fn from_study(friction: f64, play_um: f64) -> Self {
         Self {
             ball: 6.35,
             pitch: 41.5,
@@ -118,7 +118,7 @@ impl Scene {
 
 /// Checks that two numbers agree. The tolerance is relative to `size`.
 #[track_caller]
-fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
+fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     let error = (found - expected).abs();
     assert!(
         error <= tolerance * size.abs(),
@@ -126,18 +126,25 @@ fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     );
 }
 
-/// Compares a ball with the reference, using the tolerances of the reference: 1e-6 of the largest
-/// load; 1e-5 degrees; 1e-6 for torque, power and speeds; and 1e-5 um.
+/// Compares a ball with the reference, using the tolerances of the reference: 1e-6 relative to the
+/// largest load for loads; 1e-5 degrees for angles; 1e-6 relative for torque, power and speeds; and
+/// 1e-5 um for displacements.
 fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     let loads = found.loads();
     let largest = loads.into_iter().fold(0.0, f64::max);
     let flanks = ["nut_plus", "nut_minus", "screw_plus", "screw_minus"];
     for (i, flank) in flanks.iter().enumerate() {
         let load = number(expect, &format!("{flank}_N")).expect("load");
-        near(&format!("{name} {flank}_N"), loads[i], load, 1e-6, largest);
+        assert_near(&format!("{name} {flank}_N"), loads[i], load, 1e-6, largest);
         match (number(expect, &format!("{flank}_deg")), &found.contacts[i]) {
             (Some(angle), Some(contact)) => {
-                near(&format!("{name} {flank}_deg"), contact.state.angle / DEG, angle, 1e-5, 1.0);
+                assert_near(
+                    &format!("{name} {flank}_deg"),
+                    contact.state.angle / DEG,
+                    angle,
+                    1e-5,
+                    1.0,
+                );
             }
             (None, None) => {}
             (angle, contact) => panic!("{name} {flank}: {angle:?} {contact:?}"),
@@ -156,11 +163,17 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
     ];
     for (key, value, tolerance, size) in scalars {
         if let Some(expected) = number(expect, key) {
-            near(&format!("{name} {key}"), value, expected, tolerance, size);
+            assert_near(&format!("{name} {key}"), value, expected, tolerance, size);
         }
     }
     if let Some(expected) = number(expect, "efficiency") {
-        near(&format!("{name} efficiency"), found.efficiency.expect("loaded"), expected, 1e-6, 1.0);
+        assert_near(
+            &format!("{name} efficiency"),
+            found.efficiency.expect("loaded"),
+            expected,
+            1e-6,
+            1.0,
+        );
     }
     let third = found.far_contact().filter(|_| found.contacts.iter().flatten().count() == 3);
     assert_eq!(third.is_some(), expect["third_contact"].is_string(), "{name} {third:?}");
@@ -176,9 +189,9 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
             ("third_contact_slip_m_s", along),
             ("third_contact_power_share", third.power_share),
         ] {
-            // The load ratio has the same tolerance as a load.
+            // The tolerance for the load ratio is the same as for a load.
             let expected = number(expect, key).expect("number");
-            near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
+            assert_near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
     }
 }
@@ -193,7 +206,7 @@ fn reference_cases(kind: &str) -> Vec<Value> {
 fn reference_balls_have_the_expected_third_contacts() {
     for case in reference_cases("ball") {
         let name = case["name"].as_str().expect("name");
-        let scene = Scene::of(&case["case"]);
+        let scene = Scene::from_reference(&case["case"]);
         let condition = if let Some(load) = number(&case["case"], "axial_load_N") {
             AxialCondition::Force(load)
         } else {
@@ -203,13 +216,13 @@ fn reference_balls_have_the_expected_third_contacts() {
         let found = scene.solve(condition);
         let turning = found.motion.omega.norm();
         compare_with_reference(name, &found, &case["expect"], turning);
-        // The force balance is solved to 1e-10 of the friction.
+        // The force balance is solved to 1e-10 of the friction force.
         assert!(found.power_balance.abs() <= 1e-9, "{name} {}", found.power_balance);
     }
 }
 
-/// If a ball does not touch its far flanks, its solution equals that of the `traction` model. Both
-/// models solve the force balance to 1e-10 of the friction.
+/// If a ball does not touch its far flanks, its solution equals the solution of the `traction`
+/// model. Both models solve the force balance to 1e-10 of the friction force.
 #[test]
 fn ball_with_wide_play_matches_the_traction_model() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -225,11 +238,17 @@ fn ball_with_wide_play_matches_the_traction_model() {
         let found = ball.solve(AxialCondition::Force(load), None, work).expect("a ball");
         assert!(!found.far_flank_carries(), "{:?}", found.approaches);
         let (torque, loads) = (solved.transmission.screw_torque.expect("torque"), found.loads());
-        near("torque", found.screw_torque, torque, 2e-8, torque);
+        assert_near("torque", found.screw_torque, torque, 2e-8, torque);
         let load = solved.ball.nut.load.expect("load");
-        near("load", loads[0], load, 2e-8, load);
+        assert_near("load", loads[0], load, 2e-8, load);
         let axial = solved.ball.axial_displacement.expect("elastic");
-        near("displacement", found.axial_displacement - found.first_touch, axial, 1e-7, axial);
+        assert_near(
+            "displacement",
+            found.axial_displacement - found.first_touch,
+            axial,
+            1e-7,
+            axial,
+        );
     }
 }
 
@@ -257,7 +276,7 @@ fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
-/// Returns a random fit, which has no play, oversize balls, a radial gap or an axial play.
+/// Returns a random fit: no play, oversize balls, a radial gap or an axial play.
 fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     let (mut fit, um) = (ArchFit::default(), 1e-6 * ball);
     match rng.random_range(0..5) {
@@ -269,11 +288,11 @@ fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     fit
 }
 
-/// Random balls have an axial play, no play, a radial gap or oversize, and speeds of 1 to 5000 rpm.
-/// Each ball converges, satisfies its power balance and carries its force. If the screw is turned
-/// end for end, the contacts are mirrored.
+/// Random balls have axial play, no play, a radial gap or oversize, and speeds of 1 to 5000 rpm.
+/// For each ball, the solver converges, and the solution satisfies the power balance and carries
+/// the axial force. If the screw is turned end for end, the contacts are mirrored.
 #[test]
-fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
+fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
     let work = &mut GothicWorkspace::default();
     let (mut contacts, mut held, mut refused, mut skidding) = ([0; FLANKS + 1], 0, 0, 0);
@@ -288,7 +307,7 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
         contacts[found.contacts.iter().flatten().count()] += 1;
         most_steps = most_steps.max(found.info.steps);
         most_imbalance = most_imbalance.max(found.power_balance.abs());
-        near("axial force", found.axial_force, load, 1e-9, found.loads()[0]);
+        assert_near("axial force", found.axial_force, load, 1e-9, found.loads()[0]);
         // A contact carries load if and only if it is compressed.
         for (load, approach) in found.loads().into_iter().zip(found.approaches) {
             assert_eq!(load > 0.0, approach > 0.0, "{number}");
@@ -312,11 +331,11 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
             continue;
         }
         for i in 0..FLANKS {
-            // The residuals of both solutions are below 1e-10 of the friction, but the loads are
-            // less accurate. Rounding errors are 1e-16 of the groove radius, which is much larger
-            // than the elastic approach. The relative error of a load is 3/2 times the relative
-            // error of its approach.
-            near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
+            // The residuals of both solutions are below 1e-10 of the friction force, but the loads
+            // are less accurate. The rounding error of the elastic approach is 1e-16 of the groove
+            // radius, and the groove radius is much larger than the approach. The relative error of
+            // a load is 3/2 times the relative error of its approach.
+            assert_near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
     println!(
@@ -326,12 +345,12 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     // It is more difficult to solve a ball for a given displacement than for a given force.
     assert!(50 * held < campaign(5000) && 200 * (refused + skidding) < campaign(5000));
     assert!(contacts[..2] == [0, 0] && contacts[2..].iter().all(|n| *n > 20), "{contacts:?}");
-    // The force balance is solved to 1e-10 of the friction.
+    // The force balance is solved to 1e-10 of the friction force.
     assert!(most_imbalance <= 1e-9, "{most_imbalance}");
 }
 
 /// The random nuts have a few balls and carry an axial load and a side load. Every nut that carries
-/// its load must have a friction torque. Third contacts occur only if a play is given.
+/// its load must have a friction torque. Third contacts occur only if the play is given.
 #[test]
 fn random_nuts_with_third_contacts_have_a_friction_torque() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -405,10 +424,10 @@ fn random_nuts_with_third_contacts_have_a_friction_torque() {
 }
 
 /// With a growing side load, the eight balls of a nut touch their far flanks one after another. If
-/// no play is given, friction presses a ball onto a far flank only if the ball touches this flank
-/// already at rest.
+/// no play is given, friction presses a ball onto a far flank only if the ball already touches this
+/// flank at rest.
 #[test]
-fn friction_has_no_jump_under_a_growing_side_load() {
+fn friction_is_continuous_under_a_growing_side_load() {
     for play in [None, Some(8e-6)] {
         let mut nut = with_circuits(vec![Circuit {
             start: 0.3,
@@ -449,8 +468,8 @@ fn friction_has_no_jump_under_a_growing_side_load() {
             }
             changes += 1;
             let step = above.1.1 / below.1.1 - 1.0;
-            // The remaining interval of 1e-5 of the side load contributes about 1e-5 to the change,
-            // which is one hundredth of the tolerance.
+            // The remaining interval is 1e-5 of the side load. It contributes about 1e-5 to the
+            // change, which is one hundredth of the tolerance.
             assert!(step.abs() < 1e-3, "{play:?}: {step:e} at {below:?} {above:?}");
         }
         assert!(changes > 2, "{changes}");
@@ -466,21 +485,21 @@ fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
         (3.0, ArchFit { oversize: 1.5e-6, ..ArchFit::default() }),
         (14.0, ArchFit { axial_play: 12e-6, ..ArchFit::default() }),
     ] {
-        let scene = Scene { fit, rpm: (300.0, 20.0), ..Scene::of_study(0.08, 0.0) };
+        let scene = Scene { fit, rpm: (300.0, 20.0), ..Scene::from_study(0.08, 0.0) };
         let turned = Scene { rpm: (-300.0, -20.0), ..scene };
         let here = scene.solve(AxialCondition::Displacement(um * 1e-6));
         let there = turned.solve(AxialCondition::Displacement(-um * 1e-6));
         let (loads, other) = (here.loads(), there.loads());
         for i in 0..FLANKS {
-            // Both force balances are solved to less than 1e-10 of the friction.
-            near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
+            // Both force balances are solved to less than 1e-10 of the friction force.
+            assert_near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
         }
-        near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
+        assert_near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
     }
 }
 
-/// The friction coefficient of one millionth changes the loads by about one millionth. Without
-/// friction, they equal the loads in the static nut model.
+/// A friction coefficient of one millionth changes the loads by about one millionth. Without
+/// friction, the loads equal the loads in the static nut model.
 #[test]
 fn loads_without_friction_match_the_static_nut() {
     let nut = with_circuits(Vec::new());
@@ -493,14 +512,14 @@ fn loads_without_friction_match_the_static_nut() {
             pitch: 41.336,
             conformity: (0.5203, 0.5203),
             modulus: 206.0,
-            ..Scene::of_study(1e-6, 0.0)
+            ..Scene::from_study(1e-6, 0.0)
         };
         let found = scene.solve(AxialCondition::Displacement(um * 1e-6));
         let w = um * 1e-6 * nut.helix.lead_angle.cos();
         let expected = at_rest.at([w, 0.0], oversize, Flanks::Both).expect("a pressed ball");
         let largest = expected.max_load();
         for (load, expected) in found.loads().into_iter().zip(expected.loads) {
-            near("load", load, expected, 1e-5, largest);
+            assert_near("load", load, expected, 1e-5, largest);
         }
     }
 }
@@ -511,32 +530,38 @@ fn loads_without_friction_match_the_static_nut() {
 fn torque_is_continuous_where_the_third_contact_begins() {
     for (friction, rpm) in [(0.06, 100.0), (0.06, -100.0), (0.1, 100.0), (0.1, -100.0)] {
         let at = |play_um: f64| {
-            let scene = Scene { rpm: (rpm, 0.0), ..Scene::of_study(friction, play_um) };
+            let scene = Scene { rpm: (rpm, 0.0), ..Scene::from_study(friction, play_um) };
             scene.solve(AxialCondition::Force(60.0))
         };
-        let wide = Scene { rpm: (rpm, 0.0), ..Scene::of_study(friction, 100.0) };
+        let wide = Scene { rpm: (rpm, 0.0), ..Scene::from_study(friction, 100.0) };
         let threshold = wide.gothic().threshold_play(60.0, &mut GothicWorkspace::default());
         let threshold = threshold.expect("friction reaches a far flank") * 1e6;
         let [above, below] = [1.0 + 1e-6, 1.0 - 1e-6].map(|part| at(threshold * part));
         assert!(!above.far_flank_carries() && below.far_flank_carries(), "{threshold}");
-        // The limit is a few millionths of the play of about 30 um.
+        // The upper limit of the gap is a few millionths of the play of about 30 um.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
-        near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
-        // Above the threshold, the gap grows with the play, and an increase of the play by one
+        assert_near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
+        // Above the threshold play, the gap grows with the play, and increasing the play by one
         // tenth hardly changes the torque.
         let wide = at(threshold * 1.1);
-        near("two contacts", wide.screw_torque, above.screw_torque, 1e-9, above.screw_torque);
+        assert_near(
+            "two contacts",
+            wide.screw_torque,
+            above.screw_torque,
+            1e-9,
+            above.screw_torque,
+        );
     }
 }
 
 #[test]
 fn unloaded_and_frictionless_balls_are_rejected() {
     let work = &mut GothicWorkspace::default();
-    let scene = Scene::of_study(0.06, 10.0);
+    let scene = Scene::from_study(0.06, 10.0);
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
         scene.gothic().solve(condition, None, work).map(|found| found.loads())
     };
-    // The ball is loose between the flanks, or it carries no load.
+    // At this displacement, the ball is loose between the flanks or carries no load.
     assert!(solve(&scene, AxialCondition::Displacement(4e-6), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(0.0), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(-10.0), work).is_err());
@@ -546,7 +571,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
     assert!(solve(&Scene { rpm: (5.0, 5.0), ..scene }, force, work).is_err());
     let fit = ArchFit { axial_play: -1e-6, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
-    // This gap exceeds the depth of the groove.
+    // This radial gap exceeds the depth of the groove.
     let fit = ArchFit { radial_gap: 1e-3, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
 }
@@ -556,7 +581,7 @@ fn reference_pairs_have_the_expected_drag() {
     let work = &mut GothicWorkspace::default();
     for case in reference_cases("pair") {
         let (name, expect) = (case["name"].as_str().expect("name"), &case["expect"]);
-        let scene = Scene::of(&case["case"]);
+        let scene = Scene::from_reference(&case["case"]);
         let pair = if let Some(preload) = number(&case["case"], "preload_N") {
             GothicPair::of_preload(scene.gothic(), preload, work).expect("a pair")
         } else {
@@ -564,9 +589,9 @@ fn reference_pairs_have_the_expected_drag() {
             GothicPair { driving: scene.gothic(), offset: -um * 1e-6 }
         };
         let get = |key: &str| number(expect, key).unwrap_or_else(|| panic!("{key}"));
-        near("offset", pair.offset * 1e6, -get("preload_offset_um"), 1e-5, 1.0);
+        assert_near("offset", pair.offset * 1e6, -get("preload_offset_um"), 1e-5, 1.0);
         let preload = pair.force_at_rest(work).expect("pressed balls");
-        near("preload", preload, get("frictionless_preload_N"), 1e-6, preload);
+        assert_near("preload", preload, get("frictionless_preload_N"), 1e-6, preload);
         let load = number(&case["case"], "axial_load_N").expect("a load");
         let found = pair.solve(load, work).expect("a running pair");
         let turning = found.driving.motion.omega.norm();
@@ -583,12 +608,12 @@ fn reference_pairs_have_the_expected_drag() {
             turning,
         );
         let torque = found.friction_torque;
-        near("torque", torque, get("friction_torque_Nm"), 1e-6, torque);
+        assert_near("torque", torque, get("friction_torque_Nm"), 1e-6, torque);
         let running = found.drag_coefficient(found.force(), scene.lead_m());
-        near("K_p", running, get("drag_coefficient_running"), 1e-6, running);
+        assert_near("K_p", running, get("drag_coefficient_running"), 1e-6, running);
         let at_rest = found.drag_coefficient(preload, scene.lead_m());
-        near("K_p at rest", at_rest, get("drag_coefficient"), 1e-6, at_rest);
-        near("force", found.force() / preload, get("running_over_frictionless"), 1e-6, 1.0);
+        assert_near("K_p at rest", at_rest, get("drag_coefficient"), 1e-6, at_rest);
+        assert_near("force", found.force() / preload, get("running_over_frictionless"), 1e-6, 1.0);
     }
 }
 
@@ -606,13 +631,13 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
             continue;
         }
         rows += 1;
-        let scene = Scene::of_study(friction, play);
+        let scene = Scene::from_study(friction, play);
         let pair = GothicPair::of_preload(scene.gothic(), value(10), work).expect("a pair");
         let found = pair.solve(0.0, work).expect("a running pair");
         let running = found.drag_coefficient(found.force(), scene.lead_m());
-        // The values of the study are printed with six digits.
-        near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
-        near("force", found.force() / value(10), value(13), 1e-5, 1.0);
+        // The study prints its values with six digits.
+        assert_near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
+        assert_near("force", found.force() / value(10), value(13), 1e-5, 1.0);
     }
     assert_eq!(rows, 8);
 }
@@ -622,12 +647,12 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
 #[test]
 fn less_friction_at_the_far_flank_lowers_the_drag() {
     let work = &mut GothicWorkspace::default();
-    let scene = Scene::of_study(0.1, 0.0);
+    let scene = Scene::from_study(0.1, 0.0);
     let ball = GothicBall { far_friction: Coulomb(0.05), ..scene.gothic() };
     let pair = GothicPair::of_preload(ball, 60.0, work).expect("a pair");
     let found = pair.solve(0.0, work).expect("a running pair");
     let running = found.drag_coefficient(found.force(), scene.lead_m());
-    near("K_p", running, 0.166, 5e-4, 1.0);
+    assert_near("K_p", running, 0.166, 5e-4, 1.0);
 }
 
 /// Returns the friction torque of a pair whose preload is 60 N per ball.
@@ -636,22 +661,22 @@ fn pair_drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
 
-/// If the direction of rotation is reversed, the balls of the two nuts swap roles.
+/// If the direction of rotation is reversed, the balls of the two nuts exchange their roles.
 #[test]
-fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
+fn an_unloaded_pair_of_identical_nuts_has_equal_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
     let [there, back] = [1.0, -1.0].map(|way| {
-        pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work)
+        pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::from_study(0.08, 10.0) }, work)
     });
-    // Both solutions are accurate to 1e-10 of the friction.
-    near("torque", there, back, 1e-8, there);
+    // Both solutions are accurate to 1e-10 of the friction force.
+    assert_near("torque", there, back, 1e-8, there);
 }
 
 #[test]
 fn drag_does_not_increase_with_the_play() {
     let work = &mut GothicWorkspace::default();
     let plays = [0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0, 40.0];
-    let torques = plays.map(|play| pair_drag(&Scene::of_study(0.08, play), work));
+    let torques = plays.map(|play| pair_drag(&Scene::from_study(0.08, play), work));
     for pair in torques.windows(2) {
         // Above the threshold play, the torque is constant except for rounding errors.
         assert!(pair[1] <= pair[0] * (1.0 + 1e-9), "{torques:?}");
@@ -662,7 +687,7 @@ fn drag_does_not_increase_with_the_play() {
 #[test]
 fn a_pair_without_remaining_preload_is_rejected() {
     let work = &mut GothicWorkspace::default();
-    let pair = GothicPair::of_preload(Scene::of_study(0.06, 10.0).gothic(), 60.0, work);
+    let pair = GothicPair::of_preload(Scene::from_study(0.06, 10.0).gothic(), 60.0, work);
     let pair = pair.expect("a pair");
     assert!(pair.solve(100.0, work).is_ok());
     assert!(pair.solve(1000.0, work).is_err());

@@ -39,7 +39,7 @@ struct Case {
 }
 
 impl Case {
-    fn of(case: &Value) -> Self {
+    fn from_reference(case: &Value) -> Self {
         let value = |key| number(case, key).unwrap_or(0.0);
         let nut = nut(case);
         let loaded = [
@@ -93,8 +93,8 @@ impl Case {
         })
     }
 
-    /// Returns the friction of all balls without pushes between neighbors.
-    fn friction_without_pushes(&self, found: &Equilibrium) -> NutFriction {
+    /// Returns the friction of all balls without push forces between neighbors.
+    fn friction_without_push_forces(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
         self.nut.friction(found, self.flank_friction(), &self.drive, 0.0, solve)
@@ -105,25 +105,25 @@ impl Case {
     }
 
     fn train(&self) -> Result<Train, TrainError> {
-        self.train_of(&self.equilibrium())
+        self.train_from_equilibrium(&self.equilibrium())
     }
 
-    fn train_of(&self, found: &Equilibrium) -> Result<Train, TrainError> {
+    fn train_from_equilibrium(&self, found: &Equilibrium) -> Result<Train, TrainError> {
         let friction = self.inputs.contact_friction;
         let ball = |at, free: &BallState, work: &mut ModelWorkspace| match self.model(at) {
             Problem::Traction(dry) => dry.in_train(free, friction, work),
             Problem::Lubricated(oiled) => oiled.in_train(free, friction, work),
             _ => None,
         };
-        let motions = self.friction_without_pushes(found).motions;
+        let motions = self.friction_without_push_forces(found).motions;
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
-    /// Returns the ball advance, the friction torque and the motion of the first ball for balls
-    /// without pushes.
+    /// Returns the ball advance, the friction torque and the motion of the first ball, all without
+    /// push forces.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let found = self.equilibrium();
-        let friction = self.friction_without_pushes(&found);
+        let friction = self.friction_without_push_forces(&found);
         let spacer = self.inputs.spacer;
         let advance = self.nut.advance(&found, &friction.motions, &self.drive, spacer);
         let torque = friction.torque.expect("a torque");
@@ -138,10 +138,10 @@ fn ball_trains_match_the_reference() {
     assert_eq!(cases.len(), 6);
     for one in cases {
         let name = one["id"].as_str().expect("name");
-        let reference = Case::of(&one["case"]);
+        let reference = Case::from_reference(&one["case"]);
         let expected = &one["expected"];
-        // Tolerances of the reference file: for rates, for torques relative to the friction torque,
-        // and for pushes relative to the largest push.
+        // Tolerances of the reference file: absolute for rates, relative to the friction torque for
+        // torques, and relative to the largest push force for push forces.
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
@@ -170,7 +170,7 @@ fn ball_trains_match_the_reference() {
         ] {
             assert_eq!(expected[key], got, "{name} {key}");
         }
-        // Solutions have residuals of 1e-10 of the forces, with and without oil.
+        // Solutions have force residuals of 1e-10 relative to the forces, with and without oil.
         near("power balance", train.power_balance, 0.0, 1e-9);
         let (circuits, touch_angle) = (&expected["circuits"], advance.touch_angle);
         let circuits = circuits.as_array().expect("circuits");
@@ -205,10 +205,11 @@ fn reference(name: &str) -> Case {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     let cases = file["cases"].as_array().expect("cases");
     let one = cases.iter().find(|one| one["id"] == name).expect("a reference of this name");
-    Case::of(&one["case"])
+    Case::from_reference(&one["case"])
 }
 
-/// Returns a nut with 38 balls of equal speed, each loaded by 65 N, which the ball return pushes.
+/// Returns a nut with 38 balls of equal speed, each loaded by 65 N. The ball return pushes against
+/// the balls.
 fn equal_balls(return_push: f64) -> Case {
     let mut reference = reference("T01");
     reference.nut.circuits[0].arc = 4.0 * PI;
@@ -218,8 +219,8 @@ fn equal_balls(return_push: f64) -> Case {
     reference
 }
 
-/// Returns a nut that is back-driven by its load, with a moment on its balls and without a push by
-/// the ball return.
+/// Returns a nut that is back-driven by its load. A moment acts on the nut, and the ball return
+/// requires no push force.
 fn back_driven_nut() -> Case {
     let mut reference = reference("T05");
     reference.inputs.contact_friction = 0.1;
@@ -232,28 +233,29 @@ fn solve_train(reference: &Case) -> Train {
     reference.train().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Returns the pushes from behind on all balls, in the order of the circuit.
-fn pushes_from_behind(train: &Train) -> Vec<f64> {
+/// Returns the push forces that act on all balls from behind, in the order of the circuit.
+fn push_forces_from_behind(train: &Train) -> Vec<f64> {
     train.circuits.iter().flat_map(|circuit| &circuit.balls).map(|ball| ball.pushes[1]).collect()
 }
 
 #[test]
-fn push_from_the_ball_return_decreases_linearly_along_equal_balls() {
+fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let push = 0.02;
     let mut reference = equal_balls(push);
     reference.inputs.contact_friction = 1e-5;
     reference.inputs.gaps = vec![1e-10];
     let train = solve_train(&reference);
-    let behind = pushes_from_behind(&train);
+    let behind = push_forces_from_behind(&train);
     assert!((train.circuits[0].ends[0] - push).abs() < 1e-12, "{:?}", train.circuits[0].ends);
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
-        // At each ball, friction between balls changes the push by 1.6 f_b, which adds up to 6e-4
-        // of the push.
+        // At each ball, friction between balls changes the push force by 1.6 f_b, which adds up to
+        // 6e-4 of the push force.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
-    // Only the first ball is not pushed from behind, or by less than one decrement.
+    // Only the first ball has no push force from behind, or a push force smaller than one
+    // decrement.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
     // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b is Z N_x, except for
     // the first of the 38 balls.
@@ -265,7 +267,7 @@ fn push_from_the_ball_return_decreases_linearly_along_equal_balls() {
 }
 
 #[test]
-fn friction_equals_that_of_single_balls_if_the_gap_is_sufficient() {
+fn friction_matches_single_balls_if_the_gap_is_sufficient() {
     let mut reference = back_driven_nut();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
@@ -281,22 +283,23 @@ fn friction_equals_that_of_single_balls_if_the_gap_is_sufficient() {
 }
 
 #[test]
-fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
-    // Residuals of 1e-10 of the load and 2e-11 of the rate cause errors of 1e-9 f Q in the pushes.
+fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
+    // Residuals of 1e-10 relative to the load and 2e-11 relative to the rate cause errors of 1e-9 f
+    // Q in the push forces.
     let not_above = |low: &[f64], high: &[f64]| {
         for (number, (low, high)) in low.iter().zip(high).enumerate() {
             assert!(*low <= high + 1e-6, "ball {number}: {low} above {high}");
         }
     };
-    // At a gap of 0.05 mm, the back-driven nut has pushes of 14 % of a ball load and several
-    // possible flows, so the test uses larger gaps. Because the free length is given, a push at one
-    // place reduces the pushes in other queues. Therefore, only the equal balls, which form a
-    // single queue, are tested for their response to the push of the return.
+    // At a gap of 0.05 mm, the back-driven nut has push forces of 14 % of a ball load and several
+    // possible flows, so the test uses larger gaps. Because the free length is given, a push force
+    // in one queue reduces the push forces in other queues. Therefore, only the equal balls, which
+    // form a single queue, are tested for their response to the push force of the ball return.
     for (mut reference, has_one_queue) in [(back_driven_nut(), false), (equal_balls(0.5), true)] {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
             reference.inputs.gaps = vec![gap];
-            let behind = pushes_from_behind(&solve_train(&reference));
+            let behind = push_forces_from_behind(&solve_train(&reference));
             if let Some(tighter) = tighter.replace(behind.clone()) {
                 not_above(&behind, &tighter);
             }
@@ -305,7 +308,7 @@ fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
         let mut weaker = None;
         for push in [0.0, 0.2, 0.4, 0.8, 1.6].into_iter().filter(|_| has_one_queue) {
             reference.inputs.exit.push = ExitPush::AtExit(push);
-            let behind = pushes_from_behind(&solve_train(&reference));
+            let behind = push_forces_from_behind(&solve_train(&reference));
             if let Some(weaker) = weaker.replace(behind.clone()) {
                 not_above(&weaker, &behind);
             }
@@ -356,29 +359,30 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
         ("balls", [one.contact_torque, other.contact_torque]),
         ("return", [one.return_torque, other.return_torque]),
     ] {
-        // Residuals are 1e-10 of the loads. The losses are about one hundredth of the transmitted
-        // power.
+        // Residuals are 1e-10 of the loads, and the losses are about one hundredth of the
+        // transmitted power.
         assert!((one * torque - other).abs() <= 1e-7 * other.abs(), "{name}: {one} {other}");
     }
     for (one, other) in one.circuits.iter().zip(&other.circuits) {
         assert!((one.rate / other.rate - 1.0).abs() < 1e-9, "{} {}", one.rate, other.rate);
     }
     let [one_largest, mut behind] = [one.largest_push, 0.0].map(|push| push);
-    let (one, mut other) = (pushes_from_behind(one), pushes_from_behind(other));
+    let (one, mut other) = (push_forces_from_behind(one), push_forces_from_behind(other));
     if reversed {
         other.reverse();
     }
     for (one, other) in one.iter().zip(&other) {
         behind = f64::max(behind, *one);
-        // A residual of 1e-10 of a load of about a hundred newtons and a relative error of the rate
-        // of 1e-11 are compared with 2 % of one newton.
+        // Errors result from residuals of 1e-10 of a load of about a hundred newtons and from
+        // relative rate errors of 1e-11. They are small compared with push forces of 2 % of one
+        // newton.
         assert!((one * force - other).abs() < 1e-6 * one_largest * force, "{one} {other}");
     }
     assert!(behind > 0.0);
 }
 
 #[test]
-fn pushes_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
+fn push_forces_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
     for mut reference in [back_driven_nut(), equal_balls(0.5)] {
         reference.inputs.gaps = vec![0.2e-3];
         assert_same_train(
@@ -391,7 +395,7 @@ fn pushes_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
 }
 
 #[test]
-fn pushes_without_inertia_are_equal_for_a_rotating_nut_and_a_rotating_screw() {
+fn push_forces_without_inertia_are_equal_for_a_rotating_nut_and_a_rotating_screw() {
     let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
@@ -401,7 +405,7 @@ fn pushes_without_inertia_are_equal_for_a_rotating_nut_and_a_rotating_screw() {
 }
 
 #[test]
-fn pushes_scale_with_the_square_of_the_length() {
+fn push_forces_scale_with_the_square_of_the_length() {
     let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
@@ -423,16 +427,16 @@ fn pushes_scale_with_the_square_of_the_length() {
 }
 
 #[test]
-fn zero_gap_and_excessive_return_push_are_rejected() {
+fn zero_gap_and_excessive_return_force_are_rejected() {
     let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
     let mut reference = equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Both contacts of a ball carry 50 to 100 N. In full sliding with a friction coefficient of
-    // 0.06, they provide 6 to 12 N per ball. The friction between two balls is one tenth of the
-    // push on either side. From a push of 30 to 60 N, this friction stops the rotation of the ball,
-    // which then passes the push on.
+    // 0.06, the contacts provide 6 to 12 N per ball. The friction between two balls is one tenth of
+    // the push force on either side. Above a push force of 30 to 60 N, this friction stops the
+    // rotation of the ball, which then transmits the push force to the next ball.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
@@ -440,7 +444,7 @@ fn zero_gap_and_excessive_return_push_are_rejected() {
 }
 
 #[test]
-fn balls_that_cannot_rotate_pass_the_push_on() {
+fn balls_that_cannot_rotate_transmit_the_push_force() {
     // In a tilted nut, the loads on some balls next to the idle balls are so small that their
     // neighbors stop them.
     let mut reference = reference("T04");
@@ -462,7 +466,7 @@ fn as_number(number: usize) -> f64 {
 }
 
 /// Returns a random nut with at most 60 balls of equal size, gaps of 0 to 1 % per ball, and a ball
-/// return that may require a push, together with its equilibrium.
+/// return that may require a push force, together with its equilibrium.
 fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     loop {
         let mut nut = campaign::nut(rng);
@@ -499,13 +503,14 @@ fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
 }
 
 /// Returns a description of a defect in a ball train, or `None` if there is none. The check uses
-/// only rates and pushes.
+/// only rates and push forces.
 fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);
     for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
-        // The permitted residual of a train is 1e-6 of the gap, or 1e-11 of the rate for each ball.
+        // The permitted residual of a ball train is 1e-6 of the gap, or 1e-11 of the rate for each
+        // ball.
         let allowed = 1e-6 * room + 1e-9 * pitch;
         if (gaps - room).abs() > allowed {
             return Some(format!("gaps of {gaps:e} m in a room of {room:e} m"));
@@ -533,7 +538,7 @@ fn random_ball_trains_have_a_solution_or_a_stated_reason() {
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
     for point in 0..points {
         let (reference, found) = random_nut(&mut rng);
-        match reference.train_of(&found) {
+        match reference.train_from_equilibrium(&found) {
             Ok(train) => {
                 solved += 1;
                 touching += usize::from(train.touching > 0);
@@ -559,23 +564,23 @@ fn random_ball_trains_have_a_solution_or_a_stated_reason() {
 }
 
 /// Time-domain simulation of balls on a closed track, without friction between balls. The speed of
-/// each ball depends on its position and on the pushes, and no two balls come closer than the touch
-/// angle.
+/// each ball depends on its position and on the push forces, and no two balls come closer than the
+/// touch angle.
 struct Track<'a> {
     /// Total angle of the track, and angle between the centers of two touching balls \[rad\].
     length: f64,
     touch: f64,
     /// Rates of a ball in the middle of each of several equal sections of the track, in the
-    /// direction of travel, for a list of pushes from behind. The middle element of the list is a
-    /// push of 0.
+    /// direction of travel, for a list of push forces from behind. The middle element of the list
+    /// is a push force of 0.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
     positions: Vec<f64>,
 }
 
 impl Track<'_> {
-    /// Returns a function that gives the rate of a ball at a position for each push of the list,
-    /// interpolated linearly between sections.
+    /// Returns a function that gives the rate of a ball at a position for each push force in the
+    /// list, interpolated linearly between sections.
     fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
         let along = position.rem_euclid(self.length) / self.length * as_number(parts) - 0.5;
@@ -586,7 +591,8 @@ impl Track<'_> {
         }
     }
 
-    /// Returns the push from behind that a ball at a position requires to travel at a given rate.
+    /// Returns the push force from behind that a ball at a position requires to travel at a given
+    /// rate.
     fn push(&self, position: f64, rate: f64) -> f64 {
         let law = self.law(position);
         let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
@@ -603,7 +609,7 @@ impl Track<'_> {
     }
 
     /// Returns the rates of all balls. Touching balls must not come closer. Balls that push each
-    /// other have a common rate, for which the sum of their pushes is zero.
+    /// other have a common rate, at which the sum of their push forces is zero.
     fn rates(&self) -> Vec<f64> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
@@ -657,7 +663,7 @@ impl Track<'_> {
 /// The flow of balls in a queue equals the flow in a time-domain simulation, in which the speed of
 /// each ball depends on its position.
 #[test]
-fn time_domain_simulation_reproduces_the_flow_of_the_queue() {
+fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
     let mut reference = reference("T02");
     reference.nut.circuits[0].arc *= 38.0 / 98.0;
     reference.nut.circuits[0].balls = 38;
@@ -667,8 +673,8 @@ fn time_domain_simulation_reproduces_the_flow_of_the_queue() {
     reference.inputs.gaps = vec![0.1e-3];
     let (train, found) = (solve_train(&reference), reference.equilibrium());
     let (motions, mut work) =
-        (reference.friction_without_pushes(&found).motions, ModelWorkspace::default());
-    // The rate of a ball is a nonlinear function of the push over a few tenths of a newton.
+        (reference.friction_without_push_forces(&found).motions, ModelWorkspace::default());
+    // The rate of a ball is a nonlinear function of the push force within a few tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
         let at =
@@ -714,8 +720,9 @@ fn time_domain_simulation_reproduces_the_flow_of_the_queue() {
 /// 1e-7 at three consecutive nodes, and later terms decrease.
 #[test]
 fn free_motions_can_be_interpolated_from_a_few_balls() {
-    // Under a moment, ball loads differ by a factor of 9. In the tilted nut, they differ by a
-    // factor of 450, and the rates of lightly loaded balls change rapidly with the load.
+    // Under a moment, the ball loads of a nut differ by a factor of 9. In the tilted nut, the ball
+    // loads differ by a factor of 450, and the rates of lightly loaded balls change rapidly with
+    // the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
         let (found, mut asked) = (reference.equilibrium(), 0.0);
@@ -725,7 +732,8 @@ fn free_motions_can_be_interpolated_from_a_few_balls() {
         };
         let few =
             reference.nut.free_motions(&found, reference.flank_friction(), &reference.drive, solve);
-        let (few, all) = (few.expect("motions"), reference.friction_without_pushes(&found).motions);
+        let (few, all) =
+            (few.expect("motions"), reference.friction_without_push_forces(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
             // Only loaded balls are compared, because idle balls have no interpolated motion.
             let (Some(few), Some(all)) = (few, all) else { continue };

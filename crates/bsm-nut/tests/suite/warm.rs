@@ -60,8 +60,8 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     })
 }
 
-/// Returns the friction of balls lubricated with ISO VG 68 oil, calculated with raceway control by
-/// the nut as in the reference cases.
+/// Returns the friction of balls lubricated with ISO VG 68 oil. The nut controls all balls, as in
+/// the reference cases.
 fn oiled(
     nut: &BallNut,
     found: &Equilibrium,
@@ -187,17 +187,20 @@ fn axis(case: &Value) -> WarmNut<'static> {
     }
 }
 
-fn cases() -> Vec<Value> {
+fn reference_cases() -> Vec<Value> {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     all["cases"].as_array().expect("cases").clone()
 }
 
 fn reference(id: &str) -> Value {
-    cases().into_iter().find(|reference| reference["id"] == id).unwrap_or_else(|| panic!("{id}"))
+    reference_cases()
+        .into_iter()
+        .find(|reference| reference["id"] == id)
+        .unwrap_or_else(|| panic!("{id}"))
 }
 
 /// Checks that a number equals the expected number within an absolute tolerance.
-fn near(name: &str, found: f64, expected: f64, allowed: f64) {
+fn assert_near(name: &str, found: f64, expected: f64, allowed: f64) {
     assert!(
         (found - expected).abs() <= allowed,
         "{name}: {found:.12}, expected {expected:.12}, off by {:.3e}, allowed {allowed:.3e}",
@@ -217,7 +220,7 @@ const NAMES: [&str; NODES] = [
 /// torques and heat. For the loop gain, it is 1e-4.
 #[test]
 fn warm_states_match_the_reference() {
-    for reference in cases() {
+    for reference in reference_cases() {
         let id = reference["id"].as_str().expect("id");
         let (case, expect) = (&reference["case"], &reference["expect"]);
         let tol = number(&reference, "rel_tol").expect("tolerance");
@@ -234,21 +237,21 @@ fn warm_states_match_the_reference() {
             ("coolant", of.coolant),
         ] {
             let expected = number(&expect["conductances_W_K"], name).expect("conductance");
-            near(&format!("{id} conductance {name}"), found, expected, tol * expected);
+            assert_near(&format!("{id} conductance {name}"), found, expected, tol * expected);
         }
         let state = nut.steady().unwrap_or_else(|none| panic!("{id}: {none}"));
         let held = |name: &str, found: f64| {
             let expected = number(expect, name).unwrap_or_else(|| panic!("{id} {name}"));
-            near(&format!("{id} {name}"), found, expected, tol * expected.abs());
+            assert_near(&format!("{id} {name}"), found, expected, tol * expected.abs());
         };
         let ambient = number(case, "ambient_temperature_C").unwrap_or(20.0);
         for (name, found) in NAMES.into_iter().zip(celsius(nut.set, &state.rises)) {
             let expected = number(expect, name).expect(name);
-            near(&format!("{id} {name}"), found, expected, tol * (expected - ambient).abs());
+            assert_near(&format!("{id} {name}"), found, expected, tol * (expected - ambient).abs());
         }
         let oil = nut.oil(&state.rises) - ZERO_CELSIUS;
         let expected = number(expect, "lubricant_temperature_C").expect("oil");
-        near(&format!("{id} oil"), oil, expected, tol * (expected - ambient).abs());
+        assert_near(&format!("{id} oil"), oil, expected, tol * (expected - ambient).abs());
         held("warm_preload_N", state.heated.preload);
         held("heat_W", state.heat());
         held("nut_heat_W", state.heated.heat[..3].iter().sum());
@@ -258,13 +261,13 @@ fn warm_states_match_the_reference() {
             held("cold_tension_N", nut.axis.screw.hold.expect("held").pretension);
         }
         let gain = number(expect, "loop_gain").expect("gain");
-        near(&format!("{id} gain"), state.gain, gain, 1e-4);
+        assert_near(&format!("{id} gain"), state.gain, gain, 1e-4);
         let phases = expect["phases"].as_array().expect("phases");
         for (number_of, (found, phase)) in state.heated.phases.iter().zip(phases).enumerate() {
             let found = found.as_ref().expect("asked for all");
             let held = |name: &str, found: f64, expected: f64| {
                 let name = format!("{id} phase {number_of} {name}");
-                near(&name, found, expected, tol * expected.abs());
+                assert_near(&name, found, expected, tol * expected.abs());
             };
             match (number(phase, "contact_torque_Nm"), &found.friction) {
                 (Some(expected), Some(friction)) => {
@@ -292,10 +295,10 @@ fn warm_states_match_the_reference() {
     }
 }
 
-/// WS-P3 has a fold and a second state, WS-P6 has a fold, and WS-P2 has no fold up to a speed
-/// factor of 2.5. Speed factors must agree to 1e-5, and states to the tolerance of the case.
-/// Temperatures at the folds are printed to 1 mK. Because the speed is stationary at a fold, an
-/// error of 0.05 K changes it by only 1e-6.
+/// Case WS-P3 has a fold and a second state, case WS-P6 has a fold, and case WS-P2 has no fold up
+/// to a speed factor of 2.5. Speed factors must agree to 1e-5, and states must agree to the
+/// tolerance of the case. Temperatures at the folds are printed to 1 mK. Because the speed is
+/// stationary at a fold, an error of 0.05 K changes the speed by only 1e-6.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -309,21 +312,21 @@ fn folds_match_the_reference() {
             continue;
         };
         let fold = fold.unwrap_or_else(|| panic!("{id}: no fold"));
-        near(&format!("{id} factor"), fold.factor, factor, 1e-5 * factor);
+        assert_near(&format!("{id} factor"), fold.factor, factor, 1e-5 * factor);
         for (i, rise) in fold.rises.iter().enumerate() {
             let expected = expect["fold_temperatures_C"][i].as_f64().expect("temperature");
-            near(&format!("{id} fold {i}"), rise + 20.0, expected, 0.05);
+            assert_near(&format!("{id} fold {i}"), rise + 20.0, expected, 0.05);
         }
         let Some(states) = expect["states"].as_array() else { continue };
         let beyond = fold.unstable.unwrap_or_else(|| panic!("{id}: no second state"));
         let (expected, tol) = (&states[1], number(&reference, "rel_tol").expect("tolerance"));
         for (i, found) in celsius(nut.set, &beyond.rises).into_iter().enumerate() {
             let expected = expected["temperatures_C"][i].as_f64().expect("temperature");
-            near(&format!("{id} second {i}"), found, expected, tol * (expected - 20.0));
+            assert_near(&format!("{id} second {i}"), found, expected, tol * (expected - 20.0));
         }
         let preload = number(expected, "warm_preload_N").expect("preload");
-        near("second preload", beyond.heated.preload, preload, tol * preload);
-        near("second gain", beyond.gain, number(expected, "loop_gain").expect("gain"), 1e-4);
+        assert_near("second preload", beyond.heated.preload, preload, tol * preload);
+        assert_near("second gain", beyond.gain, number(expected, "loop_gain").expect("gain"), 1e-4);
     }
 }
 
@@ -364,7 +367,7 @@ fn uncertainty_band_matches_the_reference() {
     for (name, found) in names.into_iter().zip(&band.ends) {
         for (side, found) in found.iter().enumerate() {
             let expected = reference["expect"]["band"][name][side].as_f64().expect("end");
-            near(&format!("{name} {side}"), *found, expected, 1e-3 * expected);
+            assert_near(&format!("{name} {side}"), *found, expected, 1e-3 * expected);
         }
     }
 }
@@ -391,14 +394,16 @@ fn two_states_exist_below_a_fold_and_none_above() {
     let state = below.steady().expect("below the fold");
     assert!(state.gain < 1.0, "{}", state.gain);
     let fold = below.fold(&state, 1.5).expect("traced").expect("a fold");
-    near("fold from below", fold.factor, 1.0 / 0.99, 1e-5);
+    assert_near("fold from below", fold.factor, 1.0 / 0.99, 1e-5);
     let beyond = fold.unstable.expect("a second state");
     assert!(beyond.gain > 1.0 && beyond.heated.preload > state.heated.preload);
     let at = with_speed_factor(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
     let gain = at.steady_from(Some(&fold.rises)).expect("at the fold").gain;
-    near("gain at the fold", gain, 1.0, 3e-3);
+    assert_near("gain at the fold", gain, 1.0, 3e-3);
     match with_speed_factor(&nut, 1.01 * factor).steady() {
-        Err(NoSteadyState::RunsAway(fold)) => near("from above", fold.factor, 1.0 / 1.01, 1e-5),
+        Err(NoSteadyState::RunsAway(fold)) => {
+            assert_near("from above", fold.factor, 1.0 / 1.01, 1e-5)
+        }
         other => panic!("{other:?}"),
     }
 }
@@ -408,7 +413,7 @@ fn two_states_exist_below_a_fold_and_none_above() {
 /// requires 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
-    for reference in cases() {
+    for reference in reference_cases() {
         let nut = axis(&reference["case"]);
         let state = nut.steady().expect("steady");
         let (network, [body, .., first, second]) = (nut.network(1.0), state.rises);
@@ -420,7 +425,7 @@ fn dissipated_heat_equals_generated_heat() {
             + of.end * (first + second - 2.0 * nut.axis.sinks.structure)
             + film * (mean - nut.axis.screw.length * nut.axis.sinks.air)
             + through * (mean - nut.axis.screw.length * nut.axis.sinks.coolant);
-        near("heat", lost, state.heat(), 1e-9 * state.heat());
+        assert_near("heat", lost, state.heat(), 1e-9 * state.heat());
     }
 }
 
@@ -433,11 +438,11 @@ fn all_nodes_have_the_ambient_temperature_at_standstill() {
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
     // The tolerance is the rounding error of a solution with conductances from 0.6 to 50 W/K.
-    state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
+    state.rises.iter().for_each(|rise| assert_near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
     // A uniform temperature rise does not change the preload, except for rounding errors of the
     // contacts.
-    near("preload", state.heated.preload, 2500.0, 1e-6);
+    assert_near("preload", state.heated.preload, 2500.0, 1e-6);
     let (matrix, _) = nut.network(1.0).balance();
     for (i, row) in matrix.iter().enumerate() {
         assert!(row.iter().sum::<f64>() >= -1e-12 * row[i], "{row:?}");
@@ -458,7 +463,7 @@ fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
         factors.iter().map(|f| with_speed_factor(&nut, *f).steady().expect("cold").rises).collect();
     let same = |number: usize, rises: &[f64; NODES]| {
         for (found, expected) in rises.iter().zip(&cold[number]) {
-            near(&format!("speed {number}"), *found, *expected, 1e-8 * expected.abs());
+            assert_near(&format!("speed {number}"), *found, *expected, 1e-8 * expected.abs());
         }
     };
     let mut last = None;
@@ -498,7 +503,7 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
             let state = nut.steady_from(Some(&from)).expect("below the fold");
             for (found, expected) in state.rises.iter().zip(&cold[number]) {
                 // The tolerance is the residual heat divided by one minus the loop gain.
-                near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
+                assert_near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
             }
             last = state.rises;
         }
@@ -540,10 +545,10 @@ fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // The loop gain is calculated from differences of equal heats.
+    // The loop gain is calculated from differences between equal heats.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
-        near("rise", three, 3.0 * one, 1e-9 * three);
+        assert_near("rise", three, 3.0 * one, 1e-9 * three);
     }
 }
 
@@ -580,15 +585,15 @@ fn linear_network_matches_the_warm_state_with_constant_heat() {
             };
             powers.add(&torques, share / time * speed);
         }
-        near("heat", state.heat(), powers.total(), 1e-12 * powers.total());
+        assert_near("heat", state.heat(), powers.total(), 1e-12 * powers.total());
         let rises = axis.rises(&phases, &powers).expect("a network");
         for (one, other) in rises.into_iter().zip(state.rises) {
-            near("rise", one, other, 1e-9 * one);
+            assert_near("rise", one, other, 1e-9 * one);
         }
     }
 }
 
-/// Returns the nut with a given friction function, and with friction of seals and bearings.
+/// Returns the nut with a given friction function, and with seal and bearing friction.
 fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
@@ -602,7 +607,7 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
 
 /// Returns a friction function proportional to the ball loads, with a friction coefficient of 0.002
 /// on the pitch circle times a factor.
-fn friction_of_factor(
+fn load_proportional_friction(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
     move |nut, found, _, _, _| {
@@ -618,7 +623,7 @@ fn friction_of_factor(
 fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
-        let friction = friction_of_factor(factor);
+        let friction = load_proportional_friction(factor);
         let mut nut = with_friction(&base, &friction);
         let of = base.network(1.0).conductances;
         for heat in [&mut nut.drag, &mut nut.seal, &mut nut.bearings, &mut nut.motor] {
@@ -638,7 +643,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
         // The tolerance is the residual heat of 1e-10 divided by one minus the loop gain.
-        near("rise", three, one, 1e-9 * one);
+        assert_near("rise", three, one, 1e-9 * one);
     }
 }
 
@@ -647,7 +652,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
 /// preloads in X and O arrangement are equal.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
-    let friction = friction_of_factor(1.0);
+    let friction = load_proportional_friction(1.0);
     let of = |id: &str, free: f64, gap: f64| {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
@@ -665,20 +670,20 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
     };
     let cold = of("WS-P3", 1e5, 1e5);
     // About 100 W and 1e5 W/K give a temperature rise of 1 mK, and 1 K changes the preload by 13 %.
-    near("cold", cold.heated.preload, 2500.0, 0.3);
+    assert_near("cold", cold.heated.preload, 2500.0, 0.3);
     let [x, o] = ["WS-P3", "WS-P2"].map(|id| of(id, 0.0, 1e5));
     for state in [&x, &o] {
-        near("nut and screw", state.rises[0], state.rises[1], 1e-3);
+        assert_near("nut and screw", state.rises[0], state.rises[1], 1e-3);
     }
     assert!(x.rises[2] > x.rises[0] + 1.0 && x.heated.preload > 2550.0, "{:?}", x.rises);
-    near("preloads", x.heated.preload, o.heated.preload, 0.3);
+    assert_near("preloads", x.heated.preload, o.heated.preload, 0.3);
 }
 
-/// Without thermal resistance between its parts and without screw ends, an axis is a single node,
-/// whose surfaces together dissipate the heat.
+/// Without thermal resistance between its parts and without screw ends, an axis is a single node.
+/// Its surfaces together dissipate the heat.
 #[test]
 fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
-    let friction = friction_of_factor(1.0);
+    let friction = load_proportional_friction(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
     nut.axis.surfaces =
@@ -689,9 +694,9 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // The tolerance covers the effects of about 100 W at 1e5 W/K, and of screw ends with 1e-6
-        // of the length.
-        near("rise", *rise, state.heat() / surfaces, 1e-3);
+        // The tolerance covers the temperature rise of about 100 W at 1e5 W/K, and screw ends whose
+        // length is 1e-6 of the screw length.
+        assert_near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
@@ -700,7 +705,7 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
 /// along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at
 /// 12.
 #[test]
-fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
+fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
     for (x, percent) in [(0.5, 6.0), (2.0, 12.0), (3.0, 12.0), (7.0, 9.0), (12.0, 6.0)] {
         let mut network = base.network(1.0);
@@ -715,10 +720,10 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
         // No heat is generated at the screw ends, so the heat that flows to them is contained in
         // the matrix row of the screw.
         let rise = along * network.screw.travel / matrix[1][1];
-        near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
+        assert_near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
-        // The percentages in the specification are rounded.
-        near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
+        // The specification rounds these percentages.
+        assert_near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
     }
 }
 
@@ -728,7 +733,7 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
 /// temperature range over which the functions are nonlinear.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
-    let friction = friction_of_factor(1.0);
+    let friction = load_proportional_friction(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
@@ -747,7 +752,7 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
         // The linearized heat balance is (M − P') dT/dT₀ = dr/dT₀.
         let leaves: f64 = matrix[i].iter().zip(follow).map(|(m, t)| m * t).sum();
         let made = (more[i] - less[i]) / 4e-3;
-        near(&format!("node {i}"), leaves - made, received[i], 1e-5 * matrix[i][i]);
+        assert_near(&format!("node {i}"), leaves - made, received[i], 1e-5 * matrix[i][i]);
     }
 }
 
@@ -792,15 +797,15 @@ fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     let sum = warm.friction_sum(&found, friction, &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
     let sum = sum.expect("friction");
     let all = warm.friction(&found, friction, &drive, 0.0, solve).torque.expect("friction");
-    near("torque", sum.torque, all, 1e-7 * all);
-    near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
+    assert_near("torque", sum.torque, all, 1e-7 * all);
+    assert_near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
 /// Without the limit (U33), the friction of each of the 57 balls of a body would start with its
 /// rolling resistance, which is 2 % of the friction of the body. The interpolated sum and the sum
 /// over all balls would have these jumps at different loads.
 #[test]
-fn friction_has_no_jump_when_balls_lose_their_load() {
+fn friction_is_continuous_when_balls_lose_their_load() {
     let axis = axis(&reference("WS-P4")["case"]);
     // The ball loads vary along the nut because thermal expansion changes the lead.
     let warm = axis.nut.warmed([2.0, 1.0, 3.0], axis.axis.screw.expansion);
@@ -827,7 +832,7 @@ fn friction_has_no_jump_when_balls_lose_their_load() {
             .expect("friction");
         // The interpolation between loads is accurate to 1e-9, unless a ball is close to the limit
         // (U33).
-        near(&format!("{step}"), sum.torque, all, 1e-6 * all);
+        assert_near(&format!("{step}"), sum.torque, all, 1e-6 * all);
         steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
         last = Some(sum.torque);
     }
@@ -861,7 +866,7 @@ fn preload_change_matches_the_first_order_formula() {
     for (rises, expected) in [([0.0, 0.1, 0.0], screw), ([0.0, 0.0, 0.1], 2.0 * nut.ball.radius)] {
         let found = preload(rises) / preload([0.0; 3]) - 1.0;
         let expected = 1.5 / approach * rise * expected;
-        near(&format!("{rises:?}"), found, expected, 0.01 * expected);
+        assert_near(&format!("{rises:?}"), found, expected, 0.01 * expected);
     }
 }
 
@@ -922,7 +927,7 @@ fn random_axes_have_a_steady_state_or_a_stated_reason() {
                     row.iter().zip(state.rises).map(|(m, t)| m * t).sum()
                 };
                 let lost = matrix.iter().map(leaves).sum::<f64>() - received.iter().sum::<f64>();
-                near(&format!("{point} heat"), lost, state.heat(), 1e-9 * state.heat());
+                assert_near(&format!("{point} heat"), lost, state.heat(), 1e-9 * state.heat());
             }
             Err(NoSteadyState::RunsAway(fold)) => {
                 folds += 1;

@@ -62,9 +62,9 @@ pub struct FilmState<F = f64> {
     pub viscosity: F,
     /// Pressure-viscosity coefficient of the oil \[1/Pa\].
     pub pressure_viscosity: F,
-    /// Film at the nut.
+    /// Oil film at the nut contact.
     pub nut: ContactFilm<F>,
-    /// Film at the screw.
+    /// Oil film at the screw contact.
     pub screw: ContactFilm<F>,
     /// Power loss due to sliding in the contacts.
     pub sliding_power: F,

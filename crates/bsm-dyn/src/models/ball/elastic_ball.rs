@@ -446,7 +446,7 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the powers do not balance.
+    /// [`NoAnswer`] if the power balance is violated.
     pub(crate) fn transmission_at(
         &self,
         torque: f64,

@@ -221,8 +221,8 @@ impl<F: Real> EhlPoint<F> {
     /// * `losses`: contacts at nut and screw.
     /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
     /// * `outside`: power losses outside the contacts \[W\].
-    /// * `(back, tan_a, efficiency)`: mask that is true if linear motion drives, tangent of the
-    ///   lead angle, and efficiency.
+    /// * `(back, tan_a, efficiency)`: mask that is true if the load back-drives the screw, tangent
+    ///   of the lead angle, and efficiency.
     #[inline(always)]
     pub fn state(
         &self,
@@ -294,7 +294,7 @@ fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
 
 /// Returns the friction coefficient of a plain thread with the same efficiency (Y31).
 ///
-/// * `back`: mask that is true if linear motion drives.
+/// * `back`: mask that is true if the load back-drives the screw.
 /// * `tan`: tangent of the lead angle.
 #[inline(always)]
 fn catalog_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {

@@ -46,14 +46,14 @@ pub struct OperatingPoint<D = f64> {
     pub helix: Helix<D>,
     /// Unloaded contact angle \[rad\], in (0, π/2).
     pub contact_angle: D,
-    /// The ball.
+    /// Dimensions and mass of a ball.
     pub ball: Ball<D>,
     /// Friction coefficient, which must be positive for models whose force balance includes
     /// friction.
     pub friction: Coulomb<D>,
     /// Angular speeds of screw and nut.
     pub drive: Drive<D>,
-    /// Load on the balls.
+    /// External load on the balls.
     pub load: Load<D>,
 }
 
@@ -84,7 +84,7 @@ pub struct AnswerUnits<F = f64> {
 }
 
 impl<F: Real> AnswerUnits<F> {
-    /// Returns true if the load drives.
+    /// Returns true if the load back-drives the screw.
     #[inline(always)]
     pub fn back(&self) -> F::Mask {
         self.speed.lt(self.speed.constant(0.0))

@@ -246,7 +246,7 @@ pub fn friction_angle<F: Real>([across, along]: [F; 2]) -> F {
 /// Returns the relative error bound of the power loss (A7), which is not finite if the error bound
 /// exceeds the efficiency.
 ///
-/// * `back`: true if the load drives.
+/// * `back`: true if the load back-drives the screw.
 /// * `bound`: error bound of the efficiency.
 fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
     // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
@@ -275,7 +275,7 @@ pub struct Alternatives {
 }
 
 impl<F: Real> SteadyState<F> {
-    /// Creates a steady state that consists of ball and transmission only.
+    /// Creates a steady state that consists only of the state of the ball and the transmission.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
         Self {
@@ -345,7 +345,7 @@ impl<F> ContactState<F> {
 impl<F: Real> Transmission<F> {
     /// Calculates efficiency and powers from the torque on the screw.
     ///
-    /// * `back`: true if the load drives.
+    /// * `back`: true if the load back-drives the screw.
     /// * `ideal`: torque of the frictionless screw \[N·m\].
     /// * `torque`: torque on the screw \[N·m\].
     /// * `speed`: relative speed \[rad/s\].
@@ -432,7 +432,7 @@ impl SlipRegime {
 mod tests {
     use super::*;
 
-    /// At coarse accuracies, two quadrature rules agreed by chance in an earlier version, and the
+    /// In an earlier version, two quadrature rules with coarse accuracy agreed by chance, and the
     /// calculated bound was a thousandth of the true error.
     #[test]
     fn error_bound_is_positive_even_if_two_quadrature_rules_agree() {

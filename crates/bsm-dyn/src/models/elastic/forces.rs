@@ -1,4 +1,5 @@
-//! The curve on which the forces on a ball with saturated friction balance, for any inertia.
+//! The curve on which the forces on a ball with saturated friction are in equilibrium, for any
+//! inertia.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
@@ -27,7 +28,7 @@ pub(super) const HELD: usize = 3;
 /// Number of unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
 pub(super) const CURVE: usize = HELD + 1;
 
-/// Error at points where the forces cannot balance.
+/// Error at points where the forces cannot be in equilibrium.
 const NO_FORCES: EvalError = EvalError {
     quantity: "ratio of normal load to axial load",
     value: f64::NAN,
@@ -59,7 +60,7 @@ impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
 
 impl SlidingBall<f64> {
     /// Returns the state at a point of the curve, and the residuals of (S14), (S20) and (S19).
-    /// Returns `None` if the forces cannot balance.
+    /// Returns `None` if the forces cannot be in equilibrium.
     pub(super) fn state_at<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
@@ -72,7 +73,7 @@ impl SlidingBall<f64> {
     }
 
     /// Returns the state for given `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the
-    /// residuals of (S14) and (S20). Returns `None` if the forces cannot balance.
+    /// residuals of (S14) and (S20). Returns `None` if the forces cannot be in equilibrium.
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],

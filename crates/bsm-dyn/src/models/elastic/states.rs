@@ -46,7 +46,8 @@ pub struct SlidingState<D> {
     pub cos: [D; 2],
     /// Load ratios `$Q/F_a$`.
     pub loads: [D; 2],
-    /// Load parameter `$Y$` (S15). The forces can balance only if `$Y$` is positive and finite.
+    /// Load parameter `$Y$` (S15). The forces can be in equilibrium only if `$Y$` is positive and
+    /// finite.
     pub push: D,
     /// Scaled centrifugal force `$M$` (S16).
     pub centrifugal: D,
@@ -54,7 +55,7 @@ pub struct SlidingState<D> {
     pub angle_difference: (D, D),
 }
 
-/// Motion of a ball whose forces balance.
+/// Motion of a ball whose forces are in equilibrium.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingMotion<D> {
     /// Slip speeds at nut and screw, divided by `$r_b|W|$`; positive if the slip is opposite to
@@ -110,7 +111,7 @@ impl<F: Real> SlidingBall<F> {
     /// The contact angle is calculated with a few steps of a fixed-point iteration. If friction
     /// holds the load at a contact angle, the contact angle is increased.
     ///
-    /// * `back`: true if the load drives.
+    /// * `back`: true if the load back-drives the screw.
     #[inline(always)]
     pub(crate) fn static_efficiency(&self, back: F::Mask) -> F {
         let (zero, one) = (self.radial_distance.constant(0.0), self.radial_distance.constant(1.0));
@@ -285,7 +286,7 @@ impl<F: Real> SlidingPoint<F> {
     }
 }
 
-/// Returns true if two numbers agree within a relative tolerance `change`.
+/// Returns true if two numbers agree within the relative tolerance `change`.
 #[inline(always)]
 fn is_near<F: Real>(x: F, y: F, change: f64) -> F::Mask {
     (x - y).abs().le(y.abs() * change)

@@ -150,8 +150,8 @@ impl<F: Real> CurveState<F> {
             & (self.point[2] - start.point[2]).abs().le(scale[2] * max_change)
     }
 
-    /// Returns true if the distance from a point of the curve is at most one step of the
-    /// continuation.
+    /// Returns true if this state is at most one continuation step away from the given point of the
+    /// curve.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
         (self.point[0] - point[0]).abs().le(by_c.constant(MAX_STEP))

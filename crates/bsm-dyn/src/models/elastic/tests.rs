@@ -1,4 +1,4 @@
-//! Tests of the elastic model: compares the roots on the curve of force balance with the seven
+//! Tests the elastic model: compares the roots on the curve of force balance with the seven
 //! equations, with limiting cases, and with searches from many starting values.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -63,7 +63,7 @@ fn root_from_random_starts(
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
         // With the weights of the starting value, any state with P → 0 or P → ∞ would look like a
-        // root. Therefore each residual is compared with a force at the end point: moments with
+        // root. Therefore, each residual is compared with a force at the final state: moments with
         // friction, and the moment about the mean normal with inertia.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
@@ -132,7 +132,7 @@ fn random_starts_find_no_root_where_there_is_no_solution() {
 }
 
 #[test]
-#[ignore = "minutes: 1000 points of 1000 starts"]
+#[ignore = "takes minutes: 1000 points with 1000 starting values each"]
 fn thousands_of_random_starts_find_no_root_where_there_is_no_solution() {
     let tally = search_points(2026, 500, 1000);
     println!(

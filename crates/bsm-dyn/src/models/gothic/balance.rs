@@ -56,7 +56,7 @@ pub(super) struct Balance<'a, P = f64> {
     /// Creep speed divided by `$r_b |W|$`.
     pub(super) creep: f64,
     pub(super) quadrature: &'a Quadrature,
-    /// True on the way to a root, see [`Placement::coarse`].
+    /// True for evaluations before convergence; see [`Placement::coarse`].
     pub(super) coarse: bool,
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
@@ -275,7 +275,10 @@ impl<P: Scalar> Balance<'_, P> {
     }
 
     /// Returns the scaled residual of the equations.
-    #[expect(clippy::unnecessary_wraps, reason = "the form of a residual")]
+    #[expect(
+        clippy::unnecessary_wraps,
+        reason = "the macro `equations!` requires this return type"
+    )]
     pub(super) fn residual<D: Integrate<P>>(
         &self,
         y: &[D; UNKNOWNS],

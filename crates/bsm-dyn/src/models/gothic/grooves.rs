@@ -161,7 +161,7 @@ impl<P: Scalar> Grooves<P> {
         let height = grooves.height().re();
         if !(height > 0.0 && grooves.diagonal().re() > height) {
             let requirement =
-                "such that the ball touches the grooves at contact angles between 0 and 90 degrees";
+                "the ball must touch the grooves at contact angles between 0 and 90 degrees";
             return Err(refused("radial gap of a ball [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
@@ -385,7 +385,7 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
     domain_error(EvalError {
         quantity,
         value,
-        requirement: "such that the + flanks or an oversize ball can carry the load",
+        requirement: "the + flanks or an oversize ball must be able to carry the load",
     })
 }
 
@@ -410,7 +410,10 @@ struct Rest<'a> {
 }
 
 impl Rest<'_> {
-    #[expect(clippy::unnecessary_wraps, reason = "the form that `equations!` takes")]
+    #[expect(
+        clippy::unnecessary_wraps,
+        reason = "the macro `equations!` requires this return type"
+    )]
     fn residual<D: Over<f64>>(&self, y: &[D; PLACE]) -> Result<[D; PLACE], EvalError> {
         let (ball, nut) = self.grooves.normal_forces(&y.map(|y| y * self.length));
         let position = match self.condition {

@@ -153,10 +153,10 @@ impl LubricatedBall {
         Solution::new(self.name(), solved)
     }
 
-    /// Creates a ball of a train. Returns `None` if the model is not traction, if the temperature
-    /// is not given, or if the motion without pushes is not found.
+    /// Creates a ball in a ball train. Returns `None` if the model is not traction, if the
+    /// temperature is not given, or if the motion without push forces is not found.
     ///
-    /// * `free`: steady state of the ball without pushes.
+    /// * `free`: steady state of the ball without push forces.
     /// * `contact_friction`: friction coefficient between balls.
     pub fn in_train(
         &self,
@@ -171,7 +171,7 @@ impl LubricatedBall {
     }
 
     /// Returns the steady state at the lowest lubricant temperature at which power loss and cooling
-    /// balance (Y28).
+    /// are equal (Y28).
     ///
     /// * `heat_transfer`: product of heat transfer coefficient and area \[W/K\].
     /// * `ambient`: ambient temperature \[K\].

@@ -1,4 +1,4 @@
-//! Tests of the lubricant model: compares its parts with published results, independent results and
+//! Tests the lubricant model: compares its parts with published results, independent results and
 //! limiting cases, and the whole model with an independent solution.
 
 use std::f64::consts::PI;
@@ -118,7 +118,7 @@ fn intermediate_results_match_an_independent_solution() {
 }
 
 /// Compares the torque of the feed drive with the printed digits of an independent table. The
-/// speeds range from boundary friction to a full film.
+/// speeds cover lubrication regimes from boundary friction to a full film.
 #[test]
 fn torque_over_speed_matches_an_independent_table() {
     let rows = [
@@ -194,9 +194,9 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
         // The tolerance is the standard error of the difference between two quantiles (5 % or 95 %)
         // from `draws` draws and from 250 draws, for normal distributions. The density at these
         // quantiles is 0.103 divided by the standard deviation, and the interval is 3.29 standard
-        // deviations wide. Twice this tolerance would not detect the use of raceway control: it
-        // would be 0.19 at the first point, where the lower limit is 0.62 for traction and 0.51 for
-        // raceway control.
+        // deviations wide. Twice this tolerance would not detect the use of raceway control. At the
+        // first point, twice the tolerance would be 0.19, and the lower limit is 0.62 for traction
+        // and 0.51 for raceway control.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
         assert!((band.loss[0] - low).abs() < error, "{error}: {band:?}");
@@ -305,14 +305,14 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
     assert!(2 * answers > points, "{answers} of {points}");
 }
 
-/// Compares the model with a single friction coefficient per contact with the model that evaluates
-/// the friction law at each point.
+/// Compares the model that has a single friction coefficient per contact with the model that
+/// evaluates the friction law at each point.
 #[test]
-fn error_of_one_coefficient_per_contact_is_a_few_percent() {
+fn one_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
     let mut off = [const { Vec::new() }; 2];
     for _ in 0..400 {
-        let (screw, lubricant) = random_everyday_point(&mut rng);
+        let (screw, lubricant) = random_typical_point(&mut rng);
         let fast = LubricatedModel::RacewayControl(
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
@@ -337,7 +337,7 @@ fn error_of_one_coefficient_per_contact_is_a_few_percent() {
 }
 
 /// Returns a random screw and lubricant with typical parameters.
-fn random_everyday_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
+fn random_typical_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
     use rand::RngExt;
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
     let radius = part(1.0e-3, 5e-3);
@@ -368,12 +368,12 @@ fn random_everyday_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lu
 }
 
 /// Returns the number of random typical screws for which the traction model finds no solution.
-fn unsolved_everyday_screws(seed: u64, points: u64) -> u64 {
+fn count_unsolved_typical_screws(seed: u64, points: u64) -> u64 {
     let mut work = ModelWorkspace::default();
     let mut rng = rand::SeedableRng::seed_from_u64(seed);
     let mut failed = 0;
     for _ in 0..points {
-        let (screw, lubricant) = random_everyday_point(&mut rng);
+        let (screw, lubricant) = random_typical_point(&mut rng);
         let solution = LubricatedBall { lubricant, model: traction(screw) }.solve(&mut work);
         if solution.solved().is_none() {
             failed += 1;
@@ -384,17 +384,17 @@ fn unsolved_everyday_screws(seed: u64, points: u64) -> u64 {
 }
 
 #[test]
-fn everyday_screws_have_a_solution() {
-    assert_eq!(unsolved_everyday_screws(1886, 60), 0);
+fn typical_screws_have_a_solution() {
+    assert_eq!(count_unsolved_typical_screws(1886, 60), 0);
 }
 
-/// Repeats the test with more points:
-/// `cargo test --release -p bsm-dyn --lib everyday_screws -- --ignored --nocapture`.
+/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib typical_screws --
+/// --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn ten_thousand_everyday_screws_have_a_solution() {
+fn ten_thousand_typical_screws_have_a_solution() {
     // At least 99.9 % of the points have a solution.
-    assert!(unsolved_everyday_screws(1904, 10_000) <= 10);
+    assert!(count_unsolved_typical_screws(1904, 10_000) <= 10);
 }
 
 /// Returns the median of the numbers.
@@ -408,10 +408,10 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 /// lubricated in turn, and the fastest of several runs counts. The dry solve uses the friction
 /// coefficient that the lubricated solve reports.
 ///
-/// `cargo test --release -p bsm-dyn --lib cost_of_a_lubricant -- --ignored --nocapture`
+/// `cargo test --release -p bsm-dyn --lib measure_cost_of_a_lubricant -- --ignored --nocapture`
 #[test]
 #[ignore = "timing"]
-fn cost_of_a_lubricant() {
+fn measure_cost_of_a_lubricant() {
     use std::time::Instant;
 
     let mut work = ModelWorkspace::default();
@@ -428,7 +428,7 @@ fn cost_of_a_lubricant() {
     let mut bounds = Vec::new();
     let (mut traction_ratios, mut raceway_ratios) = (Vec::new(), Vec::new());
     while micros[0].len() < 400 {
-        let (screw, lubricant) = random_everyday_point(&mut rng);
+        let (screw, lubricant) = random_typical_point(&mut rng);
         let case = LubricatedBall { lubricant, model: traction(screw) };
         let solution = case.solve(&mut ModelWorkspace::default());
         let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };

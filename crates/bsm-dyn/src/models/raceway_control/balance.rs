@@ -152,8 +152,9 @@ impl Balance<'_> {
         self.statics.is_unique(true)
     }
 
-    /// Finds the roots on the flanks whose contact angles differ by more than those of the first
-    /// root. The scan may miss pairs of roots that are closer together than its resolution.
+    /// Finds the roots on the flanks whose contact angles differ more than the contact angles of
+    /// the first root. The scan may miss pairs of roots that are closer together than its
+    /// resolution.
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],
@@ -206,7 +207,7 @@ impl Balance<'_> {
         self.statics.inertia * rate * rate
     }
 
-    /// Runs Newton's method from `x`.
+    /// Runs Newton's method from the starting value `x`.
     fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };

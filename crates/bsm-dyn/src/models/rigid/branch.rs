@@ -284,8 +284,8 @@ impl RigidBall<f64> {
                     }
                 }
                 // The branch ends where the ball would roll, a contact load would become negative,
-                // or a slip would reverse. If the branch begins beyond rolling, its first point at
-                // the actual inertia decides whether there is a root.
+                // or a slip would reverse. If the branch begins past the rolling point, its first
+                // point at the actual inertia decides whether a root exists.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
                     !(admissible && slides)

@@ -172,7 +172,7 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
         // reverse this sign.
         return None;
     } else if first.unloaded <= 0.0 {
-        // q_A' changes its sign through infinity, where the existence margin is -∞.
+        // The load ratio q_A' changes its sign through infinity, where the existence margin is -∞.
         unloaded_flank_would_pull(first)
     } else if -first.sliding_margin > margin_error(ball, first, error) {
         would_roll(first)
@@ -182,9 +182,9 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     Some(NoAnswer::none(Evidence::Bound, reason))
 }
 
-/// Returns the verdict, unless the first-order solution indicates a root by a margin larger than
-/// its error. Near self-locking, rounding errors of the large loads can affect the sweeps and the
-/// continuation.
+/// Returns the verdict that no root exists, unless the first-order solution indicates a root by a
+/// margin larger than its error. Near self-locking, rounding errors of the large loads can affect
+/// the sweeps and the continuation.
 fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;

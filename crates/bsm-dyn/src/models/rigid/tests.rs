@@ -1,4 +1,4 @@
-//! Tests of the rigid model: compares sweeps with the continuation, and `no_solution` with searches
+//! Tests the rigid model: compares sweeps with the continuation, and `no_solution` with searches
 //! from many starting values. Also solves points for which earlier versions had no result or a
 //! wrong result.
 
@@ -208,7 +208,7 @@ fn branch_has_no_second_root_where_it_is_excluded() {
 /// Prints the results that are cited in `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
-fn branch_has_no_second_root_where_it_is_excluded_at_length() {
+fn branch_has_no_second_root_where_it_is_excluded_at_many_points() {
     count_second_roots([100_000, 100_000]);
 }
 
@@ -284,7 +284,7 @@ fn point_near_a_step(contact_angle_deg: f64) -> OperatingPoint {
     }
 }
 
-/// Returns the number of roots whose powers balance.
+/// Returns the number of roots that satisfy the power balance.
 fn count_balanced_roots(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usize {
     let rigid = Rigid { point: *rigid };
     roots.iter().filter(|root| rigid.balanced(ball, root).is_ok()).count()
@@ -439,7 +439,7 @@ fn slowly_orbiting_ball_has_a_root() {
 /// At this operating point, the ratio of inertia to friction is 0.0098. In an earlier version, the
 /// branch began at a ratio of 0.01.
 #[test]
-fn branch_begins_below_the_actual_inertia() {
+fn followed_branch_begins_below_the_actual_inertia() {
     let [point, ..] = slowly_orbiting_points();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
@@ -504,7 +504,7 @@ fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
     }
 }
 
-/// Returns the root after checking that its powers balance.
+/// Returns the root after checking its power balance.
 fn balanced_root(rigid: &OperatingPoint) -> RigidRoot {
     let mut work = RigidWorkspace::default();
     let rigid = Rigid { point: *rigid };

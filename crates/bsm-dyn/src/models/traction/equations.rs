@@ -93,7 +93,8 @@ pub(super) struct Lubrication<'a, P = f64> {
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Sliding power. It has no derivatives if fast sums over the ellipses are used.
+    /// Sliding power. It has no derivatives if it is calculated with the vectorized sums over the
+    /// ellipses.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }

@@ -1,4 +1,4 @@
-//! Forces on a ball from its two neighbors in the train.
+//! Forces on a ball from its two neighbors in the ball train.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O2) and (O3).
 

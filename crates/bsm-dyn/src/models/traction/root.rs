@@ -190,10 +190,10 @@ impl SlipBall<'_> {
         Ok(loaded)
     }
 
-    /// Returns true if the powers of a root balance (B10).
+    /// Returns true if the root satisfies the power balance (B10).
     ///
     /// The residual also tends to zero for a ball that rotates faster and faster about the screw
-    /// axis. Such a state is not a root, and its powers do not balance.
+    /// axis. Such a state is not a root, and it violates the power balance.
     pub(super) fn is_balanced(&self, root: &SlipRoot) -> bool {
         let contacts = self.contacts;
         self.of(root).evaluated(&root.unknowns).is_ok_and(|found: Evaluation| {

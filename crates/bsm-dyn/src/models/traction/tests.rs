@@ -1,4 +1,4 @@
-//! Tests of the traction model: compares `no_solution` with searches from many starting points, and
+//! Tests the traction model: compares `no_solution` with searches from many starting points, and
 //! checks both sets of unknowns, error bounds and derivatives. Difficult operating points are in
 //! `validation/hard`.
 
@@ -19,7 +19,7 @@ use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
 /// Returns the random extreme operating point with a given seed and number.
-fn point(seed: u64, number: u64) -> ElasticPoint {
+fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
     extreme(&mut rng)
@@ -61,7 +61,11 @@ fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
 }
 
 /// Returns a root on the flanks that is found from random starting points, or `None`.
-fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<SlipRoot> {
+fn root_from_random_starts(
+    ball: &SlipBall<'_>,
+    starts: usize,
+    rng: &mut impl Rng,
+) -> Option<SlipRoot> {
     let mut newton = Workspace::default();
     let end = ball.creep.ln();
     (0..starts).find_map(|_| {
@@ -94,7 +98,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
     let mut counts = SearchCounts::default();
     for number in 0..points as u64 {
-        let screw = point(seed, number);
+        let screw = random_extreme_point(seed, number);
         let Ok(contacts) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
         let creep = Traction::CREEP * contacts.slip_scale();
@@ -112,7 +116,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
         if solution.status() == Status::NotConverged {
             println!("undecided: {number} {:?}", solution.reason());
         }
-        if let Some(root) = search(&ball, starts, &mut rng) {
+        if let Some(root) = root_from_random_starts(&ball, starts, &mut rng) {
             count[1] += 1;
             if solution.status() == Status::NoSolution {
                 println!("refuted: {number} {screw:?} {root:?}");
@@ -138,11 +142,11 @@ fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
     );
 }
 
-/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib no_solution_at_length
-/// -- --ignored --nocapture`.
+/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib
+/// no_solution_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_length() {
+fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_many_points() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
@@ -154,7 +158,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
     let mut seen = 0;
     for number in 0..60 {
-        let screw = point(8, number);
+        let screw = random_extreme_point(8, number);
         let solution = solved(screw, &mut work);
         let Ok(contacts) = screw.scaled() else { continue };
         // Large inertia causes cancellation in the unknowns (T1), and zero inertia causes
@@ -226,11 +230,11 @@ fn error_bound_covers_the_quadrature_error() {
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// Repeats the test with more points:
-/// `cargo test --release -p bsm-dyn --lib quadrature_error_at_length -- --ignored --nocapture`.
+/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib
+/// quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn error_bound_covers_the_quadrature_error_at_length() {
+fn error_bound_covers_the_quadrature_error_at_many_points() {
     let (points, broken, largest) = stated_errors(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
@@ -240,7 +244,7 @@ fn error_bound_covers_the_quadrature_error_at_length() {
 /// Compares the equations in contact coordinates with a calculation of forces and moments as
 /// vectors in the ball triad, for both sets of unknowns.
 #[test]
-fn equations_agree_with_vectors_of_force_and_moment() {
+fn equations_agree_with_force_and_moment_vectors() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
     let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];

@@ -20,12 +20,12 @@ use crate::models::ball::{
 };
 use crate::models::workspace::ModelWorkspace;
 
-/// Step control of the continuation from known pushes to requested pushes. Step lengths are
-/// fractions of the change of the pushes.
+/// Step control of the continuation from known push forces to requested push forces. Step lengths
+/// are fractions of the change of the push forces.
 const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 
-/// The equations of a ball that travels at the speed of the train. The precession rate is given,
-/// and the force of the ball behind is the unknown in its place.
+/// Equations of a ball that travels at the speed of its ball train. The precession rate is given;
+/// the unknown in its place is the force of the ball behind.
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
@@ -94,7 +94,7 @@ impl SlipBall<'_> {
     }
 }
 
-/// A ball of a train, solved by [`Traction`], together with its motion without pushes.
+/// A ball in a ball train, solved by [`Traction`], together with its motion without push forces.
 #[derive(Debug, Clone)]
 pub struct TrainBall {
     contacts: ElasticContacts,
@@ -110,7 +110,7 @@ pub struct TrainBall {
     free: TrainMotion,
 }
 
-/// The steady motion of a ball in a train under the forces of its neighbors.
+/// Steady motion of a ball in a ball train under the forces of its neighbors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
     unknowns: [f64; BALL],
@@ -160,9 +160,10 @@ impl TrainMotion {
 }
 
 impl Traction {
-    /// Creates a ball of a train, or returns `None` if its motion without pushes is not found.
+    /// Creates a ball in a ball train, or returns `None` if its motion without push forces is not
+    /// found.
     ///
-    /// * `free`: steady state of the ball without pushes.
+    /// * `free`: steady state of the ball without push forces.
     /// * `contact_friction`: friction coefficient between balls.
     pub fn in_train(
         &self,
@@ -175,10 +176,11 @@ impl Traction {
 }
 
 impl TrainBall {
-    /// Creates a ball of a train, or returns `None` if its motion without pushes is not found.
+    /// Creates a ball in a ball train, or returns `None` if its motion without push forces is not
+    /// found.
     ///
     /// * `ehl`: lubricated operating point; `None` for a constant friction coefficient.
-    /// * `free`: steady state of the ball without pushes.
+    /// * `free`: steady state of the ball without push forces.
     pub(crate) fn of(
         case: &Traction,
         ehl: Option<&EhlPoint>,
@@ -227,7 +229,7 @@ impl TrainBall {
         Some(ball)
     }
 
-    /// Returns the motion of the ball without pushes.
+    /// Returns the motion of the ball without push forces.
     pub fn free(&self) -> &TrainMotion {
         &self.free
     }
@@ -238,8 +240,8 @@ impl TrainBall {
         self.contacts.friction
     }
 
-    /// Returns the push at which the ball slides on both raceways \[N\], calculated from the normal
-    /// loads without pushes.
+    /// Returns the push force at which the ball slides on both raceways \[N\], calculated from the
+    /// normal loads without push forces.
     pub fn sliding_push(&self) -> f64 {
         self.friction() * self.free.loads.iter().sum::<f64>()
     }
@@ -334,13 +336,13 @@ impl TrainBall {
             .find_map(|is_near| self.with(work, |ball, newton| solve(is_near, ball, newton)))
     }
 
-    /// Returns the motion at the precession rate of the train under a given force of the ball in
-    /// front \[N\], or `None` if no motion is found.
+    /// Returns the motion at the precession rate of the ball train under a given force of the ball
+    /// in front \[N\], or `None` if no motion is found.
     ///
     /// The force of the ball behind is part of the result. A negative force is a pull.
     ///
     /// * `from`: known motion, used as the starting value.
-    /// * `rate`: precession rate `$(P - \Omega_n)/W$` of the train.
+    /// * `rate`: precession rate `$(P - \Omega_n)/W$` of the ball train.
     pub fn at_rate(
         &self,
         from: &TrainMotion,
@@ -403,9 +405,9 @@ impl TrainBall {
     }
 
     /// Converts unknowns into a motion in SI units. Returns `None` if a contact is lost or the
-    /// powers do not balance.
+    /// power balance is violated.
     ///
-    /// * `by_pushes`: derivatives of the unknowns with respect to the pushes.
+    /// * `by_pushes`: derivatives of the unknowns with respect to the push forces.
     /// * `transmitted`: torque on the screw, and friction powers.
     fn motion(
         &self,
@@ -448,10 +450,10 @@ impl TrainBall {
         self.contact_friction * radius * (front + back) * motion.rotation
     }
 
-    /// Returns true if the powers of a motion balance (O4).
+    /// Returns true if a motion satisfies the power balance (O4).
     ///
-    /// If the pushes far exceed what a ball can bear, Newton's method may converge to a state whose
-    /// powers do not balance.
+    /// If the push forces far exceed the forces that a ball can bear, Newton's method may converge
+    /// to a state that violates the power balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;

@@ -1,5 +1,5 @@
-//! Campaigns over random catalog screws at practical pressures. Every screw must converge or state
-//! a reason, and the automatic choice of model must keep its error bounds.
+//! Campaigns over random catalog screws at practical pressures. Every screw must converge or report
+//! a reason, and the errors of the automatic choice must stay within its error bounds.
 
 use std::f64::consts::PI;
 
@@ -46,7 +46,7 @@ fn campaign(
 }
 
 #[test]
-fn traction_converges() {
+fn traction_converges_for_random_screws() {
     let mut work = TractionWorkspace::default();
     let mut solve =
         |screw| Traction { at: screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
@@ -74,12 +74,12 @@ fn elastic_converges_where_it_has_a_root() {
 }
 
 /// Compares the error bounds of the automatic choice with the errors relative to a more accurate
-/// traction model. The points were not used to fit the constants. At least 99 % of the points must
-/// keep their bounds, and the bounds must meet the tolerance.
+/// traction model. The points were not used to fit the constants. At least 99 % of the errors must
+/// be within their bounds, and the bounds must meet the tolerance.
 #[test]
-fn automatic_choice_keeps_its_error_bounds() {
+fn errors_of_the_automatic_choice_are_within_their_bounds() {
     for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
-        let tried = bounds(real_screws(seed), tolerance);
+        let tried = check_error_bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
         assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
         // Bounds exceed the tolerance at some points if the tolerance is near the error due to the
@@ -87,15 +87,15 @@ fn automatic_choice_keeps_its_error_bounds() {
         assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
         // The automatic choice must not always select the most expensive model.
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
-        let tried = bounds(unusual_screws(seed), tolerance);
+        let tried = check_error_bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
         // Outside the ranges of the fit, the bounds may fail at up to 2 % of the points.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }
 
-/// An audit found that the automatic choice selected raceway control although the solution stated
-/// that this model was not valid there.
+/// In an earlier version, the automatic choice selected raceway control although the solution
+/// stated that this model was not valid there.
 #[test]
 fn auto_never_chooses_a_model_outside_its_range() {
     let (mut work, mut taken) = (ModelWorkspace::default(), [0; 3]);
@@ -118,7 +118,7 @@ fn auto_never_chooses_a_model_outside_its_range() {
     assert!(taken.iter().all(|count| *count > 100), "{taken:?}");
 }
 
-/// A parameter sweep found that the error bounds were up to 2.4 times too small for balls with low
+/// In an earlier version, the error bounds were up to 2.4 times too small for balls with low
 /// friction in gross skid, if spin was still significant.
 #[test]
 fn error_bound_of_a_skidding_ball_includes_the_effect_of_spin() {
@@ -161,7 +161,7 @@ struct ChoiceCounts {
     traction: usize,
 }
 
-fn bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> ChoiceCounts {
+fn check_error_bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64) -> ChoiceCounts {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     let mut tried = ChoiceCounts::default();
     for screw in screws.take(bsm_sample::campaign(2000)) {

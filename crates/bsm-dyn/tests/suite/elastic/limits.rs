@@ -28,7 +28,7 @@ fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
     numbers(case.solve(&mut TractionWorkspace::default()))
 }
 
-fn elastic(screw: ElasticPoint) -> SteadyState {
+fn solve_elastic(screw: ElasticPoint) -> SteadyState {
     numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
@@ -37,7 +37,7 @@ fn elastic(screw: ElasticPoint) -> SteadyState {
 #[test]
 fn elastic_equals_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
-        let o = elastic(screw);
+        let o = solve_elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
         let angles =
             bsm_dyn::angles::Angles { lead: screw.point.helix.lead_angle, contact: loaded };
@@ -48,8 +48,8 @@ fn elastic_equals_the_closed_form_at_the_loaded_angle() {
 }
 
 /// If the ball rolls and friction is too small to change the contact angles, traction agrees with
-/// raceway control. The difference is proportional to friction: its ratio to the loss is of order
-/// f.
+/// raceway control. The ratio of the difference to the loss is of the order of the friction
+/// coefficient.
 #[test]
 fn traction_agrees_with_raceway_control_for_rolling_balls() {
     let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
@@ -80,7 +80,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
         let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
         if onset(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
-            let difference = elastic(screw).transmission.efficiency
+            let difference = solve_elastic(screw).transmission.efficiency
                 - traction(screw, 1e-8, 1e-4).transmission.efficiency;
             assert!(difference.abs() <= 5e-3, "{screw:?} {difference}");
         }
@@ -142,7 +142,7 @@ fn a_scaled_screw_has_the_same_motion() {
     });
     for (one, other) in [
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
-        (elastic(screw), elastic(large)),
+        (solve_elastic(screw), solve_elastic(large)),
     ] {
         // In scaled units, the results differ only by rounding errors.
         assert_relative_eq!(
@@ -158,9 +158,9 @@ fn a_scaled_screw_has_the_same_motion() {
     }
 }
 
-/// Each expected failure has the expected reason.
+/// Operating points without a solution report the correct reason.
 #[test]
-fn expected_failures_have_the_expected_reason() {
+fn points_without_a_solution_report_the_correct_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
     let still = with(lin(10.0, 45.0, 1.0, 100.0), |screw| screw.point.drive = drive);
     let smooth = with_friction(0.0, lin(10.0, 45.0, 100.0, 100.0));
@@ -183,19 +183,19 @@ fn expected_failures_have_the_expected_reason() {
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
 
-/// In an earlier version, the root was extrapolated at a millionth of practical speeds, and its
-/// powers did not balance.
+/// In an earlier version, the root was extrapolated at a millionth of practical speeds, and it
+/// violated the power balance.
 #[test]
-fn powers_balance_at_very_low_speed_with_saturated_friction() {
+fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
         let screw = with_friction(0.39, lin(16.0, 50.0, -rpm, 3e3));
-        let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
+        let balance = solve_elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-10, "{rpm} rpm: {balance}");
     }
 }
 
-/// A campaign found that if the branch of roots from small inertia ends in a fold, there may be
-/// another root further along the curve. There is no root above the largest inertia on the curve.
+/// If the branch of roots from small inertia ends in a fold, another root may exist further along
+/// the curve. There is no root above the largest inertia on the curve.
 #[test]
 fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
     let mut work = ElasticWorkspace::default();
@@ -221,7 +221,7 @@ fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
 #[test]
 fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
-    let o = elastic(screw);
+    let o = solve_elastic(screw);
     assert!(o.ball.motion.expect("P").precession.abs() < 0.1 * screw.point.drive.screw_speed);
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
@@ -264,13 +264,13 @@ fn root_beyond_the_flank_is_not_a_solution() {
 }
 
 /// In an earlier version, the slip at the screw lost accuracy at low speed through cancellation of
-/// the spin, which is of order 1/P. As a result, the powers at an accurate root did not balance.
+/// the spin, which is of order 1/P. As a result, an accurate root violated the power balance.
 #[test]
-fn powers_balance_at_low_speed_with_saturated_friction() {
+fn power_balance_holds_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
         let screw = with_friction(0.15, lin(1.1, 55.0, rpm, 3000.0));
         let screw = ElasticPoint { conformity: (0.52, 0.56), ..screw };
-        let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
+        let balance = solve_elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-9, "{rpm} rpm: {balance}");
     }
 }
@@ -290,7 +290,7 @@ fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
 #[test]
 fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
-    // Returns the feed drive that is used in the examples.
+    // This closure returns the feed drive that is used in the examples.
     let feed_drive = |contact_angle: f64| {
         let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
         with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {
@@ -320,14 +320,15 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// Friction increases the torque if the screw drives, and decreases the torque if the load
-    /// drives. The powers balance in both cases, for the models `traction` and `elastic`.
+    /// back-drives the screw. The models `traction` and `elastic` satisfy the power balance in both
+    /// cases.
     #[test]
-    fn friction_costs_power_and_powers_balance(
+    fn friction_costs_power_and_power_balance_holds(
         lead in 2.0..30.0_f64, beta in 35.0..55.0_f64, rpm in 100.0..3000.0_f64,
         axial in 20.0..3000.0_f64, back in any::<bool>(),
     ) {
         let screw = lin(lead, beta, if back { -rpm } else { rpm }, axial);
-        for o in [traction(screw, 1e-4, 1e-4), elastic(screw)] {
+        for o in [traction(screw, 1e-4, 1e-4), solve_elastic(screw)] {
             let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.point.drive.relative_speed();
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
@@ -340,10 +341,10 @@ proptest! {
         }
     }
 
-    /// Except for inertia, only the relative speed matters, so slow nut drive has the same
-    /// efficiency as slow screw drive.
+    /// Only the relative speed matters if inertia is negligible, so a slow nut drive has the same
+    /// efficiency as a slow screw drive.
     #[test]
-    fn slow_nut_drive_equals_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
+    fn slow_nut_drive_and_slow_screw_drive_have_equal_efficiency(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
         let driven = lin(10.0, 45.0, rpm, axial);
         let speed = driven.point.drive.screw_speed;
         let drive = bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed };

@@ -31,8 +31,9 @@ impl ElasticContacts {
         };
         let (mut state, too_far) = at(self.contact_angle);
         let ends = [self.contact_angle, PI];
-        // At a screw angle of π, both radial distances are negative, and the excess is below -1. Any
-        // negative number serves as the value at this end.
+        // If the contact angle at the screw is π, both radial distances are negative, and the
+        // residual of (J7) is below -1. Any negative number serves as the residual at this end of
+        // the bracket.
         let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
         // The last evaluated state is a sufficient starting value, even if the search fails.
         let _ = bracket.root(|screw| {

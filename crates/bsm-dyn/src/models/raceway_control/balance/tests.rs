@@ -17,7 +17,7 @@ use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
 const GRID: usize = 1500;
 
 /// Generates screws whose inertia forces are 0.01 to 100 times the load.
-fn screws() -> impl Strategy<Value = ElasticPoint> {
+fn random_screws() -> impl Strategy<Value = ElasticPoint> {
     let shape = (0.5..80.0_f64, 3.0..87.0_f64, 0.02..0.45_f64, 0.505..0.8_f64, 0.505..0.8_f64);
     let state = (-2.0..2.0_f64, 1e-9..1e-1_f64, -3.0..3.0_f64, any::<bool>());
     (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
@@ -83,7 +83,7 @@ proptest! {
 
     /// If the model finds no root, the dense search must not find a root either.
     #[test]
-    fn first_root_agrees_with_a_dense_search(screw in screws(), nut in any::<bool>()) {
+    fn first_root_agrees_with_a_dense_search(screw in random_screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let found = Balance::new(&contacts, control).first_root(&mut Workspace::default());
@@ -129,7 +129,7 @@ proptest! {
     }
 
     #[test]
-    fn radial_slope_agrees_with_the_jet_derivative(screw in screws(), cot in 1e-3..1e3_f64) {
+    fn radial_slope_agrees_with_the_jet_derivative(screw in random_screws(), cot in 1e-3..1e3_f64) {
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let balance = Balance::new(&contacts, Control::Nut);
         for i in 0..2 {
