@@ -317,7 +317,8 @@ class Solution(SolutionFields):
     @property
     def intervals(self) -> dict[str, Any]:
         """Ends of the 90 % interval of each number that depends on an estimated groove, by name. The dict is empty if
-        the groove is given. The point is solved again for 32 possible grooves."""
+        the groove is given. The point is solved again for 128 possible
+        grooves, or for 16 in a warm state."""
         return _intervals(self.to_dict())
 
     def __repr__(self) -> str:

@@ -16,7 +16,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Revision of the results. It increases by one when a number changes, so that parts of two
 /// revisions are not mixed.
-pub const RESULTS: u32 = 90;
+pub const RESULTS: u32 = 91;
 
 /// Revision of the format of the plan and of the parts, whose bytes follow from the plan.
 const FORMAT: u32 = 6;

@@ -156,7 +156,9 @@ pub enum NoSteadyState {
         factor: f64,
     },
     /// The friction of a ball is unknown.
-    #[error("a ball has no friction torque")]
+    #[error(
+        "the friction of a ball is unknown, because the ball skids under a light load or its model does not converge"
+    )]
     NoFriction,
     /// The nut cannot carry its load.
     #[error(transparent)]
@@ -170,7 +172,7 @@ pub enum NoSteadyState {
         factor: f64,
     },
     /// The search did not find a state.
-    #[error("the warm state is not found")]
+    #[error("the search for temperatures at which the heat is in balance does not converge")]
     NotFound,
 }
 
