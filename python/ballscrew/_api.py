@@ -324,7 +324,7 @@ class Solution(SolutionFields):
     def intervals(self) -> dict[str, Any]:
         """Ends of the 90 % interval of each number that depends on an estimated groove, by name.
 
-        To calculate the intervals, the point is solved again for 32 possible grooves. The dict is empty if the groove
+        To calculate the intervals, the point is solved again for 128 possible grooves, or for 16 in a warm state. The dict is empty if the groove
         is given.
         """
         return _intervals(self.to_dict())

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use bsm_batch::{TableError, TableHead, TableSink};
 use bsm_case::{
-    Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, ColumnValues, Content,
-    DesignReport, EllipseFields, FEW_DRAWS, Fit, FittedInput, ListColumn, ManufacturerNut,
-    ManufacturerRow, Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter,
-    NutProblem, NutReport, Output, Record, RequirementFile, Samples, Settings, TableFormat,
-    Verdict, over_grooves, sheet_columns,
+    Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, ColumnValues, Content, DRAWS,
+    DesignReport, EllipseFields, Fit, FittedInput, ListColumn, ManufacturerNut, ManufacturerRow,
+    Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport,
+    Output, Record, RequirementFile, Samples, Settings, TableFormat, Verdict, over_grooves,
+    sheet_columns,
 };
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -86,7 +86,7 @@ fn of_motion(
             return Ok((Object(Value::Object(record)), false, Vec::new()));
         }
         let answer = analysis(case, &settings, &solution)?;
-        let found = answer.over_grooves(case, FEW_DRAWS, |possible| {
+        let found = answer.over_grooves(case, DRAWS, |possible| {
             let work = &mut ModelWorkspace::default();
             let motion = MotionAnswer::of(possible, &how.0, work).ok()?;
             analysis(possible, &settings, &motion.solution).ok()
@@ -106,7 +106,7 @@ pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> 
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().with_groove()?;
-    on_threads(py, || Ok(told(&over_grooves(case, FEW_DRAWS, bsm_case::ratings)?)))
+    on_threads(py, || Ok(told(&over_grooves(case, DRAWS, bsm_case::ratings)?)))
 }
 
 /// Rows of a table.
@@ -121,12 +121,16 @@ pub(crate) fn nut(
     how: How,
 ) -> Result<(Report, Lines, Lines)> {
     let case = &case.get().with_groove()?;
-    on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
-        Ok(report) => {
-            let answer = NutReport::over_grooves(report.answer(), case, &how.0);
-            Ok((told(&answer), report.balls().rows, report.curve().rows))
+    on_threads(py, || {
+        let problem = NutProblem::of(case, &how.0)?;
+        let settings = problem.settings();
+        match problem.solve() {
+            Ok(report) => {
+                let answer = NutReport::over_grooves(report.answer(), case, &settings);
+                Ok((told(&answer), report.balls().rows, report.curve().rows))
+            }
+            Err(none) => Ok((told(&NutProblem::unsolved(case, &none)), Vec::new(), Vec::new())),
         }
-        Err(none) => Ok((told(&NutProblem::unsolved(case, &none)), Vec::new(), Vec::new())),
     })
 }
 
@@ -154,7 +158,7 @@ pub(crate) fn nut_samples(
         let samples = Samples::new(&problem, number, None)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
         let answer = Samples::answer(&nuts, case);
-        Ok(told(&Samples::over_grooves(answer, case, &how.0, number, None)))
+        Ok(told(&Samples::over_grooves(answer, case, &problem.settings(), number, None)))
     })
 }
 
@@ -267,7 +271,7 @@ pub(crate) fn optimum(
         Some(ModelChoice::Auto) | None => None,
     };
     let answer = |case: &bsm_case::Case| bsm_case::optimum(case, model);
-    on_threads(py, || Ok(told(&over_grooves(case, FEW_DRAWS, answer)?)))
+    on_threads(py, || Ok(told(&over_grooves(case, DRAWS, answer)?)))
 }
 
 /// Files of a report by their paths in its folder.

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    Answer, CaseError, FEW_DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings,
+    Answer, CaseError, DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings,
     Supplement, following, torque_parts,
 };
 use bsm_dyn::ModelWorkspace;
@@ -146,7 +146,7 @@ impl Solution {
         let beside = Supplement { band: true, parts: true, sensitivities: None };
         py.detach(|| {
             let answer = self.record.answer(PROGRAM, case, settings, &beside);
-            answer.over_grooves(case, FEW_DRAWS, |possible| {
+            answer.over_grooves(case, DRAWS, |possible| {
                 let problem = possible.problem(settings).ok()?;
                 let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
                 let beside = Supplement { parts: true, ..Supplement::default() };

@@ -314,7 +314,8 @@ impl ChunkSolve<'_> {
         };
         match estimated.as_ref().unwrap_or(&given) {
             Ok(case) => {
-                self.intervals(case, &mut put);
+                let partial = self.intervals(case, &mut put);
+                let words = words.into_iter().chain(partial).collect();
                 self.results(case, self.outputs, by_kernel, words, put)
             }
             Err(error) => self.invalid(error),
@@ -332,27 +333,40 @@ impl ChunkSolve<'_> {
         (Some(verdict), Some(error.to_string()))
     }
 
-    /// Calculates the bounds of the intervals over all possible grooves of a case. A case without
-    /// an estimated groove has no intervals.
-    fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) {
+    /// Calculates the ends of intervals over the possible grooves of a case. A case without an
+    /// estimated groove has no intervals. Returns a message on each output that only some of the
+    /// possible grooves have.
+    fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) -> Vec<String> {
         let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
         let ends = ends().filter_map(|(index, end)| Some((index, end?)));
         let ends: Vec<_> = ends.collect();
         if ends.is_empty() {
-            return;
+            return Vec::new();
         }
         let of: Vec<_> = ends.iter().map(|(_, (of, _))| *of).collect();
         let mut values = vec![Vec::new(); of.len()];
-        for possible in case.possible_cases(FEW_DRAWS) {
+        let possible_cases = case.possible_cases(FEW_DRAWS);
+        let count = possible_cases.len();
+        for possible in possible_cases {
             self.results(&possible, &of, false, Vec::new(), |place, value: f64| {
                 values[place].extend(Some(value).filter(|value| value.is_finite()));
             });
         }
-        for ((index, (_, is_high)), values) in ends.into_iter().zip(values) {
+        let mut partial: Vec<String> = Vec::new();
+        for ((index, (of, is_high)), values) in ends.into_iter().zip(values) {
+            if values.len() < count {
+                let name = of.name;
+                let message =
+                    format!("{} of {count} possible grooves have a value of {name}", values.len());
+                if !partial.contains(&message) {
+                    partial.push(message);
+                }
+            }
             if let Some(Band { low, high }) = Band::of(values) {
                 put(index, if is_high { high } else { low });
             }
         }
+        partial
     }
 
     /// Calculates the given outputs of a case. Returns status and message as [`row`](Self::row)

@@ -25,6 +25,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let settings = args.model.settings()?;
     let line = waiting("calculating all balls of the nut");
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
+    let settings = problem.settings();
     let (mut figures, mut table) = (Vec::new(), None);
     let answer = if let Some(number) = args.samples {
         let samples = Samples::new(&problem, number, args.seed).map_err(in_file)?;

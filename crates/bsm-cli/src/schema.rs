@@ -118,7 +118,7 @@ const OBJECTS: [(&str, &str); 8] = [
     (
         "groove",
         "ln_evidence number, balls [numbers], ball_set_90 numbers, loaded_balls numbers, draws integer, without_result integer, \
-         intervals any",
+         grooves_with_number *integer, intervals any",
     ),
 ];
 

@@ -496,7 +496,8 @@ impl GrooveEstimate {
         f: impl Fn(usize, &EstimatedGroove) -> T + Sync,
     ) -> Vec<T> {
         let draws = self.draws(count);
-        draws.par_iter().enumerate().map(|(place, groove)| f(place, groove)).collect()
+        let numbered: Vec<_> = draws.iter().enumerate().collect();
+        on_all_cores(&numbered, |(place, groove)| f(*place, groove))
     }
 
     /// Returns the ratio by which the dynamic rating exceeds the expected value (AB1), as a
@@ -505,6 +506,11 @@ impl GrooveEstimate {
         let weighted = |of: &Hypothesis| Some(of.probability * of.excess?);
         Some(self.hypotheses.iter().map(weighted).sum::<Option<f64>>()?.exp())
     }
+}
+
+/// Returns the results of `f` for all items, in their order. The function is called on all cores.
+pub fn on_all_cores<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync) -> Vec<U> {
+    items.par_iter().map(&f).collect()
 }
 
 /// Returns a quasi-random number in (0, 1) from which a quantity that does not depend on the groove

@@ -64,7 +64,7 @@ pub use grade::Grade;
 pub use groove_estimate::{
     BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, FEW_DRAWS,
     GrooveEstimate, Hypothesis, KnownGroove, MIN_EVIDENCE, Prior, Reading, RefusedLine,
-    UNUSUAL_EVIDENCE, beside_groove,
+    UNUSUAL_EVIDENCE, beside_groove, on_all_cores,
 };
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{

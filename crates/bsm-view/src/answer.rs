@@ -224,11 +224,13 @@ fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
 
 /// Returns the output of `bsm nut --json`, the table of balls, and the load-displacement curve.
 pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
-    let report = match NutProblem::of(case, settings)?.solve() {
+    let problem = NutProblem::of(case, settings)?;
+    let settings = problem.settings();
+    let report = match problem.solve() {
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = NutReport::over_grooves(report.answer(), case, settings);
+    let sections = NutReport::over_grooves(report.answer(), case, &settings);
     let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());

@@ -444,7 +444,7 @@ impl AxisReport {
     ///
     /// Returns [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
-        let full = Detail { fold: true, band: true };
+        let full = Detail { band: true, ..Detail::JUDGED };
         let line = case.without_estimates();
         let (report, refused) = match line.with_groove() {
             // Life, speed limits and buckling can be calculated without groove data, but a warm
@@ -462,12 +462,8 @@ impl AxisReport {
                 (report, _) => (report?, None),
             },
         };
-        // Searching for the fold takes several times as long as calculating the warm state.
-        let has_fold = report.number(output!(fold_speed_factor)).is_some();
-        let quick = Detail { fold: has_fold, band: false };
-        let mut report = report.over_grooves(|possible| {
-            Self::with(possible, settings, quick).ok().map(|report| report.answer)
-        });
+        let own = report.settings;
+        let mut report = report.over_grooves(|possible| Self::numbers_only(possible, &own).ok());
         if let Some(why) = refused {
             report.warnings.push(Warning::advice(why.clone()));
             report.answer.warnings.push(why);
@@ -491,13 +487,13 @@ impl AxisReport {
 
     /// Calculates numbers and rules, but omits the notes that require additional solves.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
-        Self::with(case, settings, Detail { fold: true, band: false })
+        Self::with(case, settings, Detail::JUDGED)
     }
 
-    /// Calculates numbers and rules for a possible groove. Omits the notes that require additional
-    /// solves and the fold of a warm state.
-    pub(crate) fn without_fold(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
-        Self::with(case, settings, Detail { fold: false, band: false })
+    /// Calculates the numbers and rules for a possible groove, without warnings, notes and order.
+    pub(crate) fn numbers_only(case: &Case, settings: &Settings) -> Result<Answer, CaseError> {
+        let detail = Detail { texts: false, ..Detail::JUDGED };
+        Self::with(case, settings, detail).map(|report| report.answer)
     }
 
     fn with(given: &Case, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {
@@ -505,33 +501,17 @@ impl AxisReport {
         let given = &given.with_preload()?;
         let warm = Warm::with_band(given, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
-            return Ok(Self::of_none(given, settings, warm));
+            return Ok(Self::of_none(given, warm));
         }
+        let settings = &warm.as_ref().map_or(*settings, |warm| warm.settings);
         let case = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.case(given));
         let worked = AxisState::of(case, settings, warm)?;
-        let (of_nut, mut warnings) = match &worked.machine.groove {
+        let (of_nut, of_ratings) = match &worked.machine.groove {
             Some(_) => ratings_and_warnings(&at_largest(case, &worked.machine.axis))?,
             None => (Answer::default(), Vec::new()),
         };
-        let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-        // An estimated groove may have other proportions than the real nut, so warnings about its
-        // proportions are discarded.
-        if case.has_estimated_groove() {
-            warnings.clear();
-        }
-        if worked.machine.groove.is_none() || case.has_estimated_groove() {
-            texts.extend(case.warnings());
-        }
-        texts.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
-        texts.extend(worked.warm.iter().filter_map(Warm::warning));
-        warnings.extend(texts.into_iter().map(Warning::advice));
-        warnings.extend(worked.warnings());
-        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
-            let text = format!("{}; the preload rules are not checked", no_balls(why));
-            warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
-        }
-        warnings.sort();
-        warnings.dedup();
+        let warnings =
+            if detail.texts { all_warnings(&worked, case, of_ratings) } else { Vec::new() };
         let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
@@ -547,7 +527,7 @@ impl AxisReport {
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
         let fails = rules.iter().any(Criterion::fails);
-        let mut notes = worked.notes();
+        let mut notes = if detail.texts { worked.notes() } else { Vec::new() };
         if detail.band {
             notes.extend(worked.uncertainty_note());
             notes.extend(worked.falls());
@@ -556,7 +536,7 @@ impl AxisReport {
         // hidden.
         let is_free = worked.machine.rest_load == 0.0;
         let numbers = numbers.hiding(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
-        let order = worked.order();
+        let order = if detail.texts { worked.order() } else { Order::default() };
         let not_given = worked.not_given();
         let of = Answer { rules, notes, warnings: texts, not_given, fails, ..Answer::default() };
         let warm = worked.warm.as_ref();
@@ -586,7 +566,7 @@ impl AxisReport {
     }
 
     /// Creates the sheet of an axis that has no warm steady state.
-    fn of_none(case: &Case, settings: &Settings, warm: &Warm) -> Self {
+    fn of_none(case: &Case, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
         let texts: Vec<_> = warm.warning().into_iter().collect();
@@ -595,7 +575,7 @@ impl AxisReport {
         let none = (&[][..], Numbers::none(QUANTITIES), Numbers::none(SCREW));
         let answer = sheet(of, case, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
-        Self { case: case.clone(), settings: *settings, phases, order, warnings, answer }
+        Self { case: case.clone(), settings: warm.settings, phases, order, warnings, answer }
     }
 
     /// Returns the report with its numbers in the displayed units of the case.
@@ -668,8 +648,36 @@ pub(crate) fn numbers(
         return Ok(torque.numbers);
     }
     let warm = Warm::state_of(case, settings, false)?;
+    let settings = &warm.as_ref().map_or(*settings, |warm| warm.settings);
     let case = &warm.as_ref().map_or_else(|| case.clone(), |warm| warm.case(case));
     Ok(read(&AxisState::of(case, settings, warm)?, wanted).where_finite())
+}
+
+/// Returns the warnings on an axis, on its nut and on its ratings, the most important first.
+///
+/// * `of_ratings`: warnings on the ratings of the nut.
+fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
+    let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
+    let mut warnings = of_ratings;
+    // An estimated groove may have other proportions than the real nut, so warnings about its
+    // proportions are discarded.
+    if case.has_estimated_groove() {
+        warnings.clear();
+    }
+    if worked.machine.groove.is_none() || case.has_estimated_groove() {
+        texts.extend(case.warnings());
+    }
+    texts.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
+    texts.extend(worked.warm.iter().filter_map(Warm::warning));
+    warnings.extend(texts.into_iter().map(Warning::advice));
+    warnings.extend(worked.warnings());
+    if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
+        let text = format!("{}; the preload rules are not checked", no_balls(why));
+        warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
+    }
+    warnings.sort();
+    warnings.dedup();
+    warnings
 }
 
 /// Adds the sections of a sheet to an answer.

@@ -193,11 +193,19 @@ impl Calibration {
         settings: &Settings,
         prepare: impl Fn(&Case) -> Result<Self, CaseError> + Sync,
     ) -> Answer {
-        answer.over_grooves(case, FEW_DRAWS, |possible| {
+        let mut answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
             let fit = prepare(possible).ok()?;
             let report = fit.run(possible, settings).ok()?.ok()?;
             Some(fit.answer(possible, &report))
-        })
+        });
+        if case.has_estimated_groove() {
+            answer.notes.push(
+                "The intervals of the fitted inputs contain the uncertainty of the estimated groove, but not the measurement errors. The \
+                 standard deviations contain the measurement errors, but not the uncertainty of the groove."
+                    .to_owned(),
+            );
+        }
+        answer
     }
 
     /// Returns the name of the measured output.

@@ -601,7 +601,10 @@ impl Fit {
                 found.value
             )
         });
-        let notes = case.groove_note().into_iter().chain(without).collect();
+        let meaning = report.found.iter().any(|found| found.band.is_some()).then(|| {
+            "The intervals contain the uncertainty of the estimated groove, but not the error of the measured value.".to_owned()
+        });
+        let notes = case.groove_note().into_iter().chain(meaning).chain(without).collect();
         let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
         answer = match &self.target {
             Target::Measured { output, value } => {

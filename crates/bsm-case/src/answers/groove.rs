@@ -1,13 +1,17 @@
 //! Answers for a case with an estimated groove: the estimate, and the uncertainty intervals of the
 //! results.
 
+use std::collections::{HashMap, HashSet};
+
 use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table, Verdict};
+use crate::{
+    Answer, Case, Content, Criterion, InputKey, Numbers, Row, Scope, Section, Table, Verdict,
+};
 
 /// Smallest ratio of an interval's width to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
@@ -18,6 +22,9 @@ const WARM_DRAWS: usize = 16;
 
 /// Probability of clean steel above which a note states that the ratings are raised for it.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
+
+/// Maximum number of names in a note.
+const NAMED: usize = 4;
 
 /// Labels of text sections that can have only a few different values.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
@@ -109,10 +116,12 @@ impl Answer {
         self.add_bands(&solved);
         let deciding = narrowing(&line, &estimate);
         self.name_deciding_inputs(&deciding);
+        let partial = self.partial_numbers(&solved);
         self.notes.insert(0, note(&estimate, &deciding));
         self.notes.extend(about_ratings(&line, &estimate));
         self.notes.extend(self.doubtful_rules(&solved));
         self.notes.extend(self.shares(&solved));
+        self.notes.extend(about_partial(&partial, solved.len()));
         if solved.len() < count {
             let without = count - solved.len();
             self.notes.push(format!("{without} of {count} possible grooves have no result."));
@@ -125,7 +134,14 @@ impl Answer {
         }
         let shown = Section { member: None, content: Content::Table(shown(case, &estimate)) };
         self.sections.insert(0, shown);
-        let intervals = self.intervals();
+        let mut intervals = self.intervals();
+        if let Value::Object(intervals) = &mut intervals {
+            let missing = partial.iter().filter(|number| !number.has_value);
+            let missing =
+                missing.filter_map(|number| Some((number.name.to_owned(), pair(number.band?))));
+            intervals.extend(missing);
+        }
+        let counts = partial.iter().map(|number| (number.name.to_owned(), json!(number.grooves)));
         let loaded_balls = [0.05, 0.5, 0.95].map(|part| estimate.loaded_balls_quantile(part));
         self.with(
             "groove_estimate",
@@ -136,6 +152,7 @@ impl Answer {
                 "loaded_balls": loaded_balls,
                 "draws": count,
                 "without_result": count - solved.len(),
+                "grooves_with_number": counts.collect::<Map<_, _>>(),
                 "intervals": intervals,
             })),
         )
@@ -182,6 +199,47 @@ impl Answer {
             rule.band = band(rule.value, others.iter().map(|other| other.value));
             rule.margins = margins;
         }
+    }
+
+    /// Returns the numbers that some of the possible grooves have and others do not, such as a fold of the warm states.
+    fn partial_numbers(&self, answers: &[Self]) -> Vec<PartialNumber> {
+        let has_same_names = |answer: &Self| {
+            answer
+                .existing_numbers()
+                .map(|(name, _)| name)
+                .eq(self.existing_numbers().map(|(name, _)| name))
+        };
+        if answers.iter().all(has_same_names) {
+            return Vec::new();
+        }
+        let mut values: HashMap<&str, Vec<f64>> = HashMap::new();
+        let mut names: Vec<_> = self.existing_numbers().collect();
+        let own: HashSet<_> = names.iter().map(|(name, _)| *name).collect();
+        for answer in answers {
+            let mut seen = HashSet::new();
+            for (name, value) in answer.existing_numbers() {
+                if seen.insert(name) {
+                    values.entry(name).or_default().push(value);
+                    names.extend(Some((name, value)).filter(|_| !own.contains(name)));
+                }
+            }
+        }
+        let mut seen = HashSet::new();
+        names.retain(|(name, _)| seen.insert(*name));
+        let partial = |(name, _): (&'static str, f64)| {
+            let (values, has_value) = (values.remove(name).unwrap_or_default(), own.contains(name));
+            let (grooves, band) = (values.len(), Band::of(values));
+            let is_partial = grooves < answers.len() || !has_value;
+            is_partial.then_some(PartialNumber { name, has_value, grooves, band })
+        };
+        names.into_iter().filter_map(partial).collect()
+    }
+
+    /// Returns the numbers that have a value. A number of several sections is repeated.
+    fn existing_numbers(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let rows = self.all_rows().filter(|row| row.quantity.scope != Scope::Statement);
+        let values = rows.flat_map(|row| row.quantity.columns.iter().zip(row.values));
+        values.filter_map(|(column, value)| Some((column.name, value?)))
     }
 
     /// Returns the table in the section with the given member name.
@@ -304,6 +362,57 @@ impl Answer {
     }
 }
 
+/// A number that exists for some of the possible grooves only.
+struct PartialNumber {
+    name: &'static str,
+    /// True if the number exists for the best groove.
+    has_value: bool,
+    /// Number of possible grooves for which the number exists.
+    grooves: usize,
+    /// 90 % interval over these grooves.
+    band: Option<Band>,
+}
+
+/// Describes the numbers that exist for some of the possible grooves only, in one note for all numbers with the same grooves.
+///
+/// * `count`: number of possible grooves.
+fn about_partial(numbers: &[PartialNumber], count: usize) -> Vec<String> {
+    let mut groups: Vec<Vec<&PartialNumber>> = Vec::new();
+    for number in numbers {
+        let same = |group: &&mut Vec<&PartialNumber>| {
+            (group[0].has_value, group[0].grooves) == (number.has_value, number.grooves)
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(number),
+            None => groups.push(vec![number]),
+        }
+    }
+    let note = |group: &Vec<&PartialNumber>| {
+        let PartialNumber { has_value, grooves, .. } = *group[0];
+        let shown = |number: &&PartialNumber| match number.band.filter(|_| !has_value) {
+            Some(Band { low, high }) => {
+                format!("{} ({} to {})", number.name, digits(low, 3), digits(high, 3))
+            }
+            None => number.name.to_owned(),
+        };
+        let mut names: Vec<_> = group.iter().take(NAMED).map(shown).collect();
+        if group.len() > NAMED {
+            names.push(format!("{} more numbers", group.len() - NAMED));
+        }
+        let names = names.join(", ");
+        if has_value {
+            format!(
+                "{grooves} of {count} possible grooves have a value of {names}. An interval contains 90 % of these grooves."
+            )
+        } else {
+            format!(
+                "The best groove has no value of {names}, but {grooves} of {count} possible grooves have one."
+            )
+        }
+    };
+    groups.iter().map(note).collect()
+}
+
 /// Returns both ends of an interval as a JSON array.
 pub(crate) fn pair(band: Band) -> Value {
     json!([band.low, band.high])
@@ -352,7 +461,9 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
     };
-    rows.iter().find(is_same).copied()
+    // Answers have the same tables of quantities in most cases, so the comparison of names is rarely necessary.
+    let own = rows.iter().find(|other| std::ptr::eq(other.quantity, row.quantity));
+    own.or_else(|| rows.iter().find(is_same)).copied()
 }
 
 /// Returns the interval of the finite values, or `None` if the value does not depend on the groove.
@@ -465,8 +576,8 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     let estimated = case.nut.estimated_inputs.iter().flatten();
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
     let is_estimated = |key| estimated.contains(&key);
+    let draws = estimate.draws(bsm_design::DRAWS);
     let ends = |key: InputKey| {
-        let draws = estimate.draws(bsm_design::DRAWS);
         let read = |groove: &EstimatedGroove| match key {
             InputKey::nut_conformity => groove.conformity.0,
             InputKey::screw_conformity => groove.conformity.1,

@@ -264,7 +264,7 @@ impl ManufacturerRow {
         requirement: Option<&RequirementFile>,
     ) -> Result<Vec<Self>, (String, CaseError)> {
         let inputs = ManufacturerNut::inputs(nuts);
-        let row = |nut: &ManufacturerNut| {
+        let row = |nut: &ManufacturerNut| -> Result<Self, (String, CaseError)> {
             let mut row = Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error))?;
             let input = |key: &InputKey| ListNumber {
                 column: Output::input(*key),
@@ -274,7 +274,8 @@ impl ManufacturerRow {
             row.numbers.splice(0..0, inputs.iter().map(input));
             Ok(row)
         };
-        let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+        let rows = bsm_design::on_all_cores(nuts, row);
+        let mut rows = rows.into_iter().collect::<Result<Vec<_>, _>>()?;
         Self::compare(&mut rows);
         let mass = |row: &Self| {
             let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
@@ -323,9 +324,8 @@ impl ManufacturerRow {
         let mut sheet = requirement.judge(&case)?;
         row.warnings.clone_from(&sheet.answer.warnings);
         let own_notes = sheet.answer.notes.len();
-        sheet = sheet.over_grooves(|possible| {
-            Some(AxisReport::without_fold(possible, &requirement.settings).ok()?.answer)
-        });
+        let settings = sheet.settings;
+        sheet = sheet.over_grooves(|possible| AxisReport::numbers_only(possible, &settings).ok());
         row.verdict = Some(requirement.verdict(&sheet));
         let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));

@@ -949,7 +949,10 @@ impl NutReport {
         warnings.extend(self.beyond_the_flanks());
         warnings.extend(self.loose_balls());
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
-        warnings.extend(self.ball_friction().and_then(|found| skid_warning(found.onset?)));
+        // The warning of such a warm state already states that balls skid.
+        let is_stated = self.problem.warm.as_ref().is_some_and(|warm| warm.replaced.is_some());
+        let skid = self.ball_friction().and_then(|found| skid_warning(found.onset?));
+        warnings.extend(skid.filter(|_| !is_stated));
         warnings.extend(self.train_warnings());
         if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
             && *cold > 0.0
@@ -1098,6 +1101,8 @@ impl NutReport {
 
     /// Adds the 90 % intervals of all numbers to the answer of a nut, if the groove of its case is
     /// estimated.
+    ///
+    /// * `settings`: the [settings](NutProblem::settings) of the problem.
     pub fn over_grooves(answer: Answer, case: &Case, settings: &Settings) -> Answer {
         answer.over_grooves(case, FEW_DRAWS, |possible| {
             Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())

@@ -301,10 +301,12 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Returns the load ratings of the nut, and warnings about them with the selection limits that they
-/// concern. The contact ellipses are not checked here, because the nut model checks them with all
-/// balls.
+/// Returns the load ratings of the nut of a case, and the warnings about them with the selection
+/// limits to which the warnings refer. The contact ellipses are not checked here, because the model
+/// of the nut checks them with all balls. There are no warnings for an estimated groove, because its
+/// proportions may differ from the proportions of the nut.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
-    Ok((rated.answer()?, rated.warnings()?))
+    let warnings = if case.has_estimated_groove() { Vec::new() } else { rated.warnings()? };
+    Ok((rated.answer()?, warnings))
 }

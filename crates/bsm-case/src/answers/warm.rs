@@ -240,6 +240,13 @@ impl Warm {
             let fold = self.fold.as_ref()?;
             return Some(format!("no warm steady state: {fold}"));
         };
+        if let Some(why) = &self.replaced {
+            return Some(format!(
+                "Model traction has no warm state here: {why}. The warm state and the friction therefore follow from model \
+                 raceway-control, whose friction is limited by gross sliding, and are less certain. A larger load or a preload \
+                 avoids this."
+            ));
+        }
         if state.preload.is_some_and(|preload| preload.warm <= 0.0) {
             return Some("The preload is lost in the warm state, so the nut has play.".to_owned());
         }
@@ -359,7 +366,7 @@ pub(crate) fn numbers(
         |of_fold: bool| QUANTITIES.iter().any(|of| is_of_fold(of.name) == of_fold && wanted(of));
     let fold = any(true);
     let warm = if fold && !any(false) {
-        Warm::with_band(case, settings, Detail { fold, band: false })
+        Warm::with_band(case, settings, Detail { fold, ..Detail::JUDGED })
     } else {
         Warm::state_of(case, settings, fold)
     }?;

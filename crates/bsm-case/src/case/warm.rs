@@ -3,6 +3,7 @@
 
 mod axis;
 
+use bsm_dyn::Model;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
     Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, Steady, WarmNut,
@@ -14,7 +15,7 @@ use crate::case::axis::Machine;
 use crate::case::file::RISES;
 use crate::case::nut::NutPreload;
 use crate::case::thermal::missing_torques;
-use crate::{Case, CaseError, InputKey, InputSet, Settings};
+use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Settings};
 
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
@@ -30,13 +31,24 @@ pub(crate) struct Warm {
     /// Multiple of the given speeds up to which a fold was searched for; `None` if there was no
     /// search.
     pub(crate) search: Option<f64>,
+    /// Model and settings of the friction.
+    pub(crate) settings: Settings,
+    /// Reason why the model that `auto` chooses first has no warm state; `None` if the settings are the requested settings.
+    pub(crate) replaced: Option<Box<NoSteadyState>>,
 }
 
-/// Optional results, each of which requires many additional steady states.
+/// Optional results, which take time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Detail {
     pub(crate) fold: bool,
     pub(crate) band: bool,
+    /// Warnings, notes and order of an axis.
+    pub(crate) texts: bool,
+}
+
+impl Detail {
+    /// The results that decide whether an axis is suitable.
+    pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
 }
 
 /// A warm steady state.
@@ -82,6 +94,9 @@ pub(crate) struct NutInPhase {
 impl Warm {
     /// Calculates the warm state, if the case requests it.
     ///
+    /// For a lubricated nut, `auto` chooses model traction. Under very light loads, the balls skid, and model traction may have no
+    /// solution. The warm state is then calculated with raceway control, whose friction is limited by gross sliding (U33).
+    ///
     /// * `of_band`: returns the numbers of a state for which an uncertainty band is calculated.
     pub(crate) fn of(
         case: &Case,
@@ -92,14 +107,37 @@ impl Warm {
         if !case.asks_warm() {
             return Ok(None);
         }
+        let found = Self::with_model(case, settings, detail, &of_band);
+        let may_replace = settings.model == ModelChoice::Auto && case.given().is_lubricated();
+        match found {
+            Err(CaseError::NoWarmState(why)) if may_replace && is_without_friction(&why) => {
+                let rolling = Settings { model: Model::RacewayControl.into(), ..*settings };
+                let Ok(warm) = Self::with_model(case, &rolling, detail, &of_band) else {
+                    return Err(CaseError::NoWarmState(why));
+                };
+                Ok(Some(Self { replaced: Some(why), ..warm }))
+            }
+            found => found.map(Some),
+        }
+    }
+
+    /// Calculates the warm state with one model.
+    fn with_model(
+        case: &Case,
+        settings: &Settings,
+        detail: Detail,
+        of_band: &impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+    ) -> Result<Self, CaseError> {
+        let (settings, replaced) = (*settings, None);
         let machine = Machine::of(case)?;
-        let axis = WarmAxis::of(case, settings, &machine)?;
+        let axis = WarmAxis::of(case, &settings, &machine)?;
         let nut = axis.nut()?;
         let search = detail.fold.then(|| axis.search());
         let steady = match nut.steady() {
             Ok(steady) => steady,
             Err(NoSteadyState::RunsAway(fold)) => {
-                return Ok(Some(Self { state: None, fold: Some(*fold), end: None, search }));
+                let (state, fold, end) = (None, Some(*fold), None);
+                return Ok(Self { state, fold, end, search, settings, replaced });
             }
             Err(why) => return Err(CaseError::NoWarmState(Box::new(why))),
         };
@@ -135,7 +173,7 @@ impl Warm {
             band: detail.band.then(|| nut.band(&steady, missing, of_band)),
             steady,
         };
-        Ok(Some(Self { state: Some(state), fold, end, search }))
+        Ok(Self { state: Some(state), fold, end, search, settings, replaced })
     }
 
     /// Returns the temperature at which the preload is set \[K\], the cold preload \[N\], and the
@@ -165,7 +203,7 @@ impl Warm {
         settings: &Settings,
         fold: bool,
     ) -> Result<Option<Self>, CaseError> {
-        let warm = Self::of(case, settings, Detail { fold, band: false }, |_, _| vec![])?;
+        let warm = Self::of(case, settings, Detail { fold, ..Detail::JUDGED }, |_, _| vec![])?;
         match warm {
             Some(Self { state: None, fold: Some(fold), .. }) => {
                 Err(CaseError::NoWarmState(Box::new(NoSteadyState::RunsAway(Box::new(fold)))))
@@ -189,6 +227,11 @@ impl Warm {
         }
         case
     }
+}
+
+/// Returns true if a warm state is missing because the friction of balls is unknown or jumps.
+fn is_without_friction(why: &NoSteadyState) -> bool {
+    matches!(why, NoSteadyState::NoFriction | NoSteadyState::Jump { .. } | NoSteadyState::NotFound)
 }
 
 impl Case {

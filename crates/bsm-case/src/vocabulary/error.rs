@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use bsm_dyn::Model;
 use bsm_nut::NutError;
+use bsm_nut::thermal::NoSteadyState;
 use thiserror::Error;
 
 use super::units::units_of_stem;
@@ -58,8 +59,8 @@ pub enum CaseError {
         what: String,
     },
     /// An axis has no warm steady state.
-    #[error("no warm steady state: {0}")]
-    NoWarmState(Box<bsm_nut::thermal::NoSteadyState>),
+    #[error("no warm steady state: {0}{hint}", hint = remedy_of_no_state(.0))]
+    NoWarmState(Box<NoSteadyState>),
     /// A nut cannot carry its load, or its preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
@@ -301,6 +302,17 @@ impl CaseError {
     /// Returns true if the error comes from the file system.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
+    }
+}
+
+/// Returns the changes of inputs that may give a warm state, for a state that is missing because of the friction of the balls.
+fn remedy_of_no_state(why: &NoSteadyState) -> &'static str {
+    use NoSteadyState::{Jump, NoFriction, NotFound};
+    match why {
+        NoFriction | Jump { .. } | NotFound => {
+            ". Give a larger load or a preload, reduce the speed, or use model raceway-control."
+        }
+        _ => "",
     }
 }
 

@@ -10,6 +10,7 @@ use bsm_case::{
     TableFormat, Verdict, comparison, output, over_grooves, ratings,
 };
 use bsm_dyn::ModelWorkspace;
+use serde_json::json;
 
 use crate::named;
 
@@ -601,4 +602,75 @@ strong,80,20,250000";
         "{:?}",
         answer.notes
     );
+}
+
+/// Only some of the possible grooves have a fold of the warm states. The answer states how many, with the interval of the fold over
+/// these grooves. It used to say nothing if the best groove has no fold.
+#[test]
+fn fold_that_only_some_grooves_have_is_reported_with_its_share() {
+    let base = ["stroke_mm=800", "warm_state=true", "preload_N=2000", "screw_speed_rpm=1500"];
+    let limit = |factor: f64| format!("fold_search_factor={factor}");
+    let fold = |factor: f64| {
+        let line = case(R40, &[&base[..], &[&limit(factor)]].concat());
+        let report = AxisReport::of(&line, &Settings::default()).expect("a warm axis");
+        let json = report.answer.to_json();
+        let estimate = json["groove_estimate"].clone();
+        (report.number(output!(fold_speed_factor)), estimate, report.answer.notes)
+    };
+    let (all, estimate, _) = fold(8.0);
+    let all = all.expect("a fold");
+    assert_eq!(estimate["grooves_with_number"]["fold_speed_factor"], json!(null));
+    let interval = &estimate["intervals"]["fold_speed_factor"];
+    let [low, high] = [0, 1].map(|end| interval[end].as_f64().expect("an end"));
+    assert!(low < all && all < high, "{low} {all} {high}");
+    // The search ends between the smallest fold and the fold of the best groove.
+    let (none, estimate, notes) = fold(0.5 * (low + all));
+    assert_eq!(none, None);
+    let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");
+    assert!((1..16).contains(&grooves), "{estimate}");
+    assert!(estimate["intervals"]["fold_speed_factor"].is_array(), "{estimate}");
+    let text = format!("but {grooves} of 16 possible grooves have one");
+    let is_stated = |note: &String| note.contains("fold_speed_factor") && note.contains(&text);
+    assert!(notes.iter().any(is_stated), "{notes:?}");
+    // The search ends between the fold of the best groove and the largest fold.
+    let (some, estimate, notes) = fold(0.5 * (all + high));
+    assert!(some.is_some_and(|some| (some / all - 1.0).abs() < 1e-3), "{some:?}");
+    let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");
+    let text = format!("{grooves} of 16 possible grooves have a value of fold_speed_factor");
+    assert!(notes.iter().any(|note| note.starts_with(&text)), "{notes:?}");
+}
+
+/// A nut without preload has a warm state under light loads, because `auto` replaces model traction where the balls skid. Such a
+/// state used to fail with "a ball has no friction torque".
+#[test]
+fn warm_state_exists_under_light_loads_at_high_speed() {
+    let mut line = case(R40, &["stroke_mm=800", "warm_state=true", "iso_vg=100"]);
+    line.friction_coefficient = None;
+    let line = line.with_groove().expect("a groove");
+    let mut last = f64::INFINITY;
+    for load in [30.0, 3.0, 0.3] {
+        let problem =
+            NutProblem::of(&line_at(&line, load), &Settings::default()).expect("a warm nut");
+        assert_eq!(problem.settings().model, bsm_dyn::Model::RacewayControl.into(), "{load} N");
+        let report = problem.solve().expect("balls");
+        let answer = report.answer();
+        let nut = answer.number(output!(nut_temperature_C)).expect("a temperature");
+        // The surroundings have 20 C, and a smaller load produces less heat.
+        assert!(nut > 20.0 && nut < last, "{load} N: {nut} after {last}");
+        last = nut;
+        assert!(report.number(output!(friction_torque_Nm)).is_some_and(|torque| torque > 0.0));
+        let is_stated = |text: &&String| text.contains("follow from model raceway-control");
+        assert_eq!(answer.warnings.iter().filter(is_stated).count(), 1, "{:?}", answer.warnings);
+    }
+    // A model that the user chooses is never replaced, and the message states what to do.
+    let traction = Settings::from(bsm_dyn::Model::Traction);
+    let why = NutProblem::of(&line_at(&line, 3.0), &traction).expect_err("no friction").to_string();
+    assert!(why.contains("use model raceway-control"), "{why}");
+}
+
+/// Returns a case under another axial load \[N\], at 1000 rpm.
+fn line_at(line: &Case, load: f64) -> Case {
+    let mut at = line.clone();
+    at.apply(&[&format!("axial_load_N={load}"), "screw_speed_rpm=1000"]).expect("inputs");
+    at
 }

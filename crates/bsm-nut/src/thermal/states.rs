@@ -158,8 +158,10 @@ pub enum NoSteadyState {
         /// Speed factor at which the preload is lost.
         factor: f64,
     },
-    /// The friction of a ball cannot be calculated.
-    #[error("the friction torque of a ball could not be calculated")]
+    /// The friction of a ball is unknown.
+    #[error(
+        "the friction of a ball is unknown, because the ball skids under a light load or its model does not converge"
+    )]
     NoFriction,
     /// The nut cannot carry a load.
     #[error(transparent)]
@@ -174,7 +176,7 @@ pub enum NoSteadyState {
         factor: f64,
     },
     /// The search did not find a steady state.
-    #[error("no warm steady state was found")]
+    #[error("the search for temperatures at which the heat is in balance does not converge")]
     NotFound,
 }
 

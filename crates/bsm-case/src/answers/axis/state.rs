@@ -61,10 +61,12 @@ impl<'a> AxisState<'a> {
         let fastest = axis.fastest();
         // The balls of a preloaded nut carry loads even without an axial load.
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || case.is_preloaded());
-        let found = pressed.filter(|_| machine.groove.is_some()).map(|phase| {
+        let pressed = pressed.filter(|_| machine.groove.is_some());
+        let largest = pressed.map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
-            nut_at(case, settings, phase.load, speed)
+            (phase.load, speed)
         });
+        let found = largest.map(|(load, speed)| nut_at(case, settings, load, speed));
         let (nut, no_nut) = match found {
             Some(Ok(nut)) => (Some(nut), None),
             Some(Err(why)) => (None, Some(why)),
@@ -93,8 +95,11 @@ impl<'a> AxisState<'a> {
             })
         };
         let torques = axis.phases.iter().map(torque).collect::<Result<Vec<_>, _>>()?;
-        let life_by_balls =
-            machine.groove.as_ref().and_then(|_| life_by_balls(&of_a_moment, settings, axis));
+        let known = largest.zip(nut.as_ref());
+        let life_by_balls = machine
+            .groove
+            .as_ref()
+            .and_then(|_| life_by_balls(&of_a_moment, settings, axis, known));
         machine.axis.preload = warm_preload;
         let lubrication = Lubrication::of(case, &machine)?;
         let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
@@ -411,9 +416,25 @@ impl<'a> AxisState<'a> {
 /// Calculates the life under the cycle from the loads of all balls \[s\]. By linear damage
 /// accumulation, each phase uses up a fraction of the life that the nut would have if it always ran
 /// in this phase.
-fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
+///
+/// * `known`: a nut that is already solved, with its load \[N\] and speed \[rad/s\].
+fn life_by_balls(
+    case: &Case,
+    settings: &Settings,
+    axis: &Axis,
+    known: Option<((f64, f64), &NutReport)>,
+) -> Option<f64> {
     let revolutions = |load: f64, speed: f64| -> Option<f64> {
-        let nut = nut_at(case, settings, load, speed).ok()?;
+        let is_known =
+            |(point, _): &((f64, f64), _)| at_bits(point.0, point.1) == at_bits(load, speed);
+        let solved;
+        let nut = match known.filter(is_known) {
+            Some((_, nut)) => nut,
+            None => {
+                solved = nut_at(case, settings, load, speed).ok()?;
+                &solved
+            }
+        };
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
         // The model only supplies the ratio of the lives, because the load rating may be stated by

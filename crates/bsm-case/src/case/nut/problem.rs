@@ -120,7 +120,7 @@ impl NutProblem {
         let case = &case.with_preload()?;
         case.check_for_a_nut()?;
         if let Some(warm) = Warm::state_of(case, settings, false)? {
-            let nut = Self::of(&warm.case(case), settings)?;
+            let nut = Self::of(&warm.case(case), &warm.settings)?;
             return Ok(Self { warm: Some(Arc::new(warm)), ..nut });
         }
         if let Some((point, note)) = case.at_largest_load()? {
@@ -201,6 +201,12 @@ impl NutProblem {
             warnings: case.warnings(),
             cold_lubricant: case.cold_lubricant(),
         })
+    }
+
+    /// Returns model and settings of the friction. They differ from the requested settings if a warm state exists only with another
+    /// model.
+    pub fn settings(&self) -> Settings {
+        self.settings
     }
 
     /// Returns true if the preload is given as a nonzero offset or ball oversize.

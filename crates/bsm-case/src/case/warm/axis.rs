@@ -23,6 +23,8 @@ const SLOW: f64 = 100.0 * RPM;
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
+    /// Equilibrium under the support of the problem.
+    found: Equilibrium,
     pub(super) preload: Option<NutPreload>,
     /// Equilibrium of the preloaded nut without load; the guides prevent tilting.
     pub(super) unloaded: Option<Equilibrium>,
@@ -48,10 +50,10 @@ impl ColdNut {
         }
         let problem = NutProblem::of(&cold, settings)?;
         let made = problem.made().map_err(CaseError::Nut)?;
-        let (nut, preload) = (made.nut, made.preload);
+        let (nut, preload, found) = (made.nut, made.preload, made.found);
         let unloaded = preload.map(|_| nut.solve(&Support::guided(0.0)));
         let unloaded = unloaded.transpose().map_err(CaseError::Nut)?;
-        Ok(Self { problem, nut, preload, unloaded, set: set_temperature(case) })
+        Ok(Self { problem, nut, found, preload, unloaded, set: set_temperature(case) })
     }
 
     /// Returns the heat transfer through the balls. The contact areas are calculated for the mean
@@ -59,7 +61,7 @@ impl ColdNut {
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
             Some(found) if self.problem.support == Support::guided(0.0) => found.mean_load(),
-            _ => self.nut.solve(&self.problem.support).map_err(CaseError::Nut)?.mean_load(),
+            _ => self.found.mean_load(),
         };
         let radii = self.nut.contact_radii(mean);
         let radii = radii.map_err(|why| CaseError::Nut(NutError::Contact(why)))?;
