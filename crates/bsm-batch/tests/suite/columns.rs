@@ -317,7 +317,7 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
 /// If pushes between balls exceed the range of the model, a row must contain the results that are
 /// still valid, and a message with the reason why other results are missing.
 #[test]
-fn row_message_explains_why_ball_pushes_prevent_a_torque() {
+fn row_message_explains_missing_torque_with_large_push_forces() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");
@@ -331,7 +331,7 @@ fn row_message_explains_why_ball_pushes_prevent_a_torque() {
     assert_eq!(row(1).collect::<Vec<_>>(), [false, true, true]);
     let [(1, message)] = &answers.messages[..] else { panic!("{:?}", answers.messages) };
     assert!(message.starts_with(
-        "nut: The friction torque with pushes between balls is not calculated: a push of"
+        "nut: The friction torque with push forces between the balls is not calculated: a push"
     ));
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }

@@ -443,7 +443,7 @@ mod tests {
     /// The unit of every output is recognized at the end of its name, so `low` and `high` can be
     /// inserted before the unit.
     #[test]
-    fn interval_ends_have_their_word_before_the_unit() {
+    fn names_of_interval_ends_contain_low_or_high_before_the_unit() {
         for output in Output::all().filter(|output| output.json_type == "number") {
             let suffix = unit_suffix(output.name, output.unit);
             let (name, unit) = (output.name, output.unit);

@@ -68,7 +68,7 @@ fn slip_report_matches_the_model() {
 /// The slip powers add up to the dissipated power for a given accuracy and creep speed, and for the
 /// accuracy that `auto` chooses.
 #[test]
-fn slip_powers_add_up_for_given_and_chosen_settings() {
+fn slip_powers_add_up_to_the_dissipated_power() {
     let case = case(XU, &[("screw_speed_rpm", 12000.0)]);
     let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
@@ -681,7 +681,7 @@ fn column_names_are_unambiguous() {
 
 /// Every quantity of an analysis has a title, a label, and one column for each member of its scope.
 #[test]
-fn quantities_have_labels_and_one_column_per_scope_member() {
+fn quantities_have_labels_and_a_column_for_each_contact_or_direction() {
     for kind in AnalysisKind::ALL {
         for (place, quantity) in kind.quantities().iter().enumerate() {
             let members = match quantity.scope {

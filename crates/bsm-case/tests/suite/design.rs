@@ -65,7 +65,7 @@ fn case_of_the_selected_screw_meets_the_requirement() {
 
 /// In a linear-to-rotary motion, the load turns the screw backward.
 #[test]
-fn linear_to_rotary_motion_has_a_negative_speed() {
+fn selected_screw_for_linear_to_rotary_motion_turns_backward() {
     let requirement =
         requirement(&["motion=linear-to-rotary", "model=closed-form", "allow_warnings=true"])
             .expect("a requirement");

@@ -265,7 +265,7 @@ fn feed_axis(settings: &[&str]) -> Case {
 /// An output has the same value in the nut, the axis, the warm state, the columns of tables, and
 /// the torque of `bsm solve`.
 #[test]
-fn all_answers_use_the_same_warm_state() {
+fn outputs_of_the_warm_state_are_equal_in_all_commands() {
     let case = feed_axis(&[]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state");
@@ -423,7 +423,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
     // The values differ only by rounding errors.
     assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
-    assert!(sheet.answer.warnings.iter().any(|words| words.contains("Hindered growth compresses")));
+    assert!(sheet.answer.warnings.iter().any(|words| words.contains("expansion compresses")));
 }
 
 /// X and O arrangements behave differently. If the nut is cooled better than its screw, the branch
