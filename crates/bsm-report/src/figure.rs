@@ -606,7 +606,7 @@ mod tests {
 
     /// A gap in a curve must be a gap in the figure and in the table. The SVG must have a view box.
     #[test]
-    fn figures_have_gaps_and_a_view_box() {
+    fn figures_show_gaps_and_their_svg_has_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
         let curve = Curve::new("a", 0, Stroke::Solid, points);
         let mut figure = figure_of(vec![curve]);

@@ -307,7 +307,7 @@ mod tests {
     /// The expected values were calculated independently, with the numbers in the sources and with
     /// beam tables.
     #[test]
-    fn examples_match_hand_calculations() {
+    fn manufacturer_examples_match_hand_calculations() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
         let found = |key: &str| {
             all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)

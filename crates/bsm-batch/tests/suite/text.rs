@@ -95,7 +95,7 @@ fn a_quote_inside_a_cell_is_rejected() {
 }
 
 #[test]
-fn correct_quotes_are_read() {
+fn correctly_quoted_cells_are_parsed() {
     for (line, kept) in [
         ("5,\"a\"", "a"),
         ("5,\"\"", ""),

@@ -80,7 +80,7 @@ fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
 /// Runs each example file with the command for which it was written. `@` stands for the path of the
 /// file. The scheduler scripts in `scale-out` are tested in `parts.rs`.
 #[test]
-fn every_example_runs_with_its_command() {
+fn every_example_file_runs_with_its_documented_command() {
     const USES: [(&str, &str); 26] = [
         ("angles_only.json", "solve @"),
         ("axis.json", "axis @"),
@@ -279,7 +279,7 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
 
 /// Results must not depend on the number of threads or on chunk boundaries.
 #[test]
-fn sweep_results_do_not_depend_on_threads() {
+fn sweep_results_do_not_depend_on_the_thread_count() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let grid = ["--vary", "screw_speed_rpm=100:9000:100", "--vary", "axial_load_N=100:9000:60"];

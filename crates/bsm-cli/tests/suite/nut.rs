@@ -326,7 +326,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
 }
 
 #[test]
-fn balls_curve_and_figures_are_written() {
+fn ball_table_displacement_curve_and_figures_are_written() {
     let dir = folder();
     let case = example("nut_oversize.json");
     for more in [

@@ -214,7 +214,7 @@ mod tests {
 
     /// The mean and the quantiles of the numbers from 1 to 200 are known exactly.
     #[test]
-    fn distributions_have_the_known_quantiles() {
+    fn quantiles_of_consecutive_integers_are_exact() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();
         let expected =
             Distribution { mean: 100.5, median: 100.0, q90: 180.0, q99: 198.0, max: 200.0 };
