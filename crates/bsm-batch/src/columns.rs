@@ -309,10 +309,10 @@ impl ColumnUnits {
     }
 }
 
-/// A sink that converts rows to displayed units before it writes them to another sink.
+/// A sink that converts rows to displayed units and passes them to another sink.
 #[derive(Debug)]
 pub struct ConvertingSink<S> {
-    /// The other sink.
+    /// The sink that receives the converted rows.
     pub sink: S,
     inputs: Vec<DisplayUnit>,
     outputs: Vec<DisplayUnit>,

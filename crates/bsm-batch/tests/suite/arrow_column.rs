@@ -1,4 +1,4 @@
-//! Conversion of Arrow columns to numbers and text.
+//! Tests the conversion of Arrow columns to numbers and text.
 
 use std::sync::Arc;
 

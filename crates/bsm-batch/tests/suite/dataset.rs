@@ -512,7 +512,7 @@ fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     assert!(files(&map) == expected);
     write("500:9001");
     let said = parts.points(None, &workers).expect_err("another table").to_string();
-    assert!(said.contains("is not the table of points of the plan"), "{said}");
+    assert!(said.contains("does not match the point table of the plan"), "{said}");
 }
 
 /// Damaged parts are replaced only on request. They do not prevent other parts from being solved.

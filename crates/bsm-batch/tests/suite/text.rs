@@ -13,7 +13,7 @@ use bsm_batch::{
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, model::RacewayFriction};
 
-/// Copied texts and input cells of each row.
+/// Copied strings and input cells of each row.
 type Rows = Vec<(Vec<String>, Vec<Cell<'static>>)>;
 
 fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
