@@ -67,11 +67,11 @@ fn case_of(reference: &Value) -> Value {
     case
 }
 
-/// Compares every number of `expect` by name. The relative tolerance is stated in the reference
-/// case (1e-9). Because some numbers are zero by symmetry, the tolerance is relative to at least a
-/// thousandth of the largest number of the list or, for forces that cancel, of the sum of all ball
-/// loads. For ball loads, it is relative to at least a millionth of the largest load (chapter 11.10
-/// of the source of the reference cases).
+/// Compares every number of `expect` by name. The relative tolerance (1e-9) is stated in the
+/// reference case. Because some numbers are zero by symmetry, the tolerance is relative to at least
+/// a thousandth of the largest number of the list or, for forces that cancel, of the sum of all
+/// ball loads. For ball loads, it is relative to at least a millionth of the largest load (chapter
+/// 11.10 of the source of the reference cases).
 #[test]
 fn nut_results_match_the_reference_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
@@ -81,8 +81,8 @@ fn nut_results_match_the_reference_cases() {
         let name = reference["name"].as_str().expect("name");
         let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
         if reference["case"]["lead_mm"] == 0.0 {
-            // A bearing is not a valid case for this program. It is compared in the tests of
-            // bsm-nut.
+            // This program does not accept a bearing as a case. The tests of bsm-nut compare the
+            // results for the bearing.
             assert_eq!(code, Some(2), "{name}: {words}");
             assert!(words.contains("`lead_mm` = 0 must be a finite number > 0"), "{words}");
             continue;
@@ -291,7 +291,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
     assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
-    // For the contact angles at usual preloads, the ratio is 2.86 to 2.91 (chapter 16).
+    // For the contact angles at typical preloads, the ratio is 2.86 to 2.91 (chapter 16).
     let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
     // For a dry friction coefficient of 0.06, K_p is 0.033, which is a third of the smallest

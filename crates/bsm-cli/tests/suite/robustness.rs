@@ -477,7 +477,7 @@ fn a_replaced_output_keeps_its_permissions_and_owner() {
         assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()), "given: {given}");
         fs::remove_file(&table).expect("mine");
     }
-    // A new file gets the permissions that the umask specifies.
+    // A new file gets the permissions that the umask allows.
     let output = Command::new("sh")
         .args(["-c", "umask 027; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_bsm")])
         .args(args)

@@ -301,7 +301,7 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
         let args = ["select", "requirement.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        // All commands use the model with which the screw was chosen.
+        // All commands use the model with which `bsm select` chose the screw.
         let model = ["--model", "raceway-control"];
         let of = |command: &str| run(&[&[command, "screw.json", "--json"], &model[..]].concat());
         let answers = [
