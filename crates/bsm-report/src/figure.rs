@@ -156,7 +156,7 @@ const SHAPES: [MarkerShape; 5] = [
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// The meaning of each stroke and the meaning of each color.
+/// Meanings of the strokes, and meanings of the colors.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
 /// Color of the stroke samples in a legend, if a stroke occurs in several colors.
@@ -568,7 +568,7 @@ mod tests {
         let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // The two parts of the labels may also have the opposite order, as in `0 N, a`.
+        // The two parts of a label may also be in the opposite order, as in `0 N, a`.
         let mut turned = figure.clone();
         for curve in &mut turned.curves {
             let (name, load) =

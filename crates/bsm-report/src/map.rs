@@ -264,7 +264,7 @@ impl Bands {
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|digit| digit * power);
         let step = step.into_iter().find(|step| *step >= rough).unwrap_or(rough);
-        // The small number compensates for rounding errors of decimal multiples of the step.
+        // The small offset compensates for rounding errors of decimal multiples of the step.
         let (from, to) = ((low / step + 1e-9).floor(), (high / step + 1e-9).floor() + 1.0);
         #[expect(
             clippy::cast_possible_truncation,
