@@ -70,7 +70,7 @@ struct Row {
     note: String,
 }
 
-/// Values of the names in an expression. The outputs of a model are in a nested map.
+/// Values of the variables in an expression. The outputs of a model are in a nested map.
 type Known = BTreeMap<String, Value>;
 
 /// Evaluates each row of the table and returns one check per row.

@@ -85,7 +85,7 @@ impl Distribution {
     }
 }
 
-/// Errors of a setting over those points of a group that the setting solved.
+/// Errors of a setting over the points of a group that the setting solved.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
     /// Group of points.
