@@ -288,7 +288,7 @@ impl Fit {
         Self::with(case, input, measurement.target()?)
     }
 
-    /// Works like [`new`](Self::new), but takes texts in the forms of [`FittedInput::parse`] and
+    /// Works like [`new`](Self::new), but takes strings in the forms of [`FittedInput::parse`] and
     /// [`Measurement::parse`].
     ///
     /// # Errors

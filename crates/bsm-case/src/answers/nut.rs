@@ -1,4 +1,4 @@
-//! Results for a nut under load: numbers, texts, the loads of all balls, and the load-displacement
+//! Results for a nut under load: numbers, notes, the loads of all balls, and the load-displacement
 //! curve.
 
 use std::cell::OnceCell;

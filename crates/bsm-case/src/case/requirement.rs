@@ -184,7 +184,7 @@ impl RequirementFile {
 #[derive(Default)]
 struct RequirementKeys {
     case: Case,
-    /// Numbers and texts of keys that occur only in requirements.
+    /// Numbers and strings of keys that occur only in requirements.
     own: Map<String, Value>,
     /// Names of the quantities that have been given so far.
     given: GivenNames,

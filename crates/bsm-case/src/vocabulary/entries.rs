@@ -1,4 +1,4 @@
-//! Inputs of a case that are not numbers: lists, objects, texts and flags of its nut, axis and
+//! Inputs of a case that are not numbers: lists, objects, strings and flags of its nut, axis and
 //! lubricant.
 
 use std::borrow::Cow;

@@ -384,8 +384,8 @@ fn model_choice_for_analyses_ignores_the_efficiency_error() {
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
 /// Without film, rolling resistance and hysteresis, the jamming results of a lubricated ball equal
-/// those of a dry ball with the friction coefficient of the asperities. The analysis used to reject
-/// lubricated balls.
+/// the results of a dry ball with the friction coefficient of the asperities. The analysis used to
+/// reject lubricated balls.
 #[test]
 fn jamming_without_a_film_equals_dry_jamming() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];

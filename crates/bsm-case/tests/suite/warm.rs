@@ -182,8 +182,8 @@ fn fold_and_unstable_state_match_the_reference() {
         assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
     }
     assert_eq!(sheet.number(output!(fold_searched_to)), None);
-    // If the search ends without a fold, a note states the speeds up to which it went. Without a
-    // search, there is no note.
+    // If the search ends without a fold, a note states the speeds up to which it searched. Without
+    // a search, there is no note.
     let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
     assert_eq!(sheet.number(output!(fold_searched_to)), Some(1.01));
