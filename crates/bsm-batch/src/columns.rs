@@ -161,7 +161,7 @@ impl Columns {
         });
         let [model, status, message] = ANSWERS;
         let answers = [
-            text(model, "model that was solved"),
+            text(model, "model that calculated the result"),
             text(status, "result of the solve"),
             text(message, "reason why the row has no result, or why model auto chose its model"),
         ];

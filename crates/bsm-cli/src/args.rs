@@ -28,7 +28,7 @@ const FILES: [(&str, &str, &str); 4] = [
         "select",
         ".json: case of the screw or of the first nut; .csv, .xlsx or `-`: the steps; for a list of nuts \
          .csv, .xlsx, `-`, .jsonl or .parquet",
-        "Folder for figures (SVG and CSV) of the nuts of the list: those of Sobolewski (2002), or ratings, stiffness and mass of a TABLE.csv",
+        "Folder for figures (SVG and CSV) of the listed nuts: the figures of Sobolewski (2002), or ratings, stiffness and mass of the nuts of a TABLE.csv",
     ),
     (
         "solve",

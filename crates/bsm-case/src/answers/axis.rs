@@ -93,7 +93,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
             let tension = w.pretension()?.tension(0.0);
             Some(w.shaft()?.critical_speed_under(tension) / RPM)
-        }), "critical speed with the tension of the cold screw, for information";
+        }), "critical speed with the tension of the cold screw; for information only";
         pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "smallest pretension that keeps the warm screw in tension between two fixed bearings";
         support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load plus pretension";
         support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load plus tension or compression";

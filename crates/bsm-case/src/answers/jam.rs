@@ -197,7 +197,7 @@ pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
         Some(_) => Vec::new(),
-        None => vec![lacks_ellipses("contact state and wedge angle", solution.model)],
+        None => vec![lacks_ellipses("deformation of the contacts and wedge angle", solution.model)],
     };
     let numbers = read(&jam, |_| true).finite()?;
     let words = [

@@ -341,7 +341,7 @@ impl RequirementKeys {
         if !case.given().has_friction() {
             case.friction_coefficient = Some(usual);
             notes.push(format!(
-                "friction_coefficient = {usual} is assumed; usual values are {low} to {high}."
+                "friction_coefficient = {usual} is assumed; typical values are {low} to {high}."
             ));
         }
         let motion = Cycle::of(&case)?;

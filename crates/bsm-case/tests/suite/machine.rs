@@ -33,7 +33,7 @@ fn with_inputs(base: &Value, more: &Value) -> Map<String, Value> {
 }
 
 /// Creates a case from inputs. Each dwell is converted to a phase without feed.
-fn case_of(inputs: &Map<String, Value>) -> Case {
+fn case_from_inputs(inputs: &Map<String, Value>) -> Case {
     let mut inputs = inputs.clone();
     if let Some(cycle) = inputs.get_mut("cycle") {
         for phase in cycle.as_array_mut().expect("phases") {
@@ -49,7 +49,7 @@ fn case_of(inputs: &Map<String, Value>) -> Case {
 }
 
 fn sheet(inputs: &Map<String, Value>) -> Result<AxisReport, CaseError> {
-    AxisReport::of(&case_of(inputs), &Settings::default())
+    AxisReport::of(&case_from_inputs(inputs), &Settings::default())
 }
 
 fn number(report: &AxisReport, name: &str) -> f64 {

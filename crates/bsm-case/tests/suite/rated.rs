@@ -290,7 +290,7 @@ const OILED_AXIS: &str =
 /// Lubricant and contamination modify the life. The smaller of the basic life and the modified life
 /// must exceed the required life.
 #[test]
-fn a_life_is_modified_by_load_factors_and_lubricant() {
+fn life_is_modified_by_load_factors_and_lubricant() {
     let of = |settings: &[&str]| sheet(OILED_AXIS, settings).expect("a sheet");
     let typical = of(&["contamination=typical"]);
     let ratios =

@@ -312,7 +312,7 @@ fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
 
 /// Without a load, the closed form has no torque. Without a solution, there are no derivatives.
 #[test]
-fn results_that_do_not_exist_have_no_derivatives() {
+fn missing_results_have_no_derivatives() {
     let case = Case { axial_load_N: None, ..lin(2000.0) };
     let friction = row(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);

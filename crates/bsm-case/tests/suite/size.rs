@@ -34,7 +34,7 @@ fn size(report: &AxisReport, name: &str) -> f64 {
     numbers.number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
-fn of_phase(report: &AxisReport, phase: usize, name: &str) -> f64 {
+fn number_of_phase(report: &AxisReport, phase: usize, name: &str) -> f64 {
     report.phases[phase].number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
@@ -138,7 +138,7 @@ fn rules_match_a_calculation_in_catalog_units() {
     near(number(&report, "preload_torque_measured_Nm"), drag, TIGHT, "drag");
     // The parts of the torque add up to the screw torque, and the input power is the sum of the
     // heat and the power that moves the load.
-    let part = |name: &str| of_phase(&report, 0, name);
+    let part = |name: &str| number_of_phase(&report, 0, name);
     let ideal = load * lead * 1e-3 / TAU;
     near(part("ideal_torque_Nm"), ideal, TIGHT, "ideal torque");
     let parts = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"].map(part);
@@ -276,9 +276,9 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     ]);
     let weight = 500.0 * 9.806_65;
     for phase in 0..3 {
-        near(of_phase(&report, phase, "screw_load_N"), weight, 1e-9, "weight");
+        near(number_of_phase(&report, phase, "screw_load_N"), weight, 1e-9, "weight");
     }
-    let torque = |phase| of_phase(&report, phase, "screw_torque_Nm");
+    let torque = |phase| number_of_phase(&report, phase, "screw_torque_Nm");
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");
@@ -286,7 +286,7 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     assert!(((up - rest) / (rest - down) - 1.0).abs() < 0.2, "{up} {down} {rest}");
     let holding = number(&report, "holding_torque_Nm");
     assert!(holding < rest && holding > down, "{holding} {down}");
-    assert!(of_phase(&report, 1, "motor_power_W") < 0.0);
+    assert!(number_of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
 /// Every torque that depends on a lubricant has an uncertainty band, which the sheet states. A
@@ -321,7 +321,7 @@ fn sheet_of_a_lubricated_axis_states_the_friction_band() {
     near(rpm, 1500.0, 1e-9, "speed");
     near(percent, 90.0, 1e-9, "the interval");
     // The torque in the note has three digits.
-    near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
+    near(stated, number_of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
     // According to the specification, the loss is between 0.6 and 1.3 of the calculated value if
     // rolling resistance dominates.
     assert!(

@@ -212,7 +212,7 @@ fn cold_life_equals_the_life_without_a_warm_state() {
 
 /// The number of balls and turns of a nut can be given by circuits.
 #[test]
-fn columns_are_available_for_a_nut_given_by_circuits() {
+fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
     for name in ["fold_speed_factor", "cycle_life_h", "dynamic_load_rating_N"] {
         let column = Output::named(name).expect(name);

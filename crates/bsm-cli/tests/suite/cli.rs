@@ -490,7 +490,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
 
 /// For the same point, a row of a sweep and a single solve must give the same results.
 #[test]
-fn sweep_agrees_with_solve() {
+fn sweep_rows_match_single_solves() {
     let dir = folder();
     let rows = stdout(&bsm(
         dir.path(),
@@ -579,7 +579,7 @@ fn invalid_sweeps_write_no_files() {
 /// The efficiency jumps by 5e-3 along this sweep. Regression test: there was no message that
 /// several solutions exist.
 #[test]
-fn a_sweep_marks_rows_with_several_solutions() {
+fn sweep_reports_rows_with_several_solutions() {
     let dir = folder();
     let case = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
         "lead_angle_deg": 21.833579108750985, "contact_angle_deg": 54.5, "loaded_balls": 47,

@@ -32,7 +32,7 @@ fn single() -> Value {
 }
 
 /// Converts a reference case to a case of this program, with the loads as inputs.
-fn case_of(reference: &Value) -> Value {
+fn case_from_reference(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
     for (dof, word) in [
@@ -79,7 +79,7 @@ fn nut_results_match_the_reference_cases() {
     assert_eq!(cases.len(), 14);
     for reference in &cases {
         let name = reference["name"].as_str().expect("name");
-        let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
+        let (code, found, words) = answer(&case_from_reference(reference).to_string(), &[]);
         if reference["case"]["lead_mm"] == 0.0 {
             // This program does not accept a bearing as a case. The tests of bsm-nut compare the
             // results for the bearing.
@@ -544,7 +544,7 @@ fn a_ball_outside_its_groove_is_rejected() {
 /// Regression test: the search took 0.1 s for every ball without a solution, so that a nut with a
 /// thousand balls had not finished after 200 s.
 #[test]
-fn a_ball_without_a_solution_ends_the_search() {
+fn first_ball_without_a_solution_ends_the_search() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&case).expect("JSON");
     let map = case.as_object_mut().expect("object");
@@ -649,7 +649,7 @@ fn solve_counts_the_balls_of_circuits_with_gaps() {
 /// Regression test: the text "by model auto" named the requested model instead of the model with
 /// which the torque was calculated.
 #[test]
-fn the_model_used_for_the_torque_is_named() {
+fn output_names_the_model_used_for_the_torque() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, found, _) = answer(&double, &[]);
     let model = found["model"].as_str().expect("a model");
@@ -911,7 +911,7 @@ fn the_drag_of_a_pair_with_play_matches_the_reference() {
 /// For warm pairs in X and O arrangement, the preloads, loads, stiffness and lives at the reference
 /// temperatures must agree with an independent solution.
 #[test]
-fn warm_pairs_agree_with_an_independent_solution() {
+fn warm_nut_pairs_match_an_independent_solution() {
     let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 5);

@@ -649,7 +649,7 @@ fn control_characters_reach_neither_terminal_nor_plot() {
 
 /// Regression test: one row contained both 10000000000000000000000 and 3.18e19.
 #[test]
-fn numbers_in_a_row_have_the_same_format() {
+fn numbers_in_a_row_have_a_uniform_format() {
     let dir = folder();
     let args =
         ["sweep", &example("feed_drive.json"), "--points", "-", "--model=closed-form", "-o-"];

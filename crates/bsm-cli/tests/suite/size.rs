@@ -341,7 +341,7 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
 /// Regression test: every solve with a lubricant printed a warning that the user could not act on.
 /// This information is now a note.
 #[test]
-fn a_lubricated_solve_has_a_note_and_no_warning() {
+fn lubricated_solve_prints_a_note_instead_of_a_warning() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let output = bsm(dir.path(), &["solve", &oil], "");
@@ -555,7 +555,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
 /// Regression test: `solve` omitted the note about missing churning losses in cold oil, which
 /// `axis` printed.
 #[test]
-fn missing_churning_losses_are_noted_in_every_command() {
+fn every_command_notes_missing_churning_losses() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let lacks = |command: &str, more: &[&str]| {

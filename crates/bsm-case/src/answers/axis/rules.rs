@@ -222,7 +222,7 @@ rules! {
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
-            "unsupported_length_mm {} or less, or a core of {} mm, or a stiffer support",
+            "unsupported_length_mm {} or less, or a core diameter of {} mm, or a stiffer support",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() / margin, 1)
         );
@@ -239,7 +239,7 @@ rules! {
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
         format!(
-            "unsupported_length_mm {} or less, or a core of {} mm",
+            "unsupported_length_mm {} or less, or a core diameter of {} mm",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
