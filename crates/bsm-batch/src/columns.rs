@@ -161,7 +161,7 @@ impl Columns {
         });
         let [model, status, message] = ANSWERS;
         let answers = [
-            text(model, "model that was solved"),
+            text(model, "model that calculated the result"),
             text(status, "result of the solve"),
             text(message, "reason why the row has no result, or why model auto chose its model"),
         ];
@@ -309,10 +309,10 @@ impl ColumnUnits {
     }
 }
 
-/// A sink that converts rows to displayed units before it writes them to another sink.
+/// A sink that converts rows to displayed units and passes them to another sink.
 #[derive(Debug)]
 pub struct ConvertingSink<S> {
-    /// The other sink.
+    /// The sink that receives the converted rows.
     pub sink: S,
     inputs: Vec<DisplayUnit>,
     outputs: Vec<DisplayUnit>,

@@ -438,8 +438,8 @@ impl Dataset {
         }
     }
 
-    /// Solves those parts of a list that are missing, in order. Damaged parts do not stop the run;
-    /// they are reported at the end.
+    /// Solves the missing parts of a list in order. Damaged parts do not stop the run; they are
+    /// reported at the end.
     ///
     /// * `numbers`: part numbers in ascending order.
     /// * `repair`: true to verify all bytes of existing parts, to replace damaged files and to

@@ -79,14 +79,14 @@ fn all_of(names: &[UnknownName]) -> String {
 }
 
 impl TableError {
-    /// Reports that the table has no header row.
+    /// Returns the error for a table without a header row.
     pub(crate) fn no_header() -> Self {
         Self::Malformed(
             "the table is empty; the first row must contain the names of the columns".to_owned(),
         )
     }
 
-    /// Reports that a copied column contains lists, maps or structures.
+    /// Returns the error for a copied column that contains lists, maps or structures.
     pub fn not_text(name: &str) -> Self {
         let message = format!(
             "the cells of column `{}` are lists, maps or structures, which cannot be copied; omit the column, or split \
@@ -96,7 +96,7 @@ impl TableError {
         Self::Column { name: name.to_owned(), message }
     }
 
-    /// Reports that the table uses an unsupported Parquet feature.
+    /// Returns the error for a table that uses an unsupported Parquet feature.
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table uses {kind}, which is not supported; write it without encryption, and with \

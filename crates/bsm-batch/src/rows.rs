@@ -322,7 +322,7 @@ impl Answers {
     }
 }
 
-/// Creates a column of texts. Consecutive rows with the same text are appended together.
+/// Creates a column of strings. Consecutive rows with equal strings are appended together.
 fn text_column<T>(
     rows: &[T],
     same: impl Fn(&T, &T) -> bool,

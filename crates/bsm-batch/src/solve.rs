@@ -103,7 +103,7 @@ impl Task {
         Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
-    /// Same as [`solve`](Self::solve), but writes the results into memory of the caller.
+    /// Same as [`solve`](Self::solve), but writes the results into memory that the caller provides.
     ///
     /// * `stop`: stops the work when it becomes true; the results are then meaningless.
     /// * `done`: counter of solved rows, which is updated while the chunk is being solved.
@@ -296,7 +296,7 @@ impl ChunkSolve<'_> {
     /// Solves a single row. Returns its message and its status. The status is `None` if a kernel
     /// has already solved the row and only its analyses were calculated here.
     ///
-    /// * `words`: message from the kernel.
+    /// * `words`: message that the kernel has returned for the row.
     /// * `put`: stores the value of the output with the given index.
     fn row(
         &self,

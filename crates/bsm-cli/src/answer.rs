@@ -26,7 +26,7 @@ pub(crate) struct Reply<'a> {
     pub(crate) case: Option<Value>,
     /// Function that writes the table of the answer; `None` if the answer has no table.
     pub(crate) table: Option<WriteTable<'a>>,
-    /// Units of the screen.
+    /// Units in which numbers are displayed on the screen.
     pub(crate) units: DisplayUnits,
     /// Answer to print on the screen instead of `parts`.
     pub(crate) shown: Option<Answer>,

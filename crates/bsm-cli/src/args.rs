@@ -18,8 +18,9 @@ use crate::failure::Failure;
 use crate::{files, schema};
 
 /// Explanation of the exit codes, shown at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 success; 1 error with files, disk, threads or memory; 2 invalid input or \
-                          usage; 3 no solution or a failed check; 128 + N if interrupted by signal N.";
+const EXIT_CODES: &str = "Exit codes: 0 success; 1 error with files, disk, threads or memory; 2 \
+                          invalid input or usage; 3 no solution or a failed check; 128 + N if \
+                          signal N ended the program.";
 
 /// Help texts of `-o` and `--figures` for commands that write no HTML page.
 const FILES: [(&str, &str, &str); 4] = [
@@ -27,7 +28,7 @@ const FILES: [(&str, &str, &str); 4] = [
         "select",
         ".json: case of the screw or of the first nut; .csv, .xlsx or `-`: the steps; for a list of nuts \
          .csv, .xlsx, `-`, .jsonl or .parquet",
-        "Folder for figures (SVG and CSV) of the nuts of the list: those of Sobolewski (2002), or ratings, stiffness and mass of a TABLE.csv",
+        "Folder for figures (SVG and CSV) of the listed nuts: the figures of Sobolewski (2002), or ratings, stiffness and mass of the nuts of a TABLE.csv",
     ),
     (
         "solve",
@@ -141,7 +142,8 @@ pub(crate) struct CaseArgs {
     /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
-    /// Units for screen, sheet, figures and columns. JSON always has metric units.
+    /// Units of the screen output, the sheet, the figures and columns. JSON always has metric
+    /// units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     units: Option<String>,
 }
@@ -498,7 +500,7 @@ pub(crate) struct SelectArgs {
         requires = "requirement"
     )]
     settings: Vec<String>,
-    /// Units of screen and columns. JSON always has metric units.
+    /// Units of the screen output and of columns. JSON always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     units: Option<String>,
     /// Optimize continuous sizes and contact angles, with standard balls and the limits of Lin,
@@ -646,7 +648,7 @@ pub(crate) struct SweepArgs {
     pub(crate) work: WorkArgs,
 }
 
-/// Options that affect a run but not its results.
+/// Options that affect how a command runs, but not its results.
 #[derive(Debug, Args)]
 pub(crate) struct WorkArgs {
     /// Number of threads, at most 1024. Defaults to all cores.
@@ -720,7 +722,7 @@ pub(crate) struct CheckArgs {
     /// Folder with a plan.
     #[arg(value_name = "FOLDER")]
     pub(crate) folder: PathBuf,
-    /// Read all bytes, not only the footers.
+    /// Verify all bytes of the parts, not only the footers.
     #[arg(long)]
     pub(crate) deep: bool,
     /// Print JSON; bsm schema describes it.

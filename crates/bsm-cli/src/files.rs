@@ -175,9 +175,8 @@ impl Output {
         let prefix = format!("{TEMPORARY}{name}-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM);
-        // A new file gets the permissions that the umask specifies. A temporary file that will
-        // replace an existing file remains private until it gets the permissions of the existing
-        // file.
+        // A new file gets the permissions that the umask allows. A temporary file that will replace
+        // an existing file remains private until it gets the permissions of the existing file.
         #[cfg(unix)]
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

@@ -146,7 +146,7 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     format!("{} nuts within the limits{met}{left}", list.all)
 }
 
-/// Returns a text with the names, units and descriptions of all columns.
+/// Returns text that lists the names, units and descriptions of all columns.
 pub(crate) fn columns() -> String {
     let row = |column: &ListColumn| {
         let when = if column.is_of_sheet() { "with a requirement" } else { "" };

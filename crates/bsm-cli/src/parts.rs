@@ -93,8 +93,9 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     );
     warn("note", &how);
     if plan.rows() > MANY_ROWS {
-        let text = "so many rows are cheaper to solve again than to store and read; for statistics, the Python package solves \
-                    parts of this plan in memory (ballscrew.solve_part)";
+        let text = "solving so many rows again is cheaper than storing and reading them; for \
+                    statistics, the Python package solves parts of this plan in memory \
+                    (ballscrew.solve_part)";
         warn("note", text);
     }
     Ok(())

@@ -31,7 +31,8 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
 /// Time after which a calculation shows that it is working.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Calculation whose end is awaited. Its end is announced when the value is dropped.
+/// A running calculation for which a spinner is shown. Its end is announced when the value is
+/// dropped.
 pub(crate) struct Waiting {
     end: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,

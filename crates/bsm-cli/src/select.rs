@@ -135,7 +135,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures::default()))
 }
 
-/// Returns a text that describes the keys of a requirement.
+/// Returns text that describes the keys of a requirement.
 fn keys() -> String {
     let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]

@@ -244,7 +244,7 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Refuses other units for files that other programs read with the units of the vocabulary.
+/// Rejects display units for files that other programs read in metric units.
 fn only_own(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure> {
     if units.are_own() {
         return Ok(());

@@ -59,8 +59,8 @@ impl AnswerSink for Discard {
 
 impl Job<'_> {
     /// Solves all rows, writes them to a table or a dataset folder, and returns the number of rows
-    /// without a result. `each` is called for every solved chunk, with the values of the watched
-    /// output.
+    /// without a result. The function `each` is called for every solved chunk, with the values of
+    /// the output that is plotted.
     ///
     /// * `source`: source of the rows to solve.
     /// * `points`: description of the points, which is stored in the plan of a dataset.
@@ -233,7 +233,7 @@ struct Changes<'a> {
     before: Option<(u64, f64, ModelChoice)>,
     /// Descriptions of the first few changes.
     first: Vec<String>,
-    /// Axis index of each change, with the names of both models.
+    /// Changes of the model: index of each point on the axis, with the names of both models.
     found: HashSet<(u64, [&'static str; 2])>,
 }
 

@@ -80,15 +80,17 @@ fn describe(measured: &Tradeoff) -> String {
     let count = |count: &Count| format!("{} {}", count.group.name(), count.points);
     let counts: Vec<_> = measured.points.iter().map(count).collect();
     let advice_header = heads(
-        "tolerance | regime | one point | us | error is larger in | batch, one core | us | error is larger in",
+        "tolerance | regime | one point: setting | time, us | error above tolerance in | batch, one core: setting | time, us | error above tolerance in",
     );
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
-        "points: {}; errors relative to {}; {}, {} cores\n\n{}\n\n\
-         batch, one core: mean of a table of all points, quantiles of tables of one point each\n\n{}\n\n\
-         one point; nodes of contact ellipses; searches along curves and paths, and from scattered starts\n\n{}\n\n\
-         errors of eta are absolute; errors of torque and loads are relative; the last columns contain eta by motion of the ball\n\n\
-         fastest setting that solves 99 % of the points, with an error below the tolerance at 99 % of them:\n\n{}",
+        "points: {}; errors relative to {}; {}, {} cores\n\n{}\n\nbatch, one core: mean of a table \
+         of all points, quantiles of tables of one point each\n\n{}\n\neffort for one point: \
+         solver steps, evaluations of the equations, integration nodes on the contact ellipses, \
+         and searches along curves and paths or from random starts\n\n{}\n\nerrors of the \
+         efficiency eta are absolute; errors of torque and loads are relative; the last columns \
+         contain the error of eta for each motion of the ball\n\nfastest setting that solves 99 % \
+         of the points, with an error below the tolerance at 99 % of them:\n\n{}",
         counts.join(", "),
         measured.reference,
         measured.instruction_set,
@@ -137,7 +139,8 @@ fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()
 }
 
-/// Formats a breakdown of the computing time.
+/// Formats the numbers of steps, evaluations, nodes and searches, which determine the computing
+/// time.
 fn costs_row(
     OneCore { steps, evaluations, nodes, searches, searching, .. }: &OneCore,
 ) -> Vec<String> {

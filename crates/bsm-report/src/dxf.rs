@@ -88,7 +88,7 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
         let ((k, h), radius) = (section.centers[place], section.radii[place]);
         let [meet, edge] = section.flanks[place];
         // Flank angles are measured from the radial direction. The flanks of the screw are the
-        // mirror image of those of the nut.
+        // mirror image of the flanks of the nut.
         let right = if up > 0.0 { [90.0 - edge, 90.0 - meet] } else { [meet - 90.0, edge - 90.0] };
         let left = [180.0 - right[1], 180.0 - right[0]];
         dxf.arc(layer, (-k, -up * h), radius, right);

@@ -156,7 +156,7 @@ const SHAPES: [MarkerShape; 5] = [
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// The meaning of each stroke and the meaning of each color.
+/// Meanings of the strokes, and meanings of the colors.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
 /// Color of the stroke samples in a legend, if a stroke occurs in several colors.
@@ -568,7 +568,7 @@ mod tests {
         let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // The two parts of the labels may also have the opposite order, as in `0 N, a`.
+        // The two parts of a label may also be in the opposite order, as in `0 N, a`.
         let mut turned = figure.clone();
         for curve in &mut turned.curves {
             let (name, load) =
@@ -606,7 +606,7 @@ mod tests {
 
     /// A gap in a curve must be a gap in the figure and in the table. The SVG must have a view box.
     #[test]
-    fn figures_have_gaps_and_a_view_box() {
+    fn figures_show_gaps_and_their_svg_has_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
         let curve = Curve::new("a", 0, Stroke::Solid, points);
         let mut figure = figure_of(vec![curve]);

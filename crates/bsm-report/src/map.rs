@@ -264,7 +264,7 @@ impl Bands {
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|digit| digit * power);
         let step = step.into_iter().find(|step| *step >= rough).unwrap_or(rough);
-        // The small number compensates for rounding errors of decimal multiples of the step.
+        // The small offset compensates for rounding errors of decimal multiples of the step.
         let (from, to) = ((low / step + 1e-9).floor(), (high / step + 1e-9).floor() + 1.0);
         #[expect(
             clippy::cast_possible_truncation,
@@ -350,7 +350,7 @@ mod tests {
     /// Cells must be placed around their values in sorted order, regardless of the order in the
     /// list, and neighboring cells must share an edge.
     #[test]
-    fn cells_are_placed_around_their_values() {
+    fn map_cells_surround_their_values() {
         let (order, found) = edges(&[100.0, 1000.0, 10.0], true);
         assert_eq!(order, [2, 0, 1]);
         // The expected edges are the geometric means of neighboring values.
@@ -365,7 +365,7 @@ mod tests {
     /// Boundaries must be drawn between neighboring cells that have values and belong to different
     /// regions. The legend must contain every color, including the color for cells without a value.
     #[test]
-    fn boundaries_gaps_and_bands_are_drawn() {
+    fn map_shows_region_boundaries_and_all_legend_colors() {
         let map = map();
         let edges = [edges(&map.x.1, true), edges(&map.y.1, false)];
         // Expected boundaries: 10 | 100 at y = 1, 0 | 1 at x = 100, and 100 | 1000 at y = 0. The

@@ -4,7 +4,7 @@
 //!     cargo run --release -p bsm-validate --features tools --example case_set > validation/golden/tradeoff/cases.csv
 //!
 //! There are a hundred points each with rolling, partial skid and gross skid. The screws have
-//! dimensions as in catalogs: pitch circle diameter 8 to 100 mm, 20 to 119 balls whose diameter is
+//! typical catalog dimensions: pitch circle diameter 8 to 100 mm, 20 to 119 balls whose diameter is
 //! 0.07 to 0.2 of the pitch circle diameter, turns that do not overlap, lead angle 2 to 30 deg,
 //! contact angle 30 to 60 deg, and conformity 0.51 to 0.56. The friction coefficient is 0.01 to
 //! 0.15, and the speed is 10 to 30 000 rpm in both directions, with screw or nut drive. The normal

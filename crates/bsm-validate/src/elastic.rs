@@ -120,11 +120,12 @@ fn reference(
 /// Half a unit of the last printed digit in the reference solutions for `traction`: efficiency,
 /// loads, angles, precession, rotation and displacement.
 const TRACTION_DIGITS: [f64; 6] = [0.51e-7, 0.51e-4, 0.51e-5, 0.51e-6, 0.51e-5, 0.51e-5];
-/// Half a unit of the last printed digit in the reference solutions for `elastic`, for the same
-/// quantities.
+/// Half a unit of the last printed digit in the reference solutions for `elastic`: efficiency,
+/// loads, angles, precession, rotation and displacement.
 const ELASTIC_DIGITS: [f64; 6] = [0.51e-9, 0.51e-5, 0.51e-6, 0.51e-7, 0.51e-5, 0.51e-6];
 
-/// Absolute and relative tolerances for the default settings, for the same quantities.
+/// Absolute and relative tolerances for the default settings: efficiency, loads, angles,
+/// precession, rotation and displacement.
 const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 

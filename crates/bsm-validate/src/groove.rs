@@ -146,7 +146,7 @@ fn fitted(rows: &[&Row]) -> Prior {
 }
 
 /// Returns the type of ball return that the catalog states for a series, or `None` for an unknown
-/// series. SFU nuts have deflectors, but their ratings are those of full turns.
+/// series. SFU nuts have deflectors, but their ratings are the ratings of full turns.
 fn ball_return(series: &str) -> Option<BallReturn> {
     match series {
         "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
@@ -265,7 +265,7 @@ impl Sizes {
 }
 
 impl Row {
-    /// Returns the catalog line with those known quantities that the catalog prints.
+    /// Returns the catalog line with the known quantities, as far as the catalog prints them.
     fn line(&self, known: Known) -> CatalogLine {
         let line = self.sizes.line();
         CatalogLine {
@@ -349,7 +349,10 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             "rows with a different best groove or different likely balls",
             &other_best,
         )
-        .at_most(0.0, "the same balls, turns and numbers of balls"),
+        .at_most(
+            0.0,
+            "both implementations must find equal ball diameters, turns and numbers of balls",
+        ),
     ]
 }
 
@@ -374,7 +377,7 @@ const BAND_QUANTITIES: [BandQuantity; 3] = [
         words: "friction torque of the contacts",
         value: friction_torque,
         reference: |bands| bands.friction_torque_Nm,
-        tolerance: (0.01, "1 %: the model of the reference"),
+        tolerance: (0.01, "1 %: the reference uses a different friction model"),
         widest: 1.5,
     },
     BandQuantity {

@@ -67,7 +67,7 @@ impl Bearing {
             let claimed = claimed?;
             let key = format!("nut/bearing-{}-{what}", self.case);
             let claim = format!("{what} displacement of a ball bearing, {}", self.case);
-            let reason = "five printed digits, and the tilt is linear here";
+            let reason = "the reference has five digits, and the tilt is linear in the load here";
             let check = Check::new(&key, BEARING, claim).measured(ours, unit);
             Some(check.equals(claimed, self.tolerance * claimed, reason))
         };
@@ -299,7 +299,7 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         check.details = details;
         check
     };
-    let usual = "the usual reduction of calculated stiffness, and the scatter of the nuts";
+    let usual = "the usual reduction of the calculated stiffness, and the scatter between the nuts";
     let single =
         "stiffness FSI of single nuts, load divided by displacement at 0.3 of the load rating";
     let pair = "stiffness FDI of nut pairs at a preload of 0.1 of the load rating";
@@ -330,7 +330,8 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         .equals(
             2.0_f64.powf(1.5) * 0.1 / (0.3_f64.cbrt() * 0.1_f64.powf(2.0 / 3.0)),
             0.03,
-            "Hertzian contacts alone, and catalog values with three digits",
+            "the calculation includes only Hertzian contacts, and the catalog values have three \
+             digits",
         ),
     ]
 }

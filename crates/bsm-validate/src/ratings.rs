@@ -133,7 +133,7 @@ const QUANTITIES: &[Column] = columns! {
         5e-3 + 0.0, "two printed digits; the formula and the lever arm are not published, and the arm is fitted to these rows";
 };
 
-/// Returns the thread of a nut without play and with the usual lands.
+/// Returns the thread of a nut without play and with the default lands.
 fn thread(nut: &Nut) -> Thread {
     nut.thread(0.0, nut.usual_lands())
 }

@@ -70,7 +70,7 @@ struct Row {
     note: String,
 }
 
-/// Values of the names in an expression. The outputs of a model are in a nested map.
+/// Values of the variables in an expression. The outputs of a model are in a nested map.
 type Known = BTreeMap<String, Value>;
 
 /// Evaluates each row of the table and returns one check per row.
@@ -307,7 +307,7 @@ mod tests {
     /// The expected values were calculated independently, with the numbers in the sources and with
     /// beam tables.
     #[test]
-    fn examples_match_hand_calculations() {
+    fn manufacturer_examples_match_hand_calculations() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
         let found = |key: &str| {
             all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)

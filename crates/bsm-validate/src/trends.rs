@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_of_curves_are_recognized() {
+    fn rising_falling_and_turning_curves_are_recognized() {
         let shape = |values: &[f64]| Shape::of(&points(values), 1e-9);
         assert_eq!(shape(&[1.0, 2.0, 2.0, 3.0]), Shape::Rises);
         assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);

@@ -176,7 +176,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             "field-slope",
             "spin equals the derivative of the slip velocity field across the groove",
             slope,
-            "rounding errors of speeds that are a hundred times the spin times a millimeter",
+            "rounding errors of speeds that are 100 times as large as the spin multiplied by 1 mm",
         ),
     ])
 }

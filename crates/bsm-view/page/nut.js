@@ -112,17 +112,17 @@ function train(balls, answer) {
     svg("path", { class: "push", d: `M${x(v)} ${pushes.y(0)}V${pushes.y(front[i])}`, stroke: "var(--c2)", "stroke-width": 2.4 },
       svg("title", {}, `ball ${i + 1} is pushed back with ${number(front[i])} ${shownUnit("N")}`)) : null));
   const dots = turns.map((_, i) => [
-    dot(free[i], i, speeds.y, { class: "free", fill: "none", stroke: "var(--c1)" }, `${number(free[i])} % without pushes`),
+    dot(free[i], i, speeds.y, { class: "free", fill: "none", stroke: "var(--c1)" }, `${number(free[i])} % without push forces`),
     pushed[i] ? dot(moving[i], i, speeds.y, { class: "moving", fill: "var(--c2)" }, `${number(moving[i])} %`) : null,
     dot(balls.advance_mm[i] ?? NaN, i, advances.y, { class: "advance", fill: "var(--c1)" }, `${number(balls.advance_mm[i])} ${shownUnit("mm")}`)]);
   const [slow, fast] = span(free), touching = pushed.filter(Boolean).length;
-  const words = `Speeds of the balls without pushes, from ${number(slow)} to ${number(fast)} percent relative to their mean${most > 0 ?
+  const words = `Speeds of the balls without push forces, from ${number(slow)} to ${number(fast)} percent relative to their mean${most > 0 ?
     `, ${touching} touching balls with forces of up to ${number(most)} ${shownUnit("N")} between them` : ""}`;
   return figure("Speeds and advance of the balls along the helix",
     picture(width, from + 12, words, ...[speeds, pushes, advances].flatMap((strip) => strip?.frame ?? []),
       ...[shade.flat(), lines, forces, dots].flat(2).filter(Boolean)),
-    legend([["speed without pushes, relative to the mean", "var(--c1)", "circle"],
-      ...(most > 0 ? [["with pushes", "var(--c2)", "circle"], ["speed of touching balls", "var(--c2)", "solid"],
+    legend([["speed without push forces, relative to the mean", "var(--c1)", "circle"],
+      ...(most > 0 ? [["with push forces", "var(--c2)", "circle"], ["speed of touching balls", "var(--c2)", "solid"],
         ["touching balls", "color-mix(in srgb, var(--c5) 30%, transparent)"],
         [`force of the ball in front, up to ${number(most)} ${shownUnit("N")}`, "var(--c2)"]] : [])]),
     html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${measured(answer.needed_gap_mm, "mm")}.`));

@@ -26,7 +26,7 @@ pub enum Refusal {
     /// The request contains invalid input. The message is the same as on the command line.
     #[error("{0}")]
     Input(String),
-    /// The server has no such route.
+    /// The server has no route with this path.
     #[error("unknown route `{0}`")]
     Route(String),
     /// The calculation was stopped because it took too long.

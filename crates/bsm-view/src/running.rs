@@ -42,7 +42,7 @@ struct Entry {
 
 type Entries = Arc<Mutex<Vec<Entry>>>;
 
-/// All calculations that have not ended yet, including stopped ones.
+/// All calculations that have not ended yet, including stopped calculations.
 pub(crate) struct Running {
     entries: Entries,
     most: usize,

@@ -301,7 +301,7 @@ impl ServerState {
     }
 }
 
-/// Returns true if two texts are equal. The time does not depend on where they differ, so that it
+/// Returns true if two strings are equal. The time does not depend on where they differ, so that it
 /// reveals nothing about the token.
 fn same(one: &str, other: &str) -> bool {
     let differ = one.bytes().zip(other.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));

@@ -153,7 +153,7 @@ impl Folder {
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM_LETTERS);
         // Temporary files are created with private permissions by default, but results should have
-        // the permissions that the umask specifies.
+        // the permissions that the umask allows.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         (self.make)(&mut || builder.tempfile_in(&folder))

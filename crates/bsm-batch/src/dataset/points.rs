@@ -213,7 +213,7 @@ impl PointsEntry {
                 // A file with a different length is rejected without calculating its hash.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
                     return Err(DatasetError::Refused(format!(
-                        "{} is not the table of points of the plan ({}), because its contents differ",
+                        "{} does not match the point table of the plan ({}): the contents differ",
                         path.display(),
                         written.name
                     )));

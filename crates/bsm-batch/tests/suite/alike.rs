@@ -4,7 +4,7 @@ use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record, output};
 use bsm_dyn::{Ball, Status};
 
-/// Outputs that describe the iteration instead of the solution. They are not compared.
+/// Outputs that describe the iteration instead of the solution, and are therefore not compared.
 const ITERATION_OUTPUTS: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
 /// Error bounds among the outputs. A bound is at least 1e-9 and equals ten times a difference

@@ -1,4 +1,4 @@
-//! Conversion of Arrow columns to numbers and text.
+//! Tests the conversion of Arrow columns to numbers and text.
 
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ fn column_values_match_the_values_in_a_text_file() {
 
 /// Regression test: bytes that are not UTF-8 used to become empty cells.
 #[test]
-fn bytes_that_are_not_text_are_an_error() {
+fn bytes_that_are_not_utf8_are_rejected() {
     let column: ArrayRef = Arc::new(BinaryArray::from(vec![&b"ab"[..], b"\xff"]));
     assert!(values(&column).is_err_and(|error| error.to_string().contains("not UTF-8 text")));
 }

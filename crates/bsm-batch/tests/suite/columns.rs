@@ -182,7 +182,7 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
     // Regression test: the warm case of a row was rejected because of a conductance that its axis
-    // no longer used, and the results of the axis were not those of the warm axis.
+    // no longer used, and the axis results were calculated without the warm state.
     let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
@@ -314,14 +314,14 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
     assert!(answers.columns[0][0].is_nan());
 }
 
-/// If pushes between balls exceed the range of the model, a row must contain the results that are
-/// still valid, and a message with the reason why other results are missing.
+/// If the push forces between the balls exceed the range of the model, a row must contain the
+/// results that are still valid, and a message with the reason why other results are missing.
 #[test]
-fn row_message_explains_why_ball_pushes_prevent_a_torque() {
+fn row_message_explains_missing_torque_with_large_push_forces() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");
-    // The ball loads are up to 190 N; a push of 6 N is too large.
+    // The ball loads are up to 190 N, so a push force of 6 N is too large.
     let grid = grid(&["return_push_N=0:6:2"]);
     let outputs = outputs(&["friction_torque_Nm", "needed_gap_mm", "max_contact_load_N"]);
     let task = Task::over_grid(base, Settings::default(), outputs, None, &grid).expect("a task");
@@ -331,7 +331,7 @@ fn row_message_explains_why_ball_pushes_prevent_a_torque() {
     assert_eq!(row(1).collect::<Vec<_>>(), [false, true, true]);
     let [(1, message)] = &answers.messages[..] else { panic!("{:?}", answers.messages) };
     assert!(message.starts_with(
-        "nut: The friction torque with pushes between balls is not calculated: a push of"
+        "nut: The friction torque with push forces between the balls is not calculated: a push"
     ));
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }

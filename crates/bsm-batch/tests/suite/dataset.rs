@@ -332,7 +332,7 @@ fn a_table_solved_on_a_single_worker_is_bit_identical() {
 
 /// A table without rows must produce one part without rows, which Parquet readers can open.
 #[test]
-fn table_without_rows_becomes_one_part() {
+fn table_without_rows_produces_one_empty_part() {
     let folder = temporary_folder();
     let path = folder.path().join("points.csv");
     fs::write(&path, "axial_load_N\n").expect("writable");
@@ -351,7 +351,7 @@ fn table_without_rows_becomes_one_part() {
 
 /// A part that is solved in memory must have the same columns, types and values as the part file.
 #[test]
-fn a_part_in_memory_equals_the_part_in_the_folder() {
+fn part_solved_in_memory_equals_the_part_file() {
     let (points, folder) = (Points::Grid(grid()), temporary_folder());
     // The outputs include a text, a boolean, a count and a number.
     let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
@@ -431,7 +431,7 @@ fn part_file_that_is_not_in_the_plan_is_reported() {
 /// Regression test: `parts.parquet` used to be kept if it belonged to another folder or if a part
 /// was lost after `parts.parquet` had been written.
 #[test]
-fn repair_renews_or_removes_the_list_of_parts() {
+fn repair_rewrites_or_removes_the_list_of_parts() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
@@ -512,7 +512,7 @@ fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     assert!(files(&map) == expected);
     write("500:9001");
     let said = parts.points(None, &workers).expect_err("another table").to_string();
-    assert!(said.contains("is not the table of points of the plan"), "{said}");
+    assert!(said.contains("does not match the point table of the plan"), "{said}");
 }
 
 /// Damaged parts are replaced only on request. They do not prevent other parts from being solved.

@@ -395,7 +395,7 @@ fn outputs_without_a_buffer_are_returned_separately() {
 
 /// An output must not depend on which other outputs are requested.
 #[test]
-fn columns_do_not_depend_on_other_requested_outputs() {
+fn output_values_do_not_depend_on_other_requested_outputs() {
     let (base, everything) = (Case::default(), all_outputs());
     for settings in all_settings() {
         let (model, (chunk, columns)) =

@@ -1,4 +1,4 @@
-//! Tests of Parquet tables written by other programs. The usual codecs must be read and checksums
+//! Tests of Parquet tables written by other programs. The common codecs must be read and checksums
 //! verified. Unsupported tables, and tables that would need unlimited memory, must be rejected with
 //! a message.
 
@@ -31,7 +31,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-/// Numbers of the first input column and texts of the first copied column.
+/// Numbers in the first input column, and strings in the first copied column.
 type Rows = (Vec<f64>, Vec<String>);
 
 fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {

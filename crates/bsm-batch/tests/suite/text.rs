@@ -13,7 +13,7 @@ use bsm_batch::{
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, model::RacewayFriction};
 
-/// Copied texts and input cells of each row.
+/// Copied strings and input cells of each row.
 type Rows = Vec<(Vec<String>, Vec<Cell<'static>>)>;
 
 fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
@@ -95,7 +95,7 @@ fn a_quote_inside_a_cell_is_rejected() {
 }
 
 #[test]
-fn correct_quotes_are_read() {
+fn correctly_quoted_cells_are_parsed() {
     for (line, kept) in [
         ("5,\"a\"", "a"),
         ("5,\"\"", ""),

@@ -14,7 +14,7 @@ use crate::{
 };
 
 impl AnalysisKind {
-    /// All analyses.
+    /// All kinds of analyses.
     pub const ALL: [Self; 8] = [
         Self::Slip,
         Self::Jam,
@@ -48,7 +48,7 @@ impl AnalysisKind {
         Self::ROWS[self as usize].1
     }
 
-    /// Returns the numbers of the analysis as outputs.
+    /// Returns the output columns that the analysis calculates.
     pub fn columns(self) -> impl Iterator<Item = &'static Output> {
         self.quantities().iter().flat_map(|quantity| quantity.columns)
     }

@@ -70,12 +70,12 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression due to hindered growth reduces the critical speed, and a screw at rest has no value";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression due to constrained thermal expansion reduces the critical speed; empty for a screw at rest";
         nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
         critical_speed_warm_rpm ["rpm"] Scalar(|w| {
             let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
             Some(w.shaft()?.critical_speed_under(-compression) / RPM)
-        }), "critical speed of the screw, including compression due to hindered growth";
+        }), "critical speed of the screw, including compression due to constrained thermal expansion";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
@@ -93,7 +93,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
             let tension = w.pretension()?.tension(0.0);
             Some(w.shaft()?.critical_speed_under(tension) / RPM)
-        }), "critical speed with the tension of the cold screw, for information";
+        }), "critical speed with the tension of the cold screw; for information only";
         pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "smallest pretension that keeps the warm screw in tension between two fixed bearings";
         support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load plus pretension";
         support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load plus tension or compression";
@@ -108,7 +108,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the screw end at the motor, above the surroundings";
         end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other screw end, above the surroundings";
         steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "lower end of the steady-state temperature rise, due to the uncertainty of conductances and heat";
-        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper end of the steady-state temperature rise, including usual values of torques that are not given";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper end of the steady-state temperature rise, including typical values for missing torques";
         steady_temperature_time_s ["s" "tau"] Scalar(|w| {
             let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
             Some(warming_time(w.machine.screw?.0, transfer))
@@ -116,7 +116,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
             "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
-        free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not hindered by bearings";
+        free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not constrained by bearings";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "e_p (ISO 3408-3), permitted mean deviation of the travel over the useful travel";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
@@ -137,7 +137,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_film_W_m2K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.screw_film));
     }
     "nut and life" {
-        static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
+        static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor; the smaller of the values from the static load rating and from the most loaded ball";
         cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life under the cycle according to ISO 3408-5";
         cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life under the cycle according to ISO 3408-5";
         cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life under the cycle as travel in both directions";
@@ -182,7 +182,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that is returned to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
-            "friction torque of the preload to be measured; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
+            "friction torque to be measured for the preload; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
@@ -218,8 +218,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
         stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, including the motor";
         inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor";
-        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without motor power and brake";
-        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without motor power and brake";
+        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the falling load without motor power and brake";
+        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after the load has fallen over the stroke, without motor power and brake";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
             let turns = w.machine.nut_inertia.is_none();
             w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
@@ -395,7 +395,8 @@ const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 /// Effects that the calculation of an axis always neglects.
 const NOT_MODELED: [&str; 4] = [
     "vibration and control of the axis, and shocks beyond load_factor",
-    "bending of the screw by its weight; deformation of the frame; misalignment unless it is given",
+    "bending of the screw under its own weight; deformation of the frame; misalignment, unless it \
+     is given",
     "compliance of brackets beyond housing_stiffness_N_um; twist of the screw, which can exceed the axial displacement at large leads",
     "wear, the torque to start from rest, and jerk",
 ];
@@ -423,7 +424,7 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
         (None, _) => {
             "ball returns and ball-to-ball contact, which only the manufacturers' rule for the preload includes"
         }
-        // The torque of a preloaded nut is calculated with all its balls.
+        // The torque of a preloaded nut is calculated from the friction of all its balls.
         (Some(_), true) => {
             "ball returns beyond return_push_N and its causes, which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
@@ -473,7 +474,7 @@ impl AxisReport {
 
     /// Adds the 90 % intervals over the possible grooves. A rule that fails for the best estimate of the groove may then be undecided.
     ///
-    /// * `answer`: answers the case with one of the possible grooves.
+    /// * `answer`: function that calculates the answer for a case with one of the possible grooves.
     #[must_use]
     pub(crate) fn over_grooves(mut self, answer: impl Fn(&Case) -> Option<Answer> + Sync) -> Self {
         self.answer = self.answer.over_grooves(&self.case, FEW_DRAWS, answer);

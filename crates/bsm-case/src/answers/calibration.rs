@@ -68,7 +68,7 @@ impl MeasurementError {
         found.ok_or_else(|| bad("errors", format!("is {name}, but must be relative or absolute")))
     }
 
-    /// Returns the error by which the residual of a measured value is divided.
+    /// Returns the measurement error by which the residual of a measured value is divided.
     fn of(self, output: &Output, value: f64) -> Result<f64, CaseError> {
         match self {
             Self::Absolute => Ok(1.0),
@@ -109,8 +109,8 @@ const REACH_STEPS: u32 = 8;
 pub enum NoFit {
     /// The search ended without a result, for one of the reasons in the message.
     #[error(
-        "a point has no solution for values that the search tries, or the search does not converge; give narrower ranges for \
-         the inputs"
+        "a point has no solution for some of the tried values, or the search does not converge; \
+         give narrower ranges for the inputs"
     )]
     Lost,
     /// The sum of the squared residuals is not finite.
@@ -135,7 +135,7 @@ pub struct HeldInput {
     at: f64,
     /// Search range of the input.
     range: (f64, f64),
-    /// Smallest and largest output over all points and this range.
+    /// Smallest and largest output over all points and over the search range of the input.
     reachable: Option<(f64, f64)>,
 }
 

@@ -50,7 +50,7 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         }
     }
     if answers.is_empty() {
-        // If the cheapest model, which needs the fewest inputs, lacks inputs, all models do.
+        // If the model that needs the fewest inputs lacks some of them, no model can be solved.
         case.choose(ModelChoice::Fixed(Model::ClosedForm))?;
     }
     // Only models of rolling balls contribute warnings. The table shows where the models with

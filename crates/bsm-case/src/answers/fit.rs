@@ -193,9 +193,9 @@ fn range_of(
 pub struct FittedInput {
     /// Name of the input, which may have another unit.
     pub name: String,
-    /// Search range in the unit of the name. The default for a friction coefficient is 1e-4 to 0.5.
-    /// The default for other inputs is relative to the value in the case: 0.01 to 100 for a single
-    /// measured value, and 0.25 to 4 for a table of points.
+    /// Search range, in the unit with which the name of the input ends. The default for a friction
+    /// coefficient is 1e-4 to 0.5. The default for other inputs is relative to the value in the
+    /// case: 0.01 to 100 for a single measured value, and 0.25 to 4 for a table of points.
     pub range: Option<(f64, f64)>,
 }
 
@@ -243,7 +243,7 @@ impl FittedInput {
 pub struct Measurement {
     /// Name of the output, which may have another unit.
     pub name: String,
-    /// Measured value in the unit of the name.
+    /// Measured value, in the unit with which the name of the output ends.
     pub value: f64,
 }
 
@@ -288,7 +288,7 @@ impl Fit {
         Self::with(case, input, measurement.target()?)
     }
 
-    /// Works like [`new`](Self::new), but takes texts in the forms of [`FittedInput::parse`] and
+    /// Works like [`new`](Self::new), but takes strings in the forms of [`FittedInput::parse`] and
     /// [`Measurement::parse`].
     ///
     /// # Errors

@@ -456,7 +456,7 @@ impl Table {
     }
 }
 
-/// Returns the row for the same quantity as `row`.
+/// Returns the row with the same quantity as `row`.
 fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
@@ -478,7 +478,7 @@ fn interval_of(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
 }
 
 impl Criterion {
-    /// Returns the same rule in another answer.
+    /// Returns the rule with the same title and number in another answer.
     fn same_in<'a>(&self, answer: &'a Answer) -> Option<&'a Self> {
         answer.rules.iter().find(|own| (own.title, own.name) == (self.title, self.name))
     }

@@ -24,7 +24,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{Answer, Case, CaseError, InputKey, output};
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
-    "contact state, elastic and permanent" {
+    "elastic deformation and permanent set of the contacts" {
         load_with_permanent_set_N ["N"] Contacts(|j| Some(j.permanent.as_ref()?.set.loads)) needs [nut_conformity, screw_conformity], "normal load per ball";
         angle_with_permanent_set_deg ["deg"] Contacts(|j| Some(j.permanent.as_ref()?.set.angles.map(|a| a / DEG))) needs [nut_conformity, screw_conformity], "contact angle";
         elastic_approach_um ["um"] Contacts(|j| Some(j.permanent.as_ref()?.set.elastic.map(|d| d / UM))) needs [nut_conformity, screw_conformity], "elastic approach";
@@ -69,13 +69,13 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
     "self-locking" {
         locking_friction_coefficient [""] Scalar(|j| Some(j.locking()?.1)),
-            "friction coefficient for self-locking in the direction of drive, with the contact angles under load";
+            "friction coefficient for self-locking in the drive direction, at the contact angles under load";
         locking_margin [""] Scalar(|j| Some(j.locking()?.1 / j.friction.rest).filter(|x| x.is_finite())),
             "self-locking margin: friction coefficient for self-locking / friction coefficient";
         self_locking_under_load [""] Statement(|j| {
             let (direction, _) = j.locking()?;
             Some(j.angles().self_locking(direction, j.friction.rest))
-        }), "true if the screw is self-locking in its direction of drive, with the contact angles under load";
+        }), "true if the screw is self-locking in its drive direction, at the contact angles under load";
     }
     "ball return" {
         approach_speed_m_s ["m/s"] Scalar(|j| j.ball_return.speed), "speed of the ball at the ball return";
@@ -87,14 +87,14 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
             "thrust behind / thrust ahead of a ball at the step into the return";
         entry_thrust_N ["N"] Scalar(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
-            "thrust at the step into the return, with a ball at the apex ahead";
+            "thrust at the step into the return while the ball ahead is at the apex";
         screw_track_friction_N ["N"] Scalar(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
-            "track friction of one turn in steady motion, at the screw (as published)";
+            "friction along the track between the screw and one turn of balls in steady motion (as published)";
         weaker_track_friction_N ["N"] Scalar(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
-            "track friction of one turn in steady motion, at the contact with less friction";
+            "friction along the track of one turn of balls in steady motion, at the contact with less friction";
         stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
-            "track friction of one turn with stationary balls, at the screw";
+            "friction along the track between the screw and one turn of stationary balls";
         ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
         published_margin [""] Scalar(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction / thrust in steady motion, at the screw (as published)";
@@ -197,7 +197,7 @@ pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
         Some(_) => Vec::new(),
-        None => vec![lacks_ellipses("contact state and wedge angle", solution.model)],
+        None => vec![lacks_ellipses("deformation of the contacts and wedge angle", solution.model)],
     };
     let numbers = read(&jam, |_| true).finite()?;
     let words = [

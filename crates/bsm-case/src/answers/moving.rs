@@ -23,8 +23,8 @@ pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string="
 /// Creates the answer of an analysis of a solved motion.
 ///
 /// * `quantities`: quantities that the analysis can calculate.
-/// * `verdicts`: names and texts of the true-or-false statements.
-/// * `lacks`: parts of the analysis that are omitted, in addition to those with missing inputs.
+/// * `verdicts`: names and wordings of the true-or-false statements.
+/// * `lacks`: parts of the analysis that are omitted for other reasons than missing inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
     case: &Case,

@@ -1,4 +1,4 @@
-//! Results for a nut under load: numbers, texts, the loads of all balls, and the load-displacement
+//! Results for a nut under load: numbers, notes, the loads of all balls, and the load-displacement
 //! curve.
 
 use std::cell::OnceCell;
@@ -103,7 +103,7 @@ struct BallFriction {
     onset: Option<f64>,
     /// Reason why the model has no solution for one of the balls.
     why: Option<String>,
-    /// Pushes between the balls; `None` if no gap is given.
+    /// Push forces between the balls; `None` if no ball gap is given.
     pushed: Option<TrainResult>,
 }
 
@@ -149,7 +149,7 @@ impl NutReport {
         self.advance.get_or_init(|| self.advance_of(self.ball_friction()?)).as_ref()
     }
 
-    /// Returns the pushes between the balls, or `None` if no gap is given.
+    /// Returns the push forces between the balls, or `None` if no ball gap is given.
     fn pushed(&self) -> Option<&TrainResult> {
         self.ball_friction()?.pushed.as_ref()
     }
@@ -159,7 +159,7 @@ impl NutReport {
     }
 
     /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\], or
-    /// `None` if pushes between balls are calculated.
+    /// `None` if push forces between the balls are calculated.
     fn reverse_torque(&self) -> Option<f64> {
         let work_out = || {
             let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
@@ -234,8 +234,8 @@ impl NutReport {
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
-    /// Returns the share of the third contacts in the friction torque of all balls, without pushes
-    /// between balls.
+    /// Returns the share of the third contacts in the friction torque of all balls, without push
+    /// forces between the balls.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
         Some(torque / lasting(self.friction()?.parts?.torque)?)
@@ -391,9 +391,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
-            "torque of ball-to-ball contact if every contact carries a push of 3 % of the ball load; 0 if the gaps are sufficient";
-        contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without pushes";
-        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of contacts between balls that carry a push";
+            "torque of ball-to-ball contact if every contact transmits a force of 3 % of the ball load; 0 if the gaps are sufficient";
+        contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without forces between balls";
+        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
         idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "idle balls, which are moved without a load";
         blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "blocked balls, whose rotation is stopped by neighboring balls";
@@ -416,8 +416,8 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         screw_minus_deg ["deg"] Scalar(|b| b.angle(3)), "contact angle at the other flank of the screw";
         max_pressure_MPa ["MPa"] Scalar(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
         outwards_um ["um"] Scalar(|b| b.outwards / UM), "displacement away from the axis";
-        friction_torque_Nm ["N m"] Scalar(|b| b.torque), "friction torque, without pushes of other balls";
-        free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut / relative speed, without pushes of other balls";
+        friction_torque_Nm ["N m"] Scalar(|b| b.torque), "friction torque, without forces from other balls";
+        free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut / relative speed, without forces from other balls";
         rate [""] Scalar(|b| Some(b.pushed?.rate)), "precession relative to the nut / relative speed";
         advance_mm ["mm"] Scalar(|b| Some(b.advance?.advance / MM)), "advance of the free ball relative to a uniformly turning cage";
         gap_to_next_mm ["mm"] Scalar(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
@@ -500,8 +500,9 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
-        "The friction torque of the preload to be measured is {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, \
-         without wipers{with_seals}. The starting torque is usually 1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
+        "The friction torque to be measured for the preload is {torque:.3} N m ({tolerance}) at \
+         100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
+         1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
     )
 }
 
@@ -655,7 +656,7 @@ impl NutProblem {
         Some(BallFriction { friction, models, onset, why, pushed: None })
     }
 
-    /// Returns the source of friction for an oil temperature \[K\].
+    /// Returns the friction data of the balls at an oil temperature \[K\].
     fn source_at(&self, oil: f64) -> Option<FrictionSource> {
         let mut source = self.friction.as_ref()?.0;
         if let FrictionSource::Lubricant(lubricant) = &mut source {
@@ -821,8 +822,8 @@ impl NutReport {
                 if friction.on_both_flanks > 0 && self.is_lubricated() =>
             {
                 notes.push(format!(
-                    "The torque is not calculated, because {} of {} balls press both flanks, where friction from a lubricant is unknown. \
-                     Give friction_coefficient.",
+                    "The torque is not calculated, because {} of {} balls press against both \
+                     flanks, where friction from a lubricant is unknown. Give friction_coefficient.",
                     friction.on_both_flanks,
                     self.found().balls.len()
                 ));
@@ -904,17 +905,19 @@ impl NutReport {
         Some(match preload.map(|preload| preload.by) {
             Some(PreloadKind::Oversize) => {
                 format!(
-                    "{assumed} Oversize balls have no play, because all four flanks press them."
+                    "{assumed} Oversize balls have no play, because all four flanks press against \
+                     them."
                 )
             }
             Some(PreloadKind::Offset) => format!(
-                "{assumed} The balls of the pair are assumed to have two contacts, as with a wide play, because no published \
-                 source states the play of the nuts of a pair. running_preload_torque_factor_without_play is the value \
-                 without play."
+                "{assumed} The balls of the pair are assumed to have two contacts, as with a large \
+                 play, because no published source states the play of the nuts of a pair. \
+                 running_preload_torque_factor_without_play is the value without play."
             ),
             None => format!(
-                "{assumed} The balls are assumed to have two contacts, as with a wide play, because no published source \
-                 states a usual play. THK limits the axial play to 5 um (class GT) to 50 um (class G3)."
+                "{assumed} The balls are assumed to have two contacts, as with a large play, \
+                 because no published source states a typical play. THK limits the axial play to 5 \
+                 um (class GT) to 50 um (class G3)."
             ),
         })
     }

@@ -57,45 +57,45 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
     "thread" {
         clearance_per_turn_mm ["mm"] Scalar(|r| r.nut.ball_gap() / MM), "total ball clearance per turn";
         nut_groove_radius_mm ["mm" "r_n"] Scalar(|r| r.thread.nut.radius / MM),
-            "groove radius, nut";
+            "groove radius of the nut";
         screw_groove_radius_mm ["mm" "r_s"] Scalar(|r| r.thread.screw.radius / MM),
-            "groove radius, screw";
+            "groove radius of the screw";
         nut_groove_offset_mm ["mm"] Scalar(|r| r.thread.nut.offset / MM),
-            "distance of the arc centers from the middle of the groove, nut";
+            "distance of the arc centers from the middle of the nut groove";
         screw_groove_offset_mm ["mm"] Scalar(|r| r.thread.screw.offset / MM),
-            "distance of the arc centers from the middle of the groove, screw";
+            "distance of the arc centers from the middle of the screw groove";
         nut_core_diameter_mm ["mm"] Scalar(|r| r.thread.nut.core / MM),
             "calculated core diameter of the nut; at the bottom of the complete groove arcs";
         screw_core_diameter_mm ["mm" "d_2"] Scalar(|r| r.thread.screw.core / MM),
             "calculated core diameter of the screw; at the bottom of the complete groove arcs";
         nut_root_diameter_mm ["mm"] Scalar(|r| r.thread.nut.root / MM),
-            "root diameter, where the two arcs meet, nut";
+            "root diameter of the nut, where the two groove arcs meet";
         screw_root_diameter_mm ["mm"] Scalar(|r| r.thread.screw.root / MM),
-            "root diameter, where the two arcs meet, screw";
+            "root diameter of the screw, where the two groove arcs meet";
     }
     "steps" {
         nut_edge_angle_deg ["deg"] Scalar(|r| r.thread.nut.edge / DEG),
-            "angle from the radial direction at which the groove ends, nut";
+            "angle from the radial direction at which the nut groove ends";
         screw_edge_angle_deg ["deg"] Scalar(|r| r.thread.screw.edge / DEG),
-            "angle from the radial direction at which the groove ends, screw";
+            "angle from the radial direction at which the screw groove ends";
         nut_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.nut.section() / (MM * MM)),
-            "cross-sectional area of the groove, nut";
+            "cross-sectional area of the nut groove";
         screw_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.screw.section() / (MM * MM)),
-            "cross-sectional area of the groove, screw";
+            "cross-sectional area of the screw groove";
         gamma ["" "gamma"] Scalar(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle / pitch circle diameter";
         f_c ["" "f_c"] Scalar(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
         C_s_N ["N" "C_s"] Scalar(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
         C_s_over_C_n ["" "C_s/C_n"] Scalar(|r| r.dynamic.ratio), "dynamic load rating of the screw / dynamic load rating of the nut";
         C_i_N ["N" "C_i"] Scalar(|r| r.dynamic.turn), "dynamic load rating of a turn";
         screw_curvature_along_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.longitudinal * MM),
-            "relative curvature along the track of the screw, for the static load rating";
+            "relative curvature along the screw track, for the static load rating";
         screw_curvature_across_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.transverse * MM),
-            "relative curvature across the groove of the screw, for the static load rating";
+            "relative curvature across the screw groove, for the static load rating";
         k_0_N_mm2 ["N/mm2" "k_0"] Scalar(|r| r.static_rating.factor), "static load of a ball / square of the ball diameter";
         nut_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[0].compliance / UM),
-            "Hertz approach at unit load, nut";
+            "Hertz approach at the nut under unit load";
         screw_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[1].compliance / UM),
-            "Hertz approach at unit load, screw";
+            "Hertz approach at the screw under unit load";
     }
 }
 

@@ -146,7 +146,7 @@ impl Record {
         })
     }
 
-    /// Explains the choice of the model, if model `auto` chose it.
+    /// Explains why model `auto` chose the model, if `auto` was requested.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
@@ -589,9 +589,9 @@ pub(crate) fn message(reason: &Reason) -> String {
             control.name()
         ),
         Reason::SlipAlongFriction { slip } => format!(
-            "no skidding ball is in equilibrium with friction against the slip at both contacts; \
-             without inertia, the slip at the nut would be {slip:.3e} r_b |W|. The balls roll here; \
-             use model traction"
+            "a skidding ball cannot be in equilibrium here if friction opposes the slip at both \
+             contacts; without inertia, the slip at the nut would be {slip:.3e} r_b |W|. The balls \
+             roll here; use model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
             "inertia forces / axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
@@ -631,7 +631,8 @@ pub(crate) fn message(reason: &Reason) -> String {
                 .to_owned()
         }
         Reason::NoRelativeSpeed => {
-            "screw_speed_rpm - nut_speed_rpm must not be 0: nothing moves".to_owned()
+            "screw_speed_rpm and nut_speed_rpm must differ: at equal speeds, the balls do not move"
+                .to_owned()
         }
         Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"

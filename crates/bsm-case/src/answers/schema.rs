@@ -66,7 +66,7 @@ pub fn input_schema() -> Value {
 /// Returns the schema of a result.
 pub fn output_schema() -> Value {
     let of_the_solve = json!({
-        "model": { "type": "string", "description": "the model that was solved" },
+        "model": { "type": "string", "description": "model that calculated the result" },
         "status": {
             "enum": ["converged", "no_solution", "not_converged", "invalid_input"],
             "description": "result of the solve",

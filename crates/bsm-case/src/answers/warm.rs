@@ -121,7 +121,8 @@ const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_
 /// exists under some assumptions.
 ///
 /// If the axis runs away thermally or becomes too hot, all numbers increase, except that the screw
-/// tension decreases. If the branch of states ends for another reason, both bounds are unknown.
+/// tension decreases. If no further steady state can be found for another reason, both bounds are
+/// unknown.
 fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
@@ -206,20 +207,23 @@ impl Warm {
             );
         }
         if state.steady.on_jump {
-            let what = "The friction of some balls jumps at the warm state, because the controlling raceway or the model changes \
-                        there. The calculated state uses the friction on one side of the jump.";
+            let what = "The friction of some balls is discontinuous at the warm state, because the \
+                        controlling raceway or the model changes there. The calculated state uses \
+                        the friction on one side of the jump.";
             notes.push(what.to_owned());
         }
         let Some(band) = &state.band else { return notes };
         if let Some(why) = &band.none_complete {
             notes.push(format!(
-                "With usual torques of the seals and support bearings that are not given, the axis {why}."
+                "With typical values for the missing seal and support bearing torques, the axis {why}."
             ));
         }
         if let (None, Some(search)) = (&self.fold, self.search) {
             notes.push(match &self.end {
                 Some(why) => format!("The warm state has no fold: {why}"),
-                None => format!("The warm state has no fold up to {search} times the speeds."),
+                None => format!(
+                    "The search up to {search} times the speeds found no fold of the warm state."
+                ),
             });
         }
         for (guess, factor, why) in &band.none {
@@ -228,7 +232,8 @@ impl Warm {
             notes.push(format!("{why} if {} {times} times {way}", guess.clause()));
         }
         if !band.none.is_empty() {
-            let what = "The band has no end (null) on the side on which no steady state exists.";
+            let what =
+                "The uncertainty band is open (null) on the side where no steady state exists.";
             notes.push(what.to_owned());
         }
         notes
@@ -259,7 +264,7 @@ impl Warm {
 #[derive(Debug, Clone)]
 #[expect(
     non_snake_case,
-    reason = "the names end with symbols of units, some of which are capital letters"
+    reason = "the names end with unit symbols, some of which are capital letters"
 )]
 pub struct WarmBranch {
     /// States in the order in which the branch passes through them.
@@ -274,7 +279,7 @@ pub struct WarmBranch {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(
     non_snake_case,
-    reason = "the names end with symbols of units, some of which are capital letters"
+    reason = "the names end with unit symbols, some of which are capital letters"
 )]
 pub struct WarmPoint {
     /// Largest screw speed \[rpm\].
@@ -297,7 +302,7 @@ impl WarmBranch {
     /// exists at low speed.
     #[expect(
         non_snake_case,
-        reason = "the names end with symbols of units, some of which are capital letters"
+        reason = "the names end with unit symbols, some of which are capital letters"
     )]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {

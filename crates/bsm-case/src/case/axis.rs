@@ -181,8 +181,8 @@ impl Machine {
     /// Calculates the axis of a case. The preload is not included, because it is determined by the
     /// nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        // The process force may be zero or act in the direction of the feed, so its usual rule is
-        // not checked.
+        // The process force may be zero or act in the direction of the feed, so the rule for this
+        // input is not checked.
         case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
         let driven = driven_part(case)?;
         let (groove, RatedScrew { screw: size, body, mut assumed }, warning) = screw_and_nut(case)?;

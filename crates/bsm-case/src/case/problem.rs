@@ -331,7 +331,7 @@ pub(crate) fn has_lubricant(model: Model) -> bool {
 impl ModelChoice {
     /// Chooses the model for points with the inputs `given`. A fixed model is returned unchanged.
     ///
-    /// With a lubricant or a play, `auto` becomes `traction`. Otherwise `auto` is kept if the
+    /// With a lubricant or with play, `auto` becomes `traction`. Otherwise `auto` is kept if the
     /// inputs of `raceway-control` are given, because they are required to estimate the error of a
     /// model. If they are not given, `auto` becomes the most complete model that the inputs permit.
     ///
@@ -339,9 +339,9 @@ impl ModelChoice {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::Entry`] if even the cheapest model lacks inputs, the error of `covers`
-    /// for a fixed model, and [`CaseError::Invalid`] if friction is given twice or in a form that
-    /// the model does not support.
+    /// Returns [`CaseError::Entry`] if even the model with the fewest inputs lacks inputs, the
+    /// error of `covers` for a fixed model, and [`CaseError::Invalid`] if friction is given twice
+    /// or in a form that the model does not support.
     pub fn resolve(
         self,
         given: InputSet,
@@ -357,8 +357,8 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // With a play, friction determines which flanks are in contact, so the error of a
-            // cheaper model is unknown.
+            // If there is play, friction determines which flanks are in contact, so the error of a
+            // less expensive model is unknown.
             Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),

@@ -184,7 +184,7 @@ impl RequirementFile {
 #[derive(Default)]
 struct RequirementKeys {
     case: Case,
-    /// Numbers and texts of keys that occur only in requirements.
+    /// Numbers and strings of keys that occur only in requirements.
     own: Map<String, Value>,
     /// Names of the quantities that have been given so far.
     given: GivenNames,
@@ -341,7 +341,7 @@ impl RequirementKeys {
         if !case.given().has_friction() {
             case.friction_coefficient = Some(usual);
             notes.push(format!(
-                "friction_coefficient = {usual} is assumed; usual values are {low} to {high}."
+                "friction_coefficient = {usual} is assumed; typical values are {low} to {high}."
             ));
         }
         let motion = Cycle::of(&case)?;

@@ -15,7 +15,7 @@ use crate::{Case, CaseError, InputKey};
 /// Default temperature of the surrounding air \[°C\].
 const AIR: f64 = 20.0;
 
-/// Usual torques of the seals and of all support bearings of a screw with [`USUAL_DIAMETER`]
+/// Typical torques of the seals and of all support bearings of a screw with [`USUAL_DIAMETER`]
 /// \[N·m\]. For other screws, the torques are proportional to the square of the diameter.
 const USUAL_TORQUES: (f64, f64) = (0.2, 0.3);
 const USUAL_DIAMETER: f64 = 0.040;
@@ -37,7 +37,7 @@ pub(crate) fn bed_over_set(case: &Case) -> f64 {
     given.map_or(air_over_set(case), |celsius| celsius + ZERO_CELSIUS - set_temperature(case))
 }
 
-/// Returns the usual torques of the seals and of all support bearings \[N·m\], with 0 for a torque
+/// Returns typical torques of the seals and of all support bearings \[N·m\], with 0 for a torque
 /// that the case contains.
 ///
 /// * `nominal`: nominal diameter of the screw \[m\].

@@ -56,7 +56,7 @@ pub enum Content {
         /// Names of the numbers to which no error bound applies.
         unbounded: Vec<&'static str>,
     },
-    /// Rows of numbers and texts.
+    /// A table with rows of numbers and strings.
     Table(Table),
     /// A label, followed by an optional short text.
     Text(&'static str, Option<String>),

@@ -59,7 +59,7 @@ pub struct DisplayUnit {
 }
 
 impl DisplayUnit {
-    /// Displays numbers in the unit of the vocabulary.
+    /// Creates a display unit that is the same as the unit of the vocabulary.
     ///
     /// * `unit`: the unit as text.
     pub const fn own(unit: &'static str) -> Self {
@@ -76,12 +76,12 @@ impl DisplayUnit {
         self.other.is_none()
     }
 
-    /// Converts a number of the vocabulary.
+    /// Converts a number from the unit of the vocabulary to the displayed unit.
     pub fn value(self, value: f64) -> f64 {
         self.other.map_or(value, |(.., change)| change.back(value))
     }
 
-    /// Converts both ends of an interval.
+    /// Converts both ends of an interval from the unit of the vocabulary to the displayed unit.
     pub fn band(self, band: Option<Band>) -> Option<Band> {
         band.map(|Band { low, high }| Band { low: self.value(low), high: self.value(high) })
     }
@@ -328,7 +328,7 @@ mod tests {
 
     /// Each counterpart has the correct size. The expected values were calculated by hand.
     #[test]
-    fn units_have_their_counterparts() {
+    fn inch_counterparts_of_units_have_the_correct_size() {
         for (own, text) in INCH {
             assert!(counterpart(own, text).is_some(), "{own} {text}");
         }
@@ -354,7 +354,7 @@ mod tests {
         assert_eq!(label, "axial load, klbf");
     }
 
-    /// A column in another unit than the one of the display has the text of its own unit.
+    /// A column that is requested in its own unit states this unit instead of the display unit.
     #[test]
     fn selected_columns_have_the_unit_of_their_name() {
         let heads = [
@@ -382,7 +382,7 @@ mod tests {
 
     /// A table can contain -0, which stays -0 in every unit without an offset.
     #[test]
-    fn columns_keep_the_sign_of_zero() {
+    fn unit_conversion_keeps_the_sign_of_zero() {
         let heads = [("axial_load_N".to_owned(), "N")];
         for display in [DisplayUnits::Metric, DisplayUnits::Inch] {
             let columns = ShownColumn::select(&heads, None, display).expect("columns");

@@ -1,4 +1,4 @@
-//! Inputs of a case that are not numbers: lists, objects, texts and flags of its nut, axis and
+//! Inputs of a case that are not numbers: lists, objects, strings and flags of its nut, axis and
 //! lubricant.
 
 use std::borrow::Cow;
@@ -64,13 +64,13 @@ macro_rules! entries {
 }
 
 entries! {
-    project: String, "project, printed in the head of the sheet of `axis`";
-    drawing: String, "number of the drawing, printed in the head of the sheet";
-    revision: String, "revision, printed in the head of the sheet";
-    author: String, "author, printed in the head of the sheet";
-    date: String, "date, printed as given in the head of the sheet";
-    customer: String, "customer, printed in the head of the sheet";
-    remark: String, "remark, printed in the head of the sheet";
+    project: String, "project, printed in the header of the sheet of `axis`";
+    drawing: String, "drawing number, printed in the header of the sheet";
+    revision: String, "revision, printed in the header of the sheet";
+    author: String, "author, printed in the header of the sheet";
+    date: String, "date, printed as given in the header of the sheet";
+    customer: String, "customer, printed in the header of the sheet";
+    remark: String, "remark, printed in the header of the sheet";
     manufacturer: String, "manufacturer of the screw, for the order on the sheet";
     order_code: String, "order code of the screw or the nut, for the order on the sheet";
     display_units: Named<DisplayUnits>,
@@ -88,7 +88,7 @@ entries! {
     screw_torsion: bool,
         "true: the torque of the balls twists the screw up to screw_anchor";
     preload_by: Named<PreloadMethod>,
-        "preload method of a nut: pair (two nuts against each other); offset (a shifted lead within one nut, which acts as a pair); oversize (balls that press both flanks). Defaults to oversize if circuits has a single nut body, else to pair";
+        "preload method of a nut: pair (two nuts against each other); offset (a shifted lead within one nut, which acts as a pair); oversize (balls that press against both flanks). Defaults to oversize if circuits has a single nut body, else to pair";
     preload_class: ClassName,
         "preload class for `axis` and `select`, which replaces preload_N: auto (the smallest preload at which no nut unloads under the largest load); or a class of manufacturers: Z, G0 to G3, GT, P0 to P4, Z0 to Z3";
     preload_arrangement: Named<Arrangement>,
@@ -215,7 +215,7 @@ pub struct CircuitEntry {
 /// A row of the torque-speed curve of a motor.
 #[expect(
     non_snake_case,
-    reason = "the names end with symbols of units, some of which are capital letters"
+    reason = "the names end with unit symbols, some of which are capital letters"
 )]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -89,15 +89,15 @@ pub enum CaseError {
 /// Kinds of names that a message can describe as unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
-    /// Inputs of a case.
+    /// Names of the inputs of a case.
     Input,
-    /// Lists of the catalog.
+    /// Names of the lists that a catalog contains.
     List,
-    /// Columns of the catalog.
+    /// Names of the columns in a list of nuts.
     Column,
-    /// Keys of a requirement.
+    /// Names of the keys of a requirement.
     Requirement,
-    /// Numeric outputs.
+    /// Names of the numeric outputs.
     Output,
 }
 
@@ -178,7 +178,7 @@ impl CaseError {
     /// most similar known value.
     ///
     /// * `key`: name of the option.
-    /// * `kind`: what the values are.
+    /// * `kind`: noun that describes the values in the message, such as "model".
     pub(crate) fn unknown_word(key: &str, kind: &str, name: &str, known: &[&str]) -> Self {
         let near = nearest(name, known.iter().copied());
         let hint =

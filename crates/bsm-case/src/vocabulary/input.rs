@@ -22,7 +22,7 @@ pub enum Rule {
     Above(f64),
     /// Greater than or equal to this bound.
     AtLeast(f64),
-    /// Strictly between these bounds.
+    /// Strictly between these two bounds.
     Between(f64, f64),
     /// Between these bounds or equal to one of them.
     Within(f64, f64),
@@ -107,7 +107,7 @@ macro_rules! inputs {
         /// An operating point, given by named inputs with units. All inputs are optional. Each
         /// model states which inputs it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
-        #[expect(non_snake_case, reason = "the names end with symbols of units, some of which are capital letters")]
+        #[expect(non_snake_case, reason = "the names end with unit symbols, some of which are capital letters")]
         pub struct Case {
             /// Description of the case as free text.
             pub description: Option<String>,
@@ -277,7 +277,7 @@ inputs! {
     }
     "operating point" {
         screw_speed_rpm ["rpm" "n"] Any, None,
-            "speed of the screw about the axis; a positive difference between screw speed and nut speed means that the drive works against the load, and a negative difference that the load drives";
+            "speed of the screw about the axis; a positive difference between screw speed and nut speed means that the drive works against the load, and a negative difference means that the load drives the screw";
         feed_m_min ["m/min"] Any, None,
             "velocity of the nut along the screw; replaces screw_speed_rpm and requires the lead";
         nut_speed_rpm ["rpm"] Any, Some(0.0),
@@ -297,7 +297,7 @@ inputs! {
         preload_offset_um ["um"] Any, None,
             "axial offset of the two nuts of a pair relative to each other; replaces preload_N. A positive offset pulls the nuts together (X arrangement), and a negative offset pushes them apart (O arrangement)";
         ball_oversize_um ["um"] Any, None,
-            "oversize of all balls relative to the diameter at which they just touch both flanks of a nut; a negative value is a play";
+            "oversize of all balls relative to the diameter at which they just touch both flanks of a nut; a negative value means play";
         ball_deviation_sd_um ["um"] AtLeast(0.0), None,
             "standard deviation of the ball diameters of a nut; the diameters are drawn at random with seed";
         seed [""] Whole(0.0), Some(0.0),
@@ -315,7 +315,7 @@ inputs! {
         phase_deg ["deg"] Any, Some(0.0),
             "angle along the helix by which each circuit is shifted relative to the previous circuit, in addition to arc and gap";
         radial_gap_um ["um"] Any, None,
-            "radial gap between the grooves of nut and screw; defaults to 0. It increases the contact angle at first touch and, like axial_play_um, is a play of the gothic arches";
+            "radial gap between the grooves of nut and screw; defaults to 0. It increases the contact angle at first touch and, like axial_play_um, counts as play of the gothic arches";
         ball_gap_mm ["mm"] Above(0.0), None,
             "sum of all gaps between the balls in the loaded part of a circuit, along the helix; if it is given, the forces between touching balls are calculated. Each entry of circuits may have its own value";
         spacer_thickness_mm ["mm"] AtLeast(0.0), Some(0.0),
@@ -349,13 +349,13 @@ inputs! {
         tilt_y_urad ["urad"] Any, None,
             "misalignment: prescribed tilt of the nut about y";
         guide_x_N_um ["N/um"] Above(0.0), None,
-            "stiffness of the guides of the nut against lateral motion along x";
+            "lateral stiffness of the nut guides along x";
         guide_y_N_um ["N/um"] Above(0.0), None,
-            "stiffness of the guides of the nut against lateral motion along y";
+            "lateral stiffness of the nut guides along y";
         guide_tilt_x_Nm_mrad ["N m/mrad"] Above(0.0), None,
-            "stiffness of the guides of the nut against tilt about x";
+            "tilting stiffness of the nut guides about x";
         guide_tilt_y_Nm_mrad ["N m/mrad"] Above(0.0), None,
-            "stiffness of the guides of the nut against tilt about y";
+            "tilting stiffness of the nut guides about y";
         nut_anchor_z_mm ["mm"] Any, None,
             "position on the axis at which the force leaves the nut; alternative: nut_anchor";
         screw_anchor_z_mm ["mm"] Any, None,
@@ -385,7 +385,7 @@ inputs! {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
             "radial distance between the groove bottoms of nut and screw; equals half the difference of their core diameters. It replaces contact_angle_deg in load ratings";
         axial_play_um ["um"] AtLeast(0.0), None,
-            "axial play of one nut without preload; below the threshold play, balls also touch a far flank. With a play of 0, balls at rest touch the gothic arch at four points. If neither axial_play_um nor radial_gap_um is given, the thread has no play, oversize balls have four contacts, and other balls have two contacts as with a wide play, because no published source states a usual play";
+            "axial play of one nut without preload; below the threshold play, balls also touch a far flank. With a play of 0, balls at rest touch the gothic arch at four points. If neither axial_play_um nor radial_gap_um is given, the thread has no play, oversize balls have four contacts, and other balls have two contacts as with a large play, because no published source states a typical play";
         nut_bore_mm ["mm"] Above(0.0), None,
             "inner diameter of the nut at its lands; used for its mass and the ends of its flanks. Defaults to the pitch circle diameter plus 1.5 mm, or plus half a ball diameter for balls below 3 mm";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
@@ -427,9 +427,9 @@ inputs! {
         ball_roughness_um ["um"] Above(0.0), Some(0.02),
             "root mean square roughness of the balls; 1.25 times the arithmetic mean, usually 0.01 to 0.03";
         nut_roughness_um ["um"] Above(0.0), Some(0.2),
-            "root mean square roughness of the groove of the nut; 0.1 to 0.3 if ground, half of this value after running-in";
+            "root mean square roughness of the nut groove; 0.1 to 0.3 if ground, half of this value after running-in";
         screw_roughness_um ["um"] Above(0.0), Some(0.2),
-            "root mean square roughness of the groove of the screw; 0.1 to 0.3 if ground, half of this value after running-in, 0.3 to 0.6 if rolled. Defaults to 0.4 if screw_make is rolled";
+            "root mean square roughness of the screw groove; 0.1 to 0.3 if ground, half of this value after running-in, 0.3 to 0.6 if rolled. Defaults to 0.4 if screw_make is rolled";
         film_factor [""] Above(0.0), Some(1.0),
             "ratio of the film thickness to the film thickness with fully flooded inlets; usually 0.7 (0.4 to 1) for grease";
         rolling_factor [""] AtLeast(0.0), Some(0.85),
@@ -451,7 +451,7 @@ inputs! {
         apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
             "half angle of the apex of the return curve, for jamming";
         return_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "angle between the return channel and the track of the screw at the steps between them, for jamming";
+            "angle between the return channel and the screw track at the transition steps, for jamming";
         step_normal_force_N ["N"] Above(0.0), None,
             "normal force of the step on the ball, for jamming; defaults to the impact force";
         return_approach_speed_m_s ["m/s"] Above(0.0), None,
@@ -499,13 +499,13 @@ inputs! {
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
             "moment of inertia per meter of the screw as stated by the manufacturer; defaults to a value calculated from the cross section";
         support_bearing_axial_load_N ["N"] Above(0.0), None,
-            "largest permitted axial load of the support bearings; the sum of load, pretension and force of hindered growth must not exceed it";
+            "largest permitted axial load of the support bearings; the sum of the load, the pretension and the force due to constrained thermal expansion must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
             "temperature rise of the screw that the pretension compensates, between two fixed bearings; usually 2 to 5. It replaces pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
-            "moved mass, on all screws of the axis together; its weight, friction and inertia are added to the axial load";
+            "moved mass, total for all screws of the axis; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
             "inclination of the axis; 0 is horizontal, 90 is vertical with a positive feed upward";
         guide_friction [""] AtLeast(0.0), Some(0.0),

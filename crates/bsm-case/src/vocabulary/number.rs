@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exact_numbers_have_the_shortest_digits() {
+    fn exact_numbers_use_the_fewest_digits() {
         for (value, text) in [
             (0.0, "0"),
             (-0.0, "-0"),
@@ -156,7 +156,7 @@ mod tests {
     /// Regression test: the text "3.1750 (2.78 to 3.17)" excluded the value at the end of its
     /// interval.
     #[test]
-    fn an_interval_as_text_contains_its_ends() {
+    fn printed_interval_contains_the_exact_interval() {
         for (low, high, text) in [
             (2.778, 3.175, " (2.77 to 3.18)"),
             (0.511, 0.534, " (0.511 to 0.534)"),
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_five_digits() {
+    fn numbers_are_printed_with_five_digits() {
         for (value, text) in [
             (0.0, "0"),
             (0.860_106_9, "0.86011"),
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn short_numbers_have_two_digits() {
+    fn short_numbers_are_printed_with_two_digits() {
         for (value, text) in [
             (0.0, "0"),
             (203.8, "204"),

@@ -23,7 +23,7 @@ pub struct Output {
     pub unit: &'static str,
     /// Type of the value in JSON.
     pub json_type: &'static str,
-    /// Possible texts, if the output is a text; empty for numbers.
+    /// Possible values, if the output is a string; empty for numbers.
     pub words: &'static [&'static str],
     /// Meaning of the output.
     pub about: &'static str,
@@ -56,7 +56,7 @@ impl Output {
     }
 
     /// Returns the value of the output in a solution, or `None` if the solution does not contain
-    /// it. Flags are returned as 0 or 1, and texts as the index of the text.
+    /// it. Flags are returned as 0 or 1, and strings as the index of the string.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
         let Origin::Solution { key, read } = self.origin else { return None };
         match (&solution.answer, key) {
@@ -443,7 +443,7 @@ mod tests {
     /// The unit of every output is recognized at the end of its name, so `low` and `high` can be
     /// inserted before the unit.
     #[test]
-    fn interval_ends_have_their_word_before_the_unit() {
+    fn names_of_interval_ends_contain_low_or_high_before_the_unit() {
         for output in Output::all().filter(|output| output.json_type == "number") {
             let suffix = unit_suffix(output.name, output.unit);
             let (name, unit) = (output.name, output.unit);

@@ -367,7 +367,7 @@ impl Numbers {
         self
     }
 
-    /// Returns all quantities, including those without values.
+    /// Returns all quantities, including quantities without values.
     pub fn all(&self) -> &[Row] {
         &self.rows
     }

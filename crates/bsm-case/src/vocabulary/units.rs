@@ -84,19 +84,20 @@ impl UnitChange {
         self.factor * difference
     }
 
-    /// Converts a value of the vocabulary back. Without an offset, the result keeps the sign of zero.
+    /// Converts a value from the unit of the vocabulary to the other unit. Without an offset, the
+    /// result keeps the sign of zero.
     pub fn back(self, value: f64) -> f64 {
         let scaled = value / self.factor;
         if self.zero == 0.0 { scaled } else { scaled + self.zero }
     }
 }
 
-/// A unit.
+/// A unit, with its suffix in names, its printed text and its size.
 #[derive(Debug)]
 struct Unit {
     /// Suffix in names.
     suffix: &'static str,
-    /// Text, as it stands behind numbers.
+    /// Text of the unit, as printed after a number.
     text: &'static str,
     /// Size in SI units.
     size: f64,
@@ -366,7 +367,7 @@ mod tests {
 
     /// Units of temperature have different zero points, but units of temperature rise do not.
     #[test]
-    fn temperatures_have_an_offset_and_differences_have_none() {
+    fn only_absolute_temperatures_are_converted_with_an_offset() {
         let value = |name: &str, value: f64| {
             let (own, change) = convert(name, known()).expect(name);
             assert!((change.back(change.value(value)) - value).abs() < 1e-12, "{name}");
@@ -385,7 +386,7 @@ mod tests {
 
     /// The expected values are published conversion factors.
     #[test]
-    fn units_have_their_published_sizes() {
+    fn conversion_factors_match_published_values() {
         for (name, given, expected) in [
             ("motor_peak_torque_ozf_in", 100.0, 0.706_155_2),
             ("motor_rated_power_hp", 1.5, 1_118.550),
@@ -399,7 +400,7 @@ mod tests {
 
     /// Every offered unit can be read back, with the same factor.
     #[test]
-    fn other_units_are_read_back() {
+    fn names_in_alternative_units_are_parsed() {
         let mut offered = 0;
         for input in INPUTS {
             for (unit, change) in other_units(input.name) {
@@ -416,7 +417,7 @@ mod tests {
     /// The table contains every unit suffix of an input, except for units that only one quantity
     /// has.
     #[test]
-    fn the_table_has_the_units_of_the_vocabulary() {
+    fn unit_table_contains_every_unit_of_the_inputs() {
         let own = ["N/um^1.5", "N m/mrad", "h/day", "%", "", "1/GPa", "W/(m K)", "HRC", "HV10"];
         for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
             assert!(own_unit(input.name).is_some(), "{}", input.name);
@@ -425,7 +426,7 @@ mod tests {
 
     /// Plot axes have labels with words and units instead of column names.
     #[test]
-    fn labels_are_texts_with_units() {
+    fn labels_consist_of_words_and_a_unit() {
         for (name, unit, expected) in [
             ("axial_load_N", "N", "axial load, N"),
             ("efficiency", "", "efficiency"),
@@ -447,7 +448,7 @@ mod tests {
 
     /// Each unit has a single positive size, so conversions in both directions are consistent.
     #[test]
-    fn each_unit_has_one_size() {
+    fn each_unit_has_a_single_positive_size() {
         for dimension in DIMENSIONS {
             for (i, Unit { suffix, size, .. }) in dimension.units.iter().enumerate() {
                 assert!(*size > 0.0);

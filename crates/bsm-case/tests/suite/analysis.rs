@@ -68,7 +68,7 @@ fn slip_report_matches_the_model() {
 /// The slip powers add up to the dissipated power for a given accuracy and creep speed, and for the
 /// accuracy that `auto` chooses.
 #[test]
-fn slip_powers_add_up_for_given_and_chosen_settings() {
+fn slip_powers_add_up_to_the_dissipated_power() {
     let case = case(XU, &[("screw_speed_rpm", 12000.0)]);
     let coarse = Settings { accuracy: 1e-4, creep: 1e-2, ..Model::Traction.into() };
     let fine = Settings { tolerance: 1e-5, ..Settings::default() };
@@ -384,8 +384,8 @@ fn model_choice_for_analyses_ignores_the_efficiency_error() {
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
 /// Without film, rolling resistance and hysteresis, the jamming results of a lubricated ball equal
-/// those of a dry ball with the friction coefficient of the asperities. The analysis used to reject
-/// lubricated balls.
+/// the results of a dry ball with the friction coefficient of the asperities. The analysis used to
+/// reject lubricated balls.
 #[test]
 fn jamming_without_a_film_equals_dry_jamming() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
@@ -681,7 +681,7 @@ fn column_names_are_unambiguous() {
 
 /// Every quantity of an analysis has a title, a label, and one column for each member of its scope.
 #[test]
-fn quantities_have_labels_and_one_column_per_scope_member() {
+fn quantities_have_labels_and_a_column_for_each_contact_or_direction() {
     for kind in AnalysisKind::ALL {
         for (place, quantity) in kind.quantities().iter().enumerate() {
             let members = match quantity.scope {

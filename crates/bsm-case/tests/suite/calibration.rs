@@ -69,7 +69,7 @@ fn fit_to_points(
 /// Fits random data sets and returns two kinds of fractions: for each input, the fraction of data
 /// sets for which the true value is outside its 95 % interval, and the fraction of data sets whose
 /// residuals are reported as systematic.
-fn miss_and_alarm_fractions(
+fn fractions_outside_interval_and_reported(
     noise: impl Fn(f64) -> f64,
     errors: Option<MeasurementError>,
     with_column: bool,
@@ -98,16 +98,16 @@ fn miss_and_alarm_fractions(
 /// deviation of this fraction, which is sqrt(0.05 · 0.95/400) = 1.1 %.
 const SCATTER: f64 = 0.044;
 
-/// Returns true if both fractions differ from 5 % by less than [`SCATTER`].
-fn are_miss_fractions_five_percent(beyond: [f64; 2]) -> bool {
+/// Returns true if both fractions are within [`SCATTER`] of 5 %.
+fn are_fractions_close_to_five_percent(beyond: [f64; 2]) -> bool {
     beyond.iter().all(|share| (share - 0.05).abs() < SCATTER)
 }
 
 #[test]
 fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
     let (beyond, alarms) =
-        miss_and_alarm_fractions(|_| 1e-3, Some(MeasurementError::Absolute), false);
-    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
+        fractions_outside_interval_and_reported(|_| 1e-3, Some(MeasurementError::Absolute), false);
+    assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
     // The fraction is at most the significance level of 5 %, because the number of sign runs is
     // discrete, and because the residuals of a fit change sign more often than independent random
     // numbers.
@@ -116,8 +116,9 @@ fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
 
 #[test]
 fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
-    let (beyond, alarms) = miss_and_alarm_fractions(|torque| 2e-4 * torque, None, false);
-    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
+    let (beyond, alarms) =
+        fractions_outside_interval_and_reported(|torque| 2e-4 * torque, None, false);
+    assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
@@ -125,8 +126,9 @@ fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
 /// to a common factor.
 #[test]
 fn error_column_gives_correct_standard_deviations() {
-    let (beyond, alarms) = miss_and_alarm_fractions(|torque| 1e-5 * torque.powi(2), None, true);
-    assert!(are_miss_fractions_five_percent(beyond), "{beyond:?}");
+    let (beyond, alarms) =
+        fractions_outside_interval_and_reported(|torque| 1e-5 * torque.powi(2), None, true);
+    assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 

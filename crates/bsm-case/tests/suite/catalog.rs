@@ -131,7 +131,7 @@ fn ball_gap_and_axial_play_can_be_set() {
 
 /// No nut of the Pareto front dominates another nut of the front.
 #[test]
-fn pareto_front_is_smaller_and_contains_the_best_nuts() {
+fn pareto_front_contains_no_dominated_nut() {
     let catalog = Catalog::from_json(SMALL).expect("lists");
     let all = all(&catalog);
     let front = catalog.map(&catalog.pareto(&catalog.indices()), |_, nut| Some(*nut));

@@ -109,7 +109,7 @@ fn travel_rating_and_equivalent_revolution_rating_give_the_same_groove() {
         (case.ball_diameter_mm, life, rating.expect("a rating"))
     });
     assert_eq!(one.0, other.0);
-    // The tolerance allows for the rounding error of a cube root.
+    // The tolerance allows for the rounding error of the cube root.
     assert_relative_eq!(one.1, other.1, max_relative = 1e-12);
     assert_relative_eq!(one.2, other.2, max_relative = 1e-12);
 }

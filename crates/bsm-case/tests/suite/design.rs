@@ -16,7 +16,7 @@ fn requirement(settings: &[&str]) -> Result<RequirementFile, CaseError> {
 }
 
 /// Returns the example requirement without a lead.
-fn without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
+fn requirement_without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     read(include_bytes!("../../../../examples/requirements/free_lead.json"), settings)
 }
 
@@ -65,7 +65,7 @@ fn case_of_the_selected_screw_meets_the_requirement() {
 
 /// In a linear-to-rotary motion, the load turns the screw backward.
 #[test]
-fn linear_to_rotary_motion_has_a_negative_speed() {
+fn selected_screw_for_linear_to_rotary_motion_turns_backward() {
     let requirement =
         requirement(&["motion=linear-to-rotary", "model=closed-form", "allow_warnings=true"])
             .expect("a requirement");
@@ -314,7 +314,7 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
 /// 1 % lighter.
 #[test]
 fn missing_lead_is_chosen_from_standard_leads() {
-    let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
+    let free = DesignReport::of(&requirement_without_lead(&[]).expect("a requirement"));
     assert!(free.found, "{:?}", free.reasons);
     let lead = value(&free, "lead_mm");
     let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
@@ -335,8 +335,12 @@ fn missing_lead_is_chosen_from_standard_leads() {
 #[test]
 fn screw_driven_by_its_load_has_the_lead_angle_of_eq_18() {
     let motion = "motion=linear-to-rotary";
-    let back =
-        without_lead(&[motion, "objective=efficiency", "model=closed-form", "required_life_h=100"]);
+    let back = requirement_without_lead(&[
+        motion,
+        "objective=efficiency",
+        "model=closed-form",
+        "required_life_h=100",
+    ]);
     let report = DesignReport::of(&back.expect("a requirement"));
     assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
     // The expected value from a hand calculation is cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at
@@ -346,7 +350,8 @@ fn screw_driven_by_its_load_has_the_lead_angle_of_eq_18() {
     // The angles in the case are rounded to microdegrees, which also affects the lead angle.
     assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
     assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
-    let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
+    let error =
+        requirement_without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
     assert!(error.to_string().contains("no lead angle has its best efficiency"), "{error}");
 }
 
@@ -439,7 +444,7 @@ fn no_screw_longer_than_the_listed_lengths_is_selected() {
 
 /// An audit found that `nut` ignored the cycle of a selected case and assumed a preloaded pair.
 #[test]
-fn nut_of_a_cycle_matches_the_axis_sheet() {
+fn nut_results_for_a_cycle_match_the_axis_sheet() {
     for (preload, is_pair) in [("", false), (r#","preload_N":2000"#, true)] {
         let json = format!(
             r#"{{"ball_diameter_mm":6.35,"pitch_circle_diameter_mm":41.5,"lead_mm":10,"contact_angle_deg":45,

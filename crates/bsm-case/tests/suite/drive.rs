@@ -17,7 +17,7 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
 /// in 0.2 s, and has a resistance of 20 N (printed 585, 510, 435, 395, 470, 545 N). The expected
 /// values have five digits.
 #[test]
-fn loads_of_two_transfer_axes_match_thk() {
+fn loads_of_two_transfer_axes_match_the_thk_catalog() {
     let cycle = |feed: f64, acceleration: f64| {
         let time = feed / 60.0 / acceleration;
         let phase = |feed: f64, a: f64| {

@@ -34,7 +34,7 @@ fn rows_with_symbol() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
 
 /// Replaces a phrase and its plural with `s` by a space. Returns `None` if the text does not
 /// contain the phrase as separate words.
-fn with_phrase_removed(text: &str, phrase: &str) -> Option<String> {
+fn remove_phrase(text: &str, phrase: &str) -> Option<String> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(phrase).find_map(|(at, _)| {
         let (before, after) = (&text[..at], &text[at + phrase.len()..]);
@@ -68,11 +68,11 @@ fn labels_use_the_terms_of_the_glossary() {
     for (name, label) in labels {
         let mut text = label.to_lowercase();
         for term in &terms {
-            while let Some(rest) = with_phrase_removed(&text, term) {
+            while let Some(rest) = remove_phrase(&text, term) {
                 text = rest;
             }
         }
-        let wrong = others.iter().filter(|other| with_phrase_removed(&text, other).is_some());
+        let wrong = others.iter().filter(|other| remove_phrase(&text, other).is_some());
         found.extend(wrong.map(|other| format!("{name}: \"{label}\" has \"{other}\"")));
     }
     assert!(found.is_empty(), "{}", found.join("\n"));

@@ -10,7 +10,7 @@ use bsm_case::Case;
 use bsm_dyn::{Evidence, Model, ModelWorkspace, Reason, Solution, Status};
 
 /// Solves all cases in a folder and returns their names and solutions.
-fn solve_cases_in(folder: &str) -> Vec<(String, Solution)> {
+fn solve_cases_in_folder(folder: &str) -> Vec<(String, Solution)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard").join(folder);
     let mut work = ModelWorkspace::default();
     let answer = |entry: Result<fs::DirEntry, _>| {
@@ -26,7 +26,7 @@ fn solve_cases_in(folder: &str) -> Vec<(String, Solution)> {
 /// were solved.
 #[test]
 fn hard_points_are_solved() {
-    let answers = solve_cases_in("solved");
+    let answers = solve_cases_in_folder("solved");
     assert_eq!(answers.len(), 14);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::Converged, "{name}: {:?}", solution.reason());
@@ -37,8 +37,8 @@ fn hard_points_are_solved() {
 /// find it: the branch of states that begins at small inertia ends before this point, and other
 /// branches are not searched.
 #[test]
-fn point_off_the_traced_branch_reports_traced_evidence() {
-    let answers = solve_cases_in("off_branch");
+fn missing_root_off_the_branch_is_reported_as_traced_and_not_as_proven() {
+    let answers = solve_cases_in_folder("off_branch");
     assert_eq!(answers.len(), 1);
     for (name, solution) in answers {
         let evidence = solution.evidence();
@@ -50,7 +50,7 @@ fn point_off_the_traced_branch_reports_traced_evidence() {
 /// flank.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
-    let answers = solve_cases_in("no_solution");
+    let answers = solve_cases_in_folder("no_solution");
     assert_eq!(answers.len(), 3);
     for (name, solution) in answers {
         assert_eq!(solution.status(), Status::NoSolution, "{name}: {solution:?}");

@@ -261,16 +261,16 @@ fn fit_recovers_lubricant_inputs_from_a_table() {
     .expect("a table");
     let report = fit.run(&base, &settings).expect("complete").expect("a fit");
     let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
-    // The search stops at 1e-9 of the search ranges. The finite-difference derivatives have an
-    // error of 1e-6 of a step.
+    // The search stops when its steps are smaller than 1e-9 of the search ranges. The truncation
+    // error of the finite-difference derivatives is 1e-6 relative to a step.
     assert_relative_eq!(boundary.1, 0.1, max_relative = 1e-6);
     assert_relative_eq!(rolling.1, 0.7, max_relative = 1e-6);
     assert!(report.scatter < 1e-6 && report.found.condition < 100.0, "{report:?}");
 }
 
-/// The message about an error in a table states where the error is.
+/// The message about an error in a table of measurements names the row or the column of the error.
 #[test]
-fn errors_in_measurement_tables_state_the_location() {
+fn errors_in_measurement_tables_name_the_row_or_column() {
     let why = |inputs: &[&str], table: &str| {
         let inputs: Result<Vec<_>, _> =
             inputs.iter().map(|input| FittedInput::parse(input)).collect();

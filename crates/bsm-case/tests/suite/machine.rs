@@ -33,7 +33,7 @@ fn with_inputs(base: &Value, more: &Value) -> Map<String, Value> {
 }
 
 /// Creates a case from inputs. Each dwell is converted to a phase without feed.
-fn case_of(inputs: &Map<String, Value>) -> Case {
+fn case_from_inputs(inputs: &Map<String, Value>) -> Case {
     let mut inputs = inputs.clone();
     if let Some(cycle) = inputs.get_mut("cycle") {
         for phase in cycle.as_array_mut().expect("phases") {
@@ -49,7 +49,7 @@ fn case_of(inputs: &Map<String, Value>) -> Case {
 }
 
 fn sheet(inputs: &Map<String, Value>) -> Result<AxisReport, CaseError> {
-    AxisReport::of(&case_of(inputs), &Settings::default())
+    AxisReport::of(&case_from_inputs(inputs), &Settings::default())
 }
 
 fn number(report: &AxisReport, name: &str) -> f64 {
@@ -83,7 +83,8 @@ fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
 fn nut_set_and_overrun_determine_thread_and_critical_speed() {
     for reference in reference_cases("nut_length") {
         let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
-        // The screw is kept cold, because hindered growth would reduce the critical speed.
+        // The screw is kept cold, because constrained thermal expansion would reduce the critical
+        // speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
         compare(&report, &reference, &[]);
@@ -93,7 +94,7 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
 /// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
 /// thread makes the screw heavier.
 #[test]
-fn order_names_both_nuts_and_the_thread() {
+fn order_of_a_nut_pair_lists_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
     let single = with_inputs(&neutral_catalog_inputs(), &single);
     let mut pair = single.clone();
@@ -192,10 +193,10 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
     }
 }
 
-/// Without a load limit of the bearings, compression due to hindered growth causes a warning with a
-/// remedy. With a load limit, a rule checks the compression.
+/// Without a load limit of the bearings, compression due to constrained thermal expansion causes a
+/// warning with a remedy. With a load limit, a rule checks the compression.
 #[test]
-fn hindered_growth_causes_a_warning_or_is_checked_by_a_rule() {
+fn constrained_expansion_causes_a_warning_or_is_checked_by_a_rule() {
     let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let report = sheet(&inputs).expect("a sheet");
@@ -302,7 +303,7 @@ fn film_conductance_is_averaged_over_standstill() {
 }
 
 /// If the torques of seals and bearings are not given, they are named next to the heat. The upper
-/// end of the temperature rise includes their usual torques.
+/// end of the temperature rise includes typical values of these torques.
 #[test]
 fn sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];
@@ -321,7 +322,7 @@ fn sheet_names_missing_heat_sources() {
     assert!(words.contains(both), "{words}");
     let notes = bearings.answer.notes.join("\n");
     assert!(notes.contains("the upper end includes"), "{notes}");
-    // For a 40 mm screw, the usual torques are 0.2 and 0.3 N m.
+    // For a 40 mm screw, the typical torques of seals and bearings are 0.2 and 0.3 N m.
     inputs.insert("seal_torque_Nm".into(), json!(0.2));
     inputs.insert("support_bearing_torque_Nm".into(), json!(0.3));
     let usual = sheet(&inputs).expect("a sheet");
@@ -332,7 +333,7 @@ fn sheet_names_missing_heat_sources() {
 /// The film conductance from a screw at rest to the air is smaller than from a turning screw: about
 /// 5 instead of 21 W/(m2 K).
 #[test]
-fn film_conductance_of_a_screw_at_rest_is_for_still_air() {
+fn film_conductance_of_a_screw_at_rest_equals_the_value_for_still_air() {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let still = all["films_of_a_40_mm_screw_W_m2K"]["0"].as_f64().expect("a film");
     assert!((5.0..5.5).contains(&still));

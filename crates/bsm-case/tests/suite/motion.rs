@@ -108,7 +108,8 @@ fn all_forms_of_the_required_life_are_equivalent() {
             let needed = report.number(output!(required_dynamic_load_N)).expect("a rating");
             let rating = report.number(output!(modified_dynamic_rating_N)).expect("a rating");
             let ratio = (needed / rating).powi(3) / factor;
-            // The tolerance allows for the rounding error of a cube.
+            // The tolerance allows for rounding errors of the ratings, whose ratio is raised to the
+            // third power.
             assert!((ratio - 1.0).abs() < 1e-12, "{unit}: {ratio}");
         }
     }
@@ -185,7 +186,7 @@ fn phase_with_acceleration_is_converted_to_a_ramp() {
 /// A cycle that is given as moves gives the same results as the same cycle given as ramps with
 /// their end speeds.
 #[test]
-fn equivalent_moves_and_ramps_give_equal_results() {
+fn moves_and_equivalent_ramps_give_equal_results() {
     let moves = json!([
         { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 50 },
         { "dwell_s": 0.5 },
@@ -310,7 +311,7 @@ fn standstill_fills_the_time_between_cycles() {
 /// Two phases of 1e308 s used to give time shares of 0 and no life, and two phases of 1e300 s used
 /// to give a life of 0 h.
 #[test]
-fn sums_of_a_cycle_do_not_overflow() {
+fn long_phase_durations_do_not_overflow() {
     let of = |time: f64| {
         let phase = |feed: f64| json!({ "time_s": time, "feed_m_min": feed, "force_N": 5000 });
         report(&axis(&json!({ "stroke_mm": 1e305, "unsupported_length_mm": 1e306,
@@ -405,7 +406,7 @@ fn efficiency_is_null_if_the_drag_exceeds_the_load_torque() {
 /// `brake_at_rest` relieves the motor at standstill. The expected values were calculated by hand
 /// for a vertical axis with 250 kg and a lead of 10 mm that is at rest for half of the time.
 #[test]
-fn brake_at_rest_relieves_the_motor() {
+fn holding_brake_relieves_the_motor_at_standstill() {
     let of = |brake: bool| {
         solved(&json!({
             "lead_mm": 10, "moved_mass_kg": 250, "inclination_deg": 90, "brake_at_rest": brake,

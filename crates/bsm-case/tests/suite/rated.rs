@@ -176,7 +176,7 @@ const UPRIGHT: &str =
 /// C3, a preload of 3000 N and a thread of 1300 mm. THK prints 0.865 N m, 30 %, and 0.606 to 1.125
 /// N m, calculated with rounded numbers.
 #[test]
-fn the_preload_torque_matches_thk() {
+fn preload_torque_matches_the_thk_catalog() {
     let report =
         sheet(FEED_AXIS, &["preload_N=3000", "unsupported_length_mm=1300"]).expect("a sheet");
     let (torque, share) = (number(&report, "preload_torque_measured_Nm"), 3000.0 * 0.01 / TAU);
@@ -290,7 +290,7 @@ const OILED_AXIS: &str =
 /// Lubricant and contamination modify the life. The smaller of the basic life and the modified life
 /// must exceed the required life.
 #[test]
-fn a_life_is_modified_by_load_factors_and_lubricant() {
+fn life_is_modified_by_load_factors_and_lubricant() {
     let of = |settings: &[&str]| sheet(OILED_AXIS, settings).expect("a sheet");
     let typical = of(&["contamination=typical"]);
     let ratios =
@@ -407,8 +407,8 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
 
 /// The expected values were calculated by hand. Manufacturers' ratings include the accuracy grade.
 /// A calculated rating for grade 10 has a factor of 0.7, which reduces the life to 0.343 of its
-/// value. A hardness of 50 HRC gives factors of (50/60)² and (50/60)³. Catalogs advise load factors
-/// of 1 to 1.2 at 10 m/min.
+/// value. A hardness of 50 HRC gives factors of (50/60)² and (50/60)³. Catalogs recommend load
+/// factors of 1 to 1.2 at 10 m/min.
 #[test]
 fn rating_and_load_factors_match_hand_calculation() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
@@ -452,7 +452,7 @@ fn rating_and_load_factors_match_hand_calculation() {
 /// has a life of 4.0868e9 revolutions, and both flanks together have 2.1901e9 revolutions. One
 /// flank reaches 170 285 h.
 #[test]
-fn the_life_of_a_transfer_axis_matches_thk() {
+fn life_of_a_transfer_axis_matches_the_thk_catalog() {
     let ramp = |force: f64, feed: f64, acceleration: f64| {
         format!(
             r#"{{"time_s": 0.15, "force_N": {force}, "feed_m_min": {feed}, "acceleration_m_s2": {acceleration}}}"#

@@ -235,7 +235,7 @@ fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
 /// differences, including the derivatives with respect to the play and to the friction coefficient
 /// at the far flank.
 #[test]
-fn third_contact_derivatives_match_differences() {
+fn third_contact_derivatives_match_finite_differences() {
     for rpm in [300.0, -300.0] {
         let case = Case {
             axial_load_N: Some(450.0),
@@ -312,7 +312,7 @@ fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
 
 /// Without a load, the closed form has no torque. Without a solution, there are no derivatives.
 #[test]
-fn results_that_do_not_exist_have_no_derivatives() {
+fn missing_results_have_no_derivatives() {
     let case = Case { axial_load_N: None, ..lin(2000.0) };
     let friction = row(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
@@ -325,41 +325,41 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn closed_form_derivatives_match_differences(case in cases()) {
+    fn closed_form_derivatives_match_finite_differences(case in cases()) {
         check(&case, &Model::ClosedForm.into())?;
     }
 
     #[test]
-    fn quasi_static_derivatives_match_differences(case in cases()) {
+    fn quasi_static_derivatives_match_finite_differences(case in cases()) {
         check(&single_drive(case), &Model::QuasiStatic.into())?;
     }
 
     #[test]
-    fn rigid_derivatives_match_differences(case in cases()) {
+    fn rigid_derivatives_match_finite_differences(case in cases()) {
         check(&case, &Model::Rigid.into())?;
     }
 
     #[test]
-    fn elastic_derivatives_match_differences(case in cases()) {
+    fn elastic_derivatives_match_finite_differences(case in cases()) {
         check(&case, &Model::Elastic.into())?;
     }
 
     #[test]
-    fn traction_derivatives_match_differences(case in cases()) {
+    fn traction_derivatives_match_finite_differences(case in cases()) {
         check(&case, &Model::Traction.into())?;
     }
 
     /// The controlling raceway is given. Otherwise, near a tie of (W7), the points of a finite
     /// difference could be controlled by different raceways.
     #[test]
-    fn raceway_control_derivatives_match_differences(case in cases(), at_nut in any::<bool>()) {
+    fn raceway_control_derivatives_match_finite_differences(case in cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
         check(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
     /// The balls are so slow that the result is extrapolated from faster balls.
     #[test]
-    fn derivatives_of_slow_balls_match_differences(case in cases(), log_factor in 3.0..6.0_f64) {
+    fn derivatives_of_slow_balls_match_finite_differences(case in cases(), log_factor in 3.0..6.0_f64) {
         let case = slowed_down(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
             check(&case, &model.into())?;
@@ -394,7 +394,7 @@ proptest! {
 /// Model `raceway-control` calculates its values with a coarser quadrature rule than its
 /// derivatives. Theory 12 states the resulting deviations in percent.
 #[test]
-fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
+fn raceway_control_differences_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");
     let case = Case::from_json(json).expect("a case");
     let settings = Settings::from(Model::RacewayControl);

@@ -34,7 +34,7 @@ fn size(report: &AxisReport, name: &str) -> f64 {
     numbers.number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
-fn of_phase(report: &AxisReport, phase: usize, name: &str) -> f64 {
+fn number_of_phase(report: &AxisReport, phase: usize, name: &str) -> f64 {
     report.phases[phase].number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
@@ -112,7 +112,8 @@ fn rules_match_a_calculation_in_catalog_units() {
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
         // The guide friction is 1 % of the weight of 500 kg and acts in both directions.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
-        // Two fixed bearings with 1 kN/um hinder a part of the thermal growth.
+        // Two fixed bearings with a stiffness of 1 kN/um each prevent a part of the thermal
+        // expansion.
         let own = e * a / l / 1e3;
         let left = if support == "fixed-fixed" { 1.0 - 1.0 / (1.0 + own * 2e-3) } else { 1.0 };
         let growth = left * 11.5e-6 * l * 5.0 * 1e3;
@@ -137,7 +138,7 @@ fn rules_match_a_calculation_in_catalog_units() {
     near(number(&report, "preload_torque_measured_Nm"), drag, TIGHT, "drag");
     // The parts of the torque add up to the screw torque, and the input power is the sum of the
     // heat and the power that moves the load.
-    let part = |name: &str| of_phase(&report, 0, name);
+    let part = |name: &str| number_of_phase(&report, 0, name);
     let ideal = load * lead * 1e-3 / TAU;
     near(part("ideal_torque_Nm"), ideal, TIGHT, "ideal torque");
     let parts = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"].map(part);
@@ -275,9 +276,9 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     ]);
     let weight = 500.0 * 9.806_65;
     for phase in 0..3 {
-        near(of_phase(&report, phase, "screw_load_N"), weight, 1e-9, "weight");
+        near(number_of_phase(&report, phase, "screw_load_N"), weight, 1e-9, "weight");
     }
-    let torque = |phase| of_phase(&report, phase, "screw_torque_Nm");
+    let torque = |phase| number_of_phase(&report, phase, "screw_torque_Nm");
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");
@@ -285,7 +286,7 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     assert!(((up - rest) / (rest - down) - 1.0).abs() < 0.2, "{up} {down} {rest}");
     let holding = number(&report, "holding_torque_Nm");
     assert!(holding < rest && holding > down, "{holding} {down}");
-    assert!(of_phase(&report, 1, "motor_power_W") < 0.0);
+    assert!(number_of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
 /// Every torque that depends on a lubricant has an uncertainty band, which the sheet states. A
@@ -319,8 +320,8 @@ fn sheet_of_a_lubricated_axis_states_the_friction_band() {
     near(load, 10_049.033_25, 1e-4, "load");
     near(rpm, 1500.0, 1e-9, "speed");
     near(percent, 90.0, 1e-9, "the interval");
-    // The note states three digits.
-    near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
+    // The torque in the note has three digits.
+    near(stated, number_of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
     // According to the specification, the loss is between 0.6 and 1.3 of the calculated value if
     // rolling resistance dominates.
     assert!(
@@ -428,7 +429,7 @@ fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
 /// moved mass, guides, preload and cycle, but ignored them. Accepted screws therefore failed on
 /// their own axis sheet.
 #[test]
-fn design_and_catalog_use_the_rules_of_the_sheet() {
+fn select_accepts_only_nuts_that_pass_their_axis_sheet() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
         {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":1}]"#;
     for settings in [
@@ -756,7 +757,7 @@ fn manufacturer_tables_are_read_in_both_formats() {
 /// play is a part of the lost motion. The comments show how the expected values were calculated by
 /// hand. The values in the file have twelve digits, of which six are compared.
 #[test]
-fn results_need_only_their_own_inputs() {
+fn each_result_requires_only_the_inputs_on_which_it_depends() {
     let sheet = |case: &str| {
         let case = Case::from_json(case.as_bytes()).expect("a case");
         AxisReport::of(&case, &Settings::default()).expect("a sheet")
@@ -832,21 +833,21 @@ fn buckling_rule_names_its_end_conditions() {
     for (inputs, ends, loads, safeties, is_default) in [
         (
             r#""lead_mm":6.35,"shaft_diameter_mm":21.336,"unsupported_length_mm":1050.2138,"support":"fixed-supported","axial_load_N":2224.1"#,
-            "ends fixed-fixed (default); with the ends of support, fixed-supported: 17.33",
+            "end conditions fixed-fixed (default); with the end conditions of support, fixed-supported: 17.33",
             [75_369.658_973_678_41, 38_546.841_998_044_52],
             [33.887_711_422_001_69, 17.331_433_837_527_324],
             true,
         ),
         (
             r#""lead_mm":5,"shaft_diameter_mm":16.5,"unsupported_length_mm":600,"support":"fixed-free","axial_load_N":2000"#,
-            "ends fixed-fixed (default); with the ends of support, fixed-free: 2.58",
+            "end conditions fixed-fixed (default); with the end conditions of support, fixed-free: 2.58",
             [82_591.101_257_860_41, 5_161.943_828_616_276],
             [41.295_550_628_930_21, 2.580_971_914_308_138],
             true,
         ),
         (
             r#""lead_mm":10,"shaft_diameter_mm":34.4,"unsupported_length_mm":1500,"buckling_length_mm":1300,"support":"fixed-fixed","buckling_support":"fixed-supported","axial_load_N":20000"#,
-            "ends fixed-supported; with the ends of support, fixed-fixed: 16.6",
+            "end conditions fixed-supported; with the end conditions of support, fixed-fixed: 16.6",
             [169_996.233_863_483_74, 332_389.308_928_353_5],
             [8.499_811_693_174_188, 16.619_465_446_417_674],
             false,
@@ -934,9 +935,7 @@ fn missing_inputs_are_stated_next_to_the_affected_numbers() {
         bare.all_not_given().iter().filter(|text| text.contains("seal_torque_Nm")).count(),
         1
     );
-    assert!(
-        bare.lacks("cycle_life_h").is_some_and(|text| text.contains("catalogs advise 1.2 to 1.5"))
-    );
+    assert!(bare.lacks("cycle_life_h").is_some_and(|text| text.contains("recommend 1.2 to 1.5")));
     assert_eq!(bare.to_json()["not_given"][0]["number"], "peak_motor_torque_Nm");
     let given = catalog_axis(
         r#","seal_torque_Nm":0,"support_bearing_torque_Nm":0.2,"load_factor":1,"axial_play_um":10"#,

@@ -129,10 +129,10 @@ fn radial_gap_deeper_than_the_grooves_is_rejected() {
     assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
 }
 
-/// For every play, from zero to a wide play, `auto` chooses model `traction`, because no cheaper
-/// model calculates a third contact.
+/// For every value of the play, from zero to a large value, `auto` chooses model `traction`,
+/// because no cheaper model calculates a third contact.
 #[test]
-fn auto_chooses_traction_for_every_play() {
+fn auto_chooses_traction_if_any_play_is_given() {
     let mut last = f64::INFINITY;
     for play in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 1000.0] {
         let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
@@ -263,7 +263,7 @@ fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
 
 /// Under load, the friction of balls that drive differs from the friction of balls that are driven.
 #[test]
-fn loaded_nut_has_different_friction_in_both_directions() {
+fn friction_of_a_loaded_nut_depends_on_the_direction_of_travel() {
     let nut = |rpm: f64| {
         let mut case = Case::from_json(include_bytes!("../../../../examples/nut_double.json"))
             .expect("a case");

@@ -26,8 +26,8 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// The tolerances in the file are relative to the friction torque for torques, and relative to the
-/// largest push for pushes.
+/// The tolerances in the file are relative: to the friction torque for torques, and to the largest
+/// push force for push forces.
 #[test]
 fn ball_train_matches_reference_cases() {
     for reference in cases() {
@@ -44,7 +44,7 @@ fn ball_train_matches_reference_cases() {
         let needed = circuits.iter().filter_map(|circuit| circuit["needed_gap_mm"].as_f64());
         for (ours, want, allowed) in [
             ("advance_spread", expected("advance_spread"), rates),
-            // A gap is the sum of one hundred differences of rates.
+            // A gap is the sum of one hundred differences between the precession speeds of balls.
             ("needed_gap_mm", needed.fold(0.0, f64::max), 600.0 * rates),
             ("contact_torque_free_Nm", expected("contact_torque_free_Nm"), torques * friction),
             ("contact_torque_Nm", expected("contact_torque_Nm"), torques * friction),
@@ -133,9 +133,9 @@ fn torque_with_sufficient_gap_matches_individually_solved_balls() {
     assert!(without.number(output!(max_push_N)).is_none());
 }
 
-/// The range of torques due to assumed pushes used to be 36 kN m with model `elastic`, in which
-/// balls spin without friction. With raceway control, the range differs by a few percent from the
-/// range with model `traction`.
+/// The range of torques due to assumed push forces used to be 36 kN m with model `elastic`, in
+/// which balls spin without friction. With raceway control, the range differs by a few percent from
+/// the range with model `traction`.
 #[test]
 fn ball_contact_torque_range_uses_traction_or_raceway_control() {
     let case = &cases()[1]["case"];
@@ -172,19 +172,20 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
 }
 
 #[test]
-fn reason_is_stated_if_pushes_have_no_solution() {
+fn reason_is_stated_if_push_forces_have_no_solution() {
     let case = &cases()[1]["case"];
     for (change, settings, says) in [
-        (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
+        (json!({}), Settings::from(Model::RacewayControl), "require model traction"),
         (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
         (json!({"return_push_N": 1e4}), Settings::default(), "the ball return needs a push force"),
-        // Balls are blocked if they have no steady motion just below the push that stops them (O6).
+        // Balls are blocked if they have no steady motion just below the push force that stops them
+        // (O6).
         (
             json!({"screw_speed_rpm": -100, "ball_gap_mm": 0.06}),
             Settings::default(),
             "6.8 % of the largest ball load",
         ),
-        // A push of 6 N acts on balls with loads of up to 190 N.
+        // A push force of 6 N acts on balls with loads of up to 190 N.
         (json!({"return_push_N": 6.0}), Settings::default(), "of the largest ball load"),
     ] {
         let report = nut(case, &change, &settings).expect("a nut");
@@ -194,10 +195,10 @@ fn reason_is_stated_if_pushes_have_no_solution() {
     }
 }
 
-/// In the last reference case, a push is 3.7 % of the mean ball load and 2.1 % of the largest ball
-/// load. The case is solved with a warning.
+/// In the last reference case, a push force is 3.7 % of the mean ball load and 2.1 % of the largest
+/// ball load. The case is solved with a warning.
 #[test]
-fn warns_about_a_push_above_three_percent_of_the_mean_load() {
+fn warns_about_push_forces_above_three_percent_of_the_mean_ball_load() {
     let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
     assert!(report.warnings().iter().any(|note| note.contains("of the mean ball load")));
     assert!(report.number(output!(friction_torque_Nm)).is_some());
@@ -233,8 +234,8 @@ fn each_circuit_may_have_a_separate_gap() {
 }
 
 /// The answer states the needed gap and the ball flux of each circuit. The flux, the number of
-/// balls that pass per second, is the rate of the train divided by the angle between two touching
-/// balls (O8). Case T02 agrees with the reference to 1e-7.
+/// balls that pass per second, is the precession speed of the ball train divided by the angle
+/// between two touching balls (O8). Case T02 agrees with the reference to 1e-7.
 #[test]
 fn ball_flux_is_reported_for_each_circuit() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");

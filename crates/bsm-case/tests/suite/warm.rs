@@ -182,8 +182,8 @@ fn fold_and_unstable_state_match_the_reference() {
         assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
     }
     assert_eq!(sheet.number(output!(fold_searched_to)), None);
-    // If the search ends without a fold, a note states the speeds up to which it went. Without a
-    // search, there is no note.
+    // If the search ends without a fold, a note states the speeds up to which it searched. Without
+    // a search, there is no note.
     let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
     assert_eq!(sheet.number(output!(fold_searched_to)), Some(1.01));
@@ -212,7 +212,7 @@ fn cold_life_equals_the_life_without_a_warm_state() {
 
 /// The number of balls and turns of a nut can be given by circuits.
 #[test]
-fn columns_are_available_for_a_nut_given_by_circuits() {
+fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
     for name in ["fold_speed_factor", "cycle_life_h", "dynamic_load_rating_N"] {
         let column = Output::named(name).expect(name);
@@ -265,7 +265,7 @@ fn feed_axis(settings: &[&str]) -> Case {
 /// An output has the same value in the nut, the axis, the warm state, the columns of tables, and
 /// the torque of `bsm solve`.
 #[test]
-fn all_answers_use_the_same_warm_state() {
+fn outputs_of_the_warm_state_are_equal_in_all_commands() {
     let case = feed_axis(&[]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state");
@@ -423,7 +423,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
     // The values differ only by rounding errors.
     assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
-    assert!(sheet.answer.warnings.iter().any(|words| words.contains("Hindered growth compresses")));
+    assert!(sheet.answer.warnings.iter().any(|words| words.contains("expansion compresses")));
 }
 
 /// X and O arrangements behave differently. If the nut is cooled better than its screw, the branch

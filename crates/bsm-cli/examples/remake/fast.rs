@@ -338,8 +338,8 @@ fn groove_rates(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Generates the same rates for each manufacturer, with a prior that was fitted to the other
-/// manufacturers.
+/// Generates the rates of correct ball diameters for each manufacturer, with a prior that was
+/// fitted to the other manufacturers.
 fn groove_new_makers(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |maker: &str| {

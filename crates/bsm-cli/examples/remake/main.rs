@@ -26,7 +26,7 @@ use slow::{CAMPAIGNS, Site, Text};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Names of blocks with their new texts.
+/// Names of blocks, each with its new text.
 type Blocks = Vec<(&'static str, Text)>;
 
 /// A generator of one or several blocks, which can be selected by its name.

@@ -269,7 +269,7 @@ fn sweep_columns_may_be_results_of_analyses() {
 
 /// Regression test: a preload that the model does not use used to be ignored silently.
 #[test]
-fn unused_preload_causes_a_note() {
+fn note_is_printed_for_an_unused_preload() {
     let dir = folder();
     let case = example("feed_drive.json");
     let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];

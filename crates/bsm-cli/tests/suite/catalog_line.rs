@@ -129,7 +129,7 @@ fn estimates_are_marked_in_every_output() {
 /// groove exit with code 2. `axis` still calculates the life and prints a warning. The HTML page
 /// and `fit` work with an estimated groove.
 #[test]
-fn commands_work_or_reject_the_case_with_a_reason() {
+fn commands_accept_a_catalog_line_or_state_why_not() {
     let dir = folder();
     write_catalog_line(dir.path());
     let run = |args: &[&str]| {

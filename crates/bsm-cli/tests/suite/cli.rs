@@ -80,7 +80,7 @@ fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
 /// Runs each example file with the command for which it was written. `@` stands for the path of the
 /// file. The scheduler scripts in `scale-out` are tested in `parts.rs`.
 #[test]
-fn every_example_runs_with_its_command() {
+fn every_example_file_runs_with_its_documented_command() {
     const USES: [(&str, &str); 26] = [
         ("angles_only.json", "solve @"),
         ("axis.json", "axis @"),
@@ -279,7 +279,7 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
 
 /// Results must not depend on the number of threads or on chunk boundaries.
 #[test]
-fn sweep_results_do_not_depend_on_threads() {
+fn sweep_results_do_not_depend_on_the_thread_count() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let grid = ["--vary", "screw_speed_rpm=100:9000:100", "--vary", "axial_load_N=100:9000:60"];
@@ -490,7 +490,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
 
 /// For the same point, a row of a sweep and a single solve must give the same results.
 #[test]
-fn sweep_agrees_with_solve() {
+fn sweep_rows_match_single_solves() {
     let dir = folder();
     let rows = stdout(&bsm(
         dir.path(),
@@ -579,7 +579,7 @@ fn invalid_sweeps_write_no_files() {
 /// The efficiency jumps by 5e-3 along this sweep. Regression test: there was no message that
 /// several solutions exist.
 #[test]
-fn a_sweep_marks_rows_with_several_solutions() {
+fn sweep_reports_rows_with_several_solutions() {
     let dir = folder();
     let case = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
         "lead_angle_deg": 21.833579108750985, "contact_angle_deg": 54.5, "loaded_balls": 47,

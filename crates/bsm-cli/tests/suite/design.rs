@@ -32,7 +32,7 @@ fn a_selected_screw_can_be_solved() {
 /// how much the limit is missed. It must write no case and exit with code 3. Invalid input must
 /// cause exit code 2.
 #[test]
-fn an_unattainable_requirement_names_the_blocking_limit() {
+fn error_for_an_unattainable_requirement_names_the_violated_limit() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
     let set = |setting: &str| {

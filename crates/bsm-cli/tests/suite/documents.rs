@@ -140,7 +140,7 @@ fn ci_runs_exactly_the_two_commands_of_readme() {
 /// is in [`SET_UP`]. If a document shows a file under a name, this file exists. Commands in `sh
 /// long` fences take seconds or more even in an optimized build, so they are run with fewer points.
 #[test]
-fn commands_run_and_print_what_is_documented() {
+fn commands_print_the_documented_output() {
     for document in all_documents() {
         let (folder, program) = program();
         let name = document.path.display();
@@ -225,7 +225,7 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
 
 /// Checks that the parser finds the commands in the documents.
 #[test]
-fn parser_finds_commands_in_documents() {
+fn document_parser_finds_all_commands() {
     let count = |name: &str| {
         let documents = all_documents();
         let document = documents.iter().find(|d| d.path.ends_with(name)).expect("a document");

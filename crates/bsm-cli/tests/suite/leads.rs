@@ -7,7 +7,7 @@ use crate::program::{bsm, folder, stderr, stdout};
 /// Regression test: row 1 was solved with the lead of the base case. The command is the one that
 /// revealed the error.
 #[test]
-fn rows_with_gaps_in_lead_columns_match_single_solves() {
+fn rows_with_empty_lead_cells_match_single_solves() {
     let dir = folder();
     let drive = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/feed_drive.json");
     let drive = drive.display().to_string();

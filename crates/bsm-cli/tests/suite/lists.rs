@@ -214,7 +214,7 @@ fn sheet_contains_process_force_and_signature_fields() {
 
 /// A table of nuts has figures of its ratings, in displayed units.
 #[test]
-fn a_table_of_nuts_has_figures() {
+fn figures_are_written_for_a_table_of_nuts() {
     let dir = folder();
     let path = dir.path();
     let table = "nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N\n\

@@ -25,7 +25,7 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
 /// The lookup table must contain the same numbers as the ordinary table. Its rows correspond to the
 /// first axis and its columns to the second axis.
 #[test]
-fn lookup_table_has_the_numbers_of_the_ordinary_table() {
+fn lookup_table_matches_the_ordinary_table() {
     let dir = folder();
     // A model is selected because `auto` would write a message into each row, and messages may
     // contain commas.
@@ -65,7 +65,7 @@ fn lookup_table_has_the_numbers_of_the_ordinary_table() {
 
 /// With one varied input, a single table must contain all outputs.
 #[test]
-fn one_varied_input_gives_one_lookup_table() {
+fn all_outputs_over_one_varied_input_are_in_one_lookup_table() {
     let dir = folder();
     let options =
         [&SPEED[..], &["--columns", "efficiency,ball_torque_Nm", "-o", "map.txt"]].concat();

@@ -32,7 +32,7 @@ fn single() -> Value {
 }
 
 /// Converts a reference case to a case of this program, with the loads as inputs.
-fn case_of(reference: &Value) -> Value {
+fn case_from_reference(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
     for (dof, word) in [
@@ -67,11 +67,11 @@ fn case_of(reference: &Value) -> Value {
     case
 }
 
-/// Compares every number of `expect` by name. The relative tolerance is stated in the reference
-/// case (1e-9). Because some numbers are zero by symmetry, the tolerance is relative to at least a
-/// thousandth of the largest number of the list or, for forces that cancel, of the sum of all ball
-/// loads. For ball loads, it is relative to at least a millionth of the largest load (chapter 11.10
-/// of the source of the reference cases).
+/// Compares every number of `expect` by name. The relative tolerance (1e-9) is stated in the
+/// reference case. Because some numbers are zero by symmetry, the tolerance is relative to at least
+/// a thousandth of the largest number of the list or, for forces that cancel, of the sum of all
+/// ball loads. For ball loads, it is relative to at least a millionth of the largest load (chapter
+/// 11.10 of the source of the reference cases).
 #[test]
 fn nut_results_match_the_reference_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
@@ -79,10 +79,10 @@ fn nut_results_match_the_reference_cases() {
     assert_eq!(cases.len(), 14);
     for reference in &cases {
         let name = reference["name"].as_str().expect("name");
-        let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
+        let (code, found, words) = answer(&case_from_reference(reference).to_string(), &[]);
         if reference["case"]["lead_mm"] == 0.0 {
-            // A bearing is not a valid case for this program. It is compared in the tests of
-            // bsm-nut.
+            // This program does not accept a bearing as a case. The tests of bsm-nut compare the
+            // results for the bearing.
             assert_eq!(code, Some(2), "{name}: {words}");
             assert!(words.contains("`lead_mm` = 0 must be a finite number > 0"), "{words}");
             continue;
@@ -291,7 +291,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
     assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
-    // For the contact angles at usual preloads, the ratio is 2.86 to 2.91 (chapter 16).
+    // For the contact angles at typical preloads, the ratio is 2.86 to 2.91 (chapter 16).
     let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
     // For a dry friction coefficient of 0.06, K_p is 0.033, which is a third of the smallest
@@ -326,7 +326,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
 }
 
 #[test]
-fn balls_curve_and_figures_are_written() {
+fn ball_table_displacement_curve_and_figures_are_written() {
     let dir = folder();
     let case = example("nut_oversize.json");
     for more in [
@@ -544,7 +544,7 @@ fn a_ball_outside_its_groove_is_rejected() {
 /// Regression test: the search took 0.1 s for every ball without a solution, so that a nut with a
 /// thousand balls had not finished after 200 s.
 #[test]
-fn a_ball_without_a_solution_ends_the_search() {
+fn first_ball_without_a_solution_ends_the_search() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&case).expect("JSON");
     let map = case.as_object_mut().expect("object");
@@ -649,7 +649,7 @@ fn solve_counts_the_balls_of_circuits_with_gaps() {
 /// Regression test: the text "by model auto" named the requested model instead of the model with
 /// which the torque was calculated.
 #[test]
-fn the_model_used_for_the_torque_is_named() {
+fn output_names_the_model_used_for_the_torque() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, found, _) = answer(&double, &[]);
     let model = found["model"].as_str().expect("a model");
@@ -911,7 +911,7 @@ fn the_drag_of_a_pair_with_play_matches_the_reference() {
 /// For warm pairs in X and O arrangement, the preloads, loads, stiffness and lives at the reference
 /// temperatures must agree with an independent solution.
 #[test]
-fn warm_pairs_agree_with_an_independent_solution() {
+fn warm_nut_pairs_match_an_independent_solution() {
     let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 5);

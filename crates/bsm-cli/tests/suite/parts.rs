@@ -685,7 +685,7 @@ fn plans_accept_random_points_and_tables() {
     run(0, &["parts", "check", "rows/", "--deep"]);
     run(0, &[&sweep[..], &["-o", "points.parquet"]].concat());
 
-    // The table contains the same points as the random plan.
+    // The table contains the points of the plan with random points.
     let batch = ["sweep", &drive, "--points", "points.parquet"];
     run(0, &[&batch[..], &common, &parts, &["-o", "table/", "--plan"]].concat());
     run(0, &["parts", "run", "table/", "--only=1/2"]);

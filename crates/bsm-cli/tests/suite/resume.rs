@@ -63,7 +63,7 @@ fn unfinished_files(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf>
     files.keys().filter(temporary).collect()
 }
 
-/// Points of a grid, some of which have no result, and the same points as tables.
+/// Points of a grid, some of which have no result, also stored as tables.
 struct Points {
     vary: Vec<String>,
     rows: usize,
@@ -116,7 +116,7 @@ struct Tally {
 }
 
 /// Kills `kills` runs that write a dataset and as many runs that write a single file. After each
-/// kill and at the end, the files are compared with those of an undisturbed run.
+/// kill and at the end, the files are compared with the files of an undisturbed run.
 fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());

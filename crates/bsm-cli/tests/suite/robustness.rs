@@ -138,7 +138,7 @@ fn closed_standard_streams_are_tolerated() {
 
 /// Regression test: an existing pipe or device with the name of the output was replaced by a file.
 #[test]
-fn pipes_are_written_to_and_stay_pipes() {
+fn output_pipes_are_written_to_and_not_replaced() {
     let dir = folder();
     let fifo = dir.path().join("pipe.csv");
     assert!(Command::new("mkfifo").arg(&fifo).status().expect("mkfifo").success());
@@ -278,7 +278,7 @@ fn signal(child: &Child, name: &str) {
 }
 
 #[test]
-fn an_interrupt_keeps_the_existing_file_and_leaves_nothing_else() {
+fn interrupt_keeps_the_existing_file_and_leaves_no_temporary_files() {
     for (name, code) in [
         ("-HUP", Some(129)),
         ("-INT", Some(130)),
@@ -439,7 +439,7 @@ fn a_file_above_the_size_limit_is_reported() {
 
 /// If too few files may be open at the same time, the program must report an error or succeed.
 #[test]
-fn a_limit_of_open_files_is_reported() {
+fn exceeded_limit_of_open_files_is_reported() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--model=closed-form", "-o", "x.csv"];
@@ -477,7 +477,7 @@ fn a_replaced_output_keeps_its_permissions_and_owner() {
         assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()), "given: {given}");
         fs::remove_file(&table).expect("mine");
     }
-    // A new file gets the permissions that the umask specifies.
+    // A new file gets the permissions that the umask allows.
     let output = Command::new("sh")
         .args(["-c", "umask 027; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_bsm")])
         .args(args)
@@ -528,7 +528,7 @@ fn resume_keeps_files_of_the_user() {
 
 /// Regression test: `solve /dev/zero` never stopped reading.
 #[test]
-fn endless_devices_are_read_up_to_a_limit() {
+fn reading_of_an_endless_device_stops_at_the_size_limit() {
     let dir = folder();
     let axis = example("axis.json");
     for args in [
@@ -551,7 +551,7 @@ fn endless_devices_are_read_up_to_a_limit() {
 /// Regression test: every nut of a catalog was held in memory several times, which took 2.7 GB for
 /// five million nuts.
 #[test]
-fn a_large_catalog_takes_little_memory() {
+fn large_catalog_is_not_copied_in_memory() {
     let dir = folder();
     let list = |from: f64, step: f64, count: u32| {
         let values: Vec<_> = (0..count).map(|i| (from + step * f64::from(i)).to_string()).collect();
@@ -584,7 +584,7 @@ fn a_large_catalog_takes_little_memory() {
 /// Regression test: earlier versions printed "thrust of NaN N" for jamming, calculated a life of 0
 /// for a load spectrum of 1e300 N, and began a grid over the whole range of doubles with NaN.
 #[test]
-fn no_message_contains_nan() {
+fn messages_and_results_do_not_contain_nan() {
     let dir = folder();
     fs::write(dir.path().join("loads.csv"), "force_N,feed_m_min,share\n1e300,1,1\n")
         .expect("cycle");
@@ -649,7 +649,7 @@ fn control_characters_reach_neither_terminal_nor_plot() {
 
 /// Regression test: one row contained both 10000000000000000000000 and 3.18e19.
 #[test]
-fn numbers_in_a_row_have_the_same_format() {
+fn numbers_in_a_row_have_a_uniform_format() {
     let dir = folder();
     let args =
         ["sweep", &example("feed_drive.json"), "--points", "-", "--model=closed-form", "-o-"];

@@ -105,7 +105,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
 /// the same screw, and none of them included the preload. Every output must state the same
 /// efficiency with the same contributions.
 #[test]
-fn one_screw_has_one_efficiency() {
+fn all_commands_report_the_same_efficiency_for_a_screw() {
     let dir = folder();
     let requirement = example("requirements/axis.json");
     let run = |args: &[&str]| {
@@ -239,7 +239,7 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
 /// across commands. The test covers a horizontal and a vertical axis, a warm preloaded pair, and a
 /// feed drive with and without oil.
 #[test]
-fn same_name_has_the_same_value_in_every_command() {
+fn outputs_with_equal_names_have_equal_values_in_all_commands() {
     let dir = folder();
     let run = |args: &[&str]| {
         let output = bsm(dir.path(), args, "");
@@ -301,7 +301,7 @@ fn same_name_has_the_same_value_in_every_command() {
         let args = ["select", "requirement.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        // All commands use the model with which the screw was chosen.
+        // All commands use the model with which `bsm select` chose the screw.
         let model = ["--model", "raceway-control"];
         let of = |command: &str| run(&[&[command, "screw.json", "--json"], &model[..]].concat());
         let answers = [
@@ -341,7 +341,7 @@ fn same_name_has_the_same_value_in_every_command() {
 /// Regression test: every solve with a lubricant printed a warning that the user could not act on.
 /// This information is now a note.
 #[test]
-fn a_lubricated_solve_has_a_note_and_no_warning() {
+fn lubricated_solve_prints_a_note_instead_of_a_warning() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let output = bsm(dir.path(), &["solve", &oil], "");
@@ -355,7 +355,7 @@ fn a_lubricated_solve_has_a_note_and_no_warning() {
 /// If a rule fails, the sheet must suggest remedies and the exit code must be 3. Each suggested
 /// remedy must work.
 #[test]
-fn failing_rule_suggests_remedies() {
+fn suggested_remedies_meet_the_violated_rule() {
     let dir = folder();
     let sheet = |settings: &[&str]| {
         let axis = example("axis.json");
@@ -471,7 +471,7 @@ fn inputs_may_have_any_unit() {
 
 /// Regression test: the names `eff` and `speed` got no suggestion or a wrong suggestion.
 #[test]
-fn short_names_are_suggested() {
+fn full_names_are_suggested_for_short_or_incomplete_names() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let columns = |name: &str| {
@@ -555,7 +555,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
 /// Regression test: `solve` omitted the note about missing churning losses in cold oil, which
 /// `axis` printed.
 #[test]
-fn missing_churning_losses_are_noted_in_every_command() {
+fn every_command_notes_missing_churning_losses() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let lacks = |command: &str, more: &[&str]| {

@@ -22,7 +22,7 @@ fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
 /// Regression test: there were no options for semicolons, decimal commas and other column names,
 /// and `1.500` was silently read as 1.5.
 #[test]
-fn a_user_table_with_its_own_format_is_read() {
+fn user_table_with_other_separators_and_names_is_read() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     fs::write(at("own.csv"), "Kraft;Hub;note;Drehzahl\n2,5;20;\"a;b\";1500\n8,0;10;c;3000\n")
@@ -104,7 +104,7 @@ fn a_user_table_with_its_own_format_is_read() {
 /// Regression test: tables contained no information about their origin. The stored case must
 /// reproduce the table.
 #[test]
-fn tables_state_their_origin() {
+fn tables_contain_a_description_of_their_origin() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     let drive = example("feed_drive.json");
@@ -225,7 +225,7 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
 /// A workbook must contain the names, the units, the numbers of the CSV table and a description of
 /// their origin.
 #[test]
-fn workbooks_have_units_and_the_same_numbers() {
+fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     let drive = example("feed_drive.json");
@@ -364,7 +364,7 @@ fn a_sweep_notes_where_auto_changes_the_model() {
 /// With inch units, names, units and numbers of the columns of a sweep are converted, and so are the axes of its pictures. A column can
 /// also be requested in a unit of its own.
 #[test]
-fn sweep_columns_and_pictures_have_displayed_units() {
+fn sweep_columns_and_plots_use_display_units() {
     let dir = folder();
     let case = example("feed_drive.json");
     let sweep = |columns: &str, more: &[&str]| {

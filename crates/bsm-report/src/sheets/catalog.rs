@@ -127,7 +127,7 @@ impl Drawing {
         self.fixed().map(|entry| (entry.of(size) / entry.of(&self.near)).ln().abs()).sum()
     }
 
-    /// Returns true if the fixed dimensions of a nut are equal to those of `size`.
+    /// Returns true if the fixed dimensions of a nut are equal to the dimensions of `size`.
     fn has(&self, size: &Size, nut: &Candidate) -> bool {
         // Exact comparison is possible, because both values are copied from the same list entry.
         self.fixed().all(|entry| entry.of(size).to_bits() == entry.of(&nut.size).to_bits())
@@ -187,9 +187,9 @@ impl Drawing {
     }
 }
 
-/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog. The dimensions are those of
-/// the captions or the nearest ones that these nuts have. A figure with fewer than two nuts is
-/// omitted.
+/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog. The dimensions are taken
+/// from the captions; if no nut has these dimensions, the nearest dimensions are used. A figure
+/// with fewer than two nuts is omitted.
 pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     let drawings = drawings();
     let mut nearest = [(f64::INFINITY, None); 12];

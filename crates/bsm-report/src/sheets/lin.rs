@@ -240,8 +240,8 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
-    // The curves of the other direction are removed, because they are equal except for a rotation
-    // by 180 degrees.
+    // The curves of the other drive direction are removed, because they are equal except for a
+    // rotation by 180 degrees.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
         [

@@ -62,8 +62,8 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     figures
 }
 
-/// Returns the figure of the ball advance and, if a ball gap is given, the figures of ball speeds
-/// and pushes.
+/// Returns the figure of the ball advance and, if a ball gap is given, the figures of the ball
+/// speeds and the push forces.
 fn train(balls: &Columns) -> Vec<Figure> {
     let figures = [
         along(
@@ -82,7 +82,7 @@ fn train(balls: &Columns) -> Vec<Figure> {
             [
                 "nut-ball-pushes",
                 "Forces between the balls along the helix",
-                "Balls without a push have no mark.",
+                "Balls without a push force have no mark.",
             ],
             Axis::linear("force, N"),
             &[
@@ -114,14 +114,14 @@ fn speeds(balls: &Columns) -> Figure {
     };
     let curves = [
         curve("free_rate", ("free", 0, Stroke::Circles), |_| true),
-        curve("rate", ("with pushes", 1, Stroke::Triangles), |_| true),
+        curve("rate", ("with push forces", 1, Stroke::Triangles), |_| true),
         curve("rate", ("train of touching balls", 1, Stroke::Solid), |gap| gap < NO_GAP),
     ];
     Figure::new(
         [
             "nut-ball-speeds",
             "Speeds of the balls along the helix",
-            "Speeds of free balls, and speeds with pushes between the balls; a line connects touching balls.",
+            "Speeds of free balls, and speeds with push forces between the balls; a line connects touching balls.",
         ],
         [
             Axis::linear("turns along the helix"),

@@ -191,7 +191,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     })
 }
 
-/// Returns the labels and texts for the header of the sheet.
+/// Returns the labels and strings for the header of the sheet.
 fn head_of(report: &AxisReport) -> Vec<(&'static str, Value)> {
     let case = report.case.to_json();
     let text = |name: &&'static str| Some((*name, case.get(*name)?.clone()));

@@ -68,7 +68,7 @@ impl Tally {
         }
     }
 
-    /// Combines two tallies. The points of `self` precede those of `other`.
+    /// Combines two tallies. The points of `self` precede the points of `other`.
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.points += other.points;
         for (place, kind) in other.kinds {

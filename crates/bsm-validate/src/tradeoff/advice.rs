@@ -47,9 +47,9 @@ pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Returns the most accurate setting among those that are within a tolerance and take little more
-/// time than the fastest of them. Small time differences are ignored because times vary from run to
-/// run.
+/// Among the settings that are within a tolerance, returns the most accurate setting that takes
+/// little more time than the fastest one. Small time differences are ignored because times vary
+/// from run to run.
 fn pick(
     settings: &[SettingResult],
     group: Group,

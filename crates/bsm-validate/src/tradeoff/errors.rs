@@ -85,7 +85,7 @@ impl Distribution {
     }
 }
 
-/// Errors of a setting over those points of a group that the setting solved.
+/// Errors of a setting over the points of a group that the setting solved.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
     /// Group of points.
@@ -214,7 +214,7 @@ mod tests {
 
     /// The mean and the quantiles of the numbers from 1 to 200 are known exactly.
     #[test]
-    fn distributions_have_the_known_quantiles() {
+    fn quantiles_of_consecutive_integers_are_exact() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();
         let expected =
             Distribution { mean: 100.5, median: 100.0, q90: 180.0, q99: 198.0, max: 200.0 };

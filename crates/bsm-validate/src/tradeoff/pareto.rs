@@ -35,8 +35,8 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Settings of the creep speed are left out, because their marks would coincide with those
-        // of the accuracies. Errors of zero are left out, because they cannot be shown on a
+        // Settings of the creep speed are left out, because their marks would coincide with the
+        // marks of the accuracies. Errors of zero are left out, because they cannot be shown on a
         // logarithmic axis.
         if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
             continue;

@@ -124,7 +124,7 @@ const MODELS: [(&str, &[&str]); 15] = [
     // it uses.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
-    // This model adds the losses of a third contact to those of a lubricated ball.
+    // This model adds the losses of a third contact to the losses of a lubricated ball.
     ("lubricated_arch", &["traction", "gothic", "workspace", "lubricated"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (

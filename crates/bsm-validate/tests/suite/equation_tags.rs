@@ -141,7 +141,7 @@ fn each_formula_is_implemented_in_one_crate() {
 /// Code that is compiled only for tests must be recognized: items, modules in separate files, and
 /// single lines.
 #[test]
-fn code_for_tests_is_recognized() {
+fn code_compiled_only_for_tests_is_recognized() {
     let text = "fn a() {} // (K1)\n#[cfg(test)]\nmod tests;\nmod b; // (K2)\n    #[cfg(test)]\n    \
                 #[expect(x)]\n    fn c() {\n        // (K3)\n    }\n    fn d() {} // (K4)\n";
     let [always, in_tests] = parts(text);

@@ -133,7 +133,7 @@ fn page_shows_every_setting_and_figure() {
 }
 
 #[test]
-fn tables_that_cannot_be_used_are_rejected() {
+fn unusable_tables_of_points_are_rejected() {
     let error = read("lead_angle_deg\n").expect_err("no rows").to_string();
     assert!(error.starts_with("the table has no rows"), "{error}");
     let error = read("lead_angle_deg,contact_angle_deg\n10,45\n").expect_err("inputs are missing");

@@ -93,7 +93,7 @@ pub(super) fn by_catalog(case: &Case) -> Efficiency {
     }
 }
 
-/// Returns the largest and smallest contact friction that the usual range of catalog efficiencies
+/// Returns the largest and smallest contact friction that the typical range of catalog efficiencies
 /// gives \[N·m\].
 ///
 /// * `ideal`: torque of the load without friction \[N·m\].

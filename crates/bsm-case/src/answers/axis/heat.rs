@@ -31,7 +31,8 @@ pub(super) struct Heating {
 pub(super) struct Powers {
     /// Powers of the heat sources whose torques are given \[W\].
     pub(super) given: HeatSources,
-    /// Powers of the heat sources whose torques are not given, estimated from usual torques \[W\].
+    /// Powers of the heat sources whose torques are not given, estimated from typical torques
+    /// \[W\].
     pub(super) missing: HeatSources,
 }
 
@@ -77,7 +78,7 @@ impl Heating {
             return Ok(Some(Self { nodes: None, growth, mean, over_bed, band }));
         }
         let link = match &machine.groove {
-            // If the balls cannot carry the load, their contacts are unknown, and the usual ball
+            // If the balls cannot carry the load, their contacts are unknown, and a typical ball
             // conductance is used. A note states the reason.
             Some(_) => ColdNut::of(case, settings, machine)
                 .and_then(|cold| cold.link())

@@ -11,7 +11,7 @@ pub(super) struct Lubrication {
     pub(super) viscosity: f64,
     /// Fatigue load limit \[N\].
     pub(super) fatigue_limit: f64,
-    /// Usual, smallest and largest contamination factor.
+    /// Typical, smallest and largest contamination factor.
     pub(super) contamination: [f64; 3],
 }
 

@@ -22,7 +22,7 @@ const SHORT: (f64, f64) = (3.0, 3.0);
 /// Speed number above which the manufacturer must approve the grease \[mm/min\] (usual value).
 const FAST: f64 = 100e3;
 
-/// Steady-state temperature rise above which cooling is advised \[K\] (usual value).
+/// Steady-state temperature rise above which cooling is recommended \[K\] (usual value).
 const HOT: f64 = 40.0;
 
 /// Range of the ratio of nut speed to critical screw speed in which a driven nut can excite the
@@ -108,8 +108,8 @@ impl AxisState<'_> {
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
         let hot = (rise > HOT).then(|| {
             format!(
-                "The steady-state temperature rise of {rise:.0} K exceeds {HOT:.0} K, which harms grease and preload. Cool the nut \
-                 or the screw."
+                "The steady-state temperature rise of {rise:.0} K exceeds {HOT:.0} K, which \
+                 damages the grease and changes the preload. Cool the nut or the screw."
             )
         });
         let longest = make(self.case).longest(self.grade(), self.axis().screw.outer);
@@ -117,7 +117,7 @@ impl AxisState<'_> {
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
         let long = long.map(|(thread, longest)| {
             format!(
-                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, which are at most {:.0} mm long for this diameter, make and grade.",
+                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, which are at most {:.0} mm long for this diameter, manufacturing method and accuracy grade.",
                 thread / MM,
                 longest / MM
             )
@@ -178,14 +178,14 @@ impl AxisState<'_> {
         let ratios = speeds.map(|speed| speed.abs() / critical);
         let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
         Some(format!(
-            "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite the screw. Ask the \
-             manufacturer for a damper.",
+            "The driven nut turns at {near:.2} times the critical speed of its screw ({:.0} rpm) \
+             and can excite the screw. Ask the manufacturer for a damper.",
             shaft.critical_speed() / RPM
         ))
     }
 
-    /// Returns a note if hindered thermal growth compresses a screw between two fixed bearings and
-    /// no rule checks the bearings.
+    /// Returns a note if constrained thermal expansion compresses a screw between two fixed
+    /// bearings and no rule checks the bearings.
     fn hindered_growth(&self) -> Option<String> {
         let tension = self.tension().filter(|tension| *tension < 0.0)?;
         self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
@@ -193,8 +193,8 @@ impl AxisState<'_> {
             format!("; pretension_K = {} would keep it in tension", at_least(kelvin, 1))
         });
         Some(format!(
-            "Hindered growth compresses the screw by {:.1} kN{remedy}. support_bearing_axial_load_N is not given, so no rule \
-             checks the support bearings.",
+            "Constrained thermal expansion compresses the screw with a force of {:.1} kN{remedy}. \
+             support_bearing_axial_load_N is not given, so no rule checks the support bearings.",
             -tension / 1e3
         ))
     }
@@ -213,7 +213,7 @@ impl AxisState<'_> {
             let missing = self.powers().map(|powers| powers.missing.total());
             let usual = missing.filter(|heat| *heat > 0.0).map_or_else(String::new, |heat| {
                 format!(
-                    "; the upper end includes {heat:.0} W for usual torques of seals and support bearings that are not given"
+                    "; the upper end includes {heat:.0} W for typical values of the missing seal and support bearing torques"
                 )
             });
             notes.push(format!(
@@ -299,8 +299,8 @@ impl AxisState<'_> {
         all
     }
 
-    /// Returns a note on the life at the load factors that catalogs advise, if no load factor is
-    /// given.
+    /// If no load factor is given, returns a note on the life at the load factors that catalogs
+    /// recommend.
     fn undecided_load_factor(&self) -> Option<String> {
         let (axis, case) = (self.axis(), self.case);
         let mut phases = case.nut.cycle.iter().flatten();
@@ -320,7 +320,7 @@ impl AxisState<'_> {
             return None;
         }
         Some(format!(
-            "load_factor is not given and counts as 1; catalogs advise {low} to {high} at this speed, with lives of {long:.0} to {short:.0} h"
+            "load_factor is not given and counts as 1; catalogs recommend {low} to {high} at this speed, which gives lives of {long:.0} to {short:.0} h"
         ))
     }
 
@@ -364,7 +364,7 @@ impl AxisState<'_> {
         let life = self.life()?.time / 3600.0 / factor.powi(3);
         (stroke < lengths * self.machine.body.length).then(|| {
             format!(
-                "The stroke is less than three nut lengths. HIWIN advises a load factor of 3 to 5; the life with {factor} is {life:.0} h."
+                "The stroke is less than three nut lengths. HIWIN recommends a load factor of 3 to 5; the life with {factor} is {life:.0} h."
             )
         })
     }

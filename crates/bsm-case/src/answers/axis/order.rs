@@ -14,7 +14,7 @@ use crate::vocabulary::units::MM;
 #[derive(Debug, Clone, PartialEq)]
 struct OrderEntry {
     what: &'static str,
-    /// Words before the text if all entries are printed on one line.
+    /// Words that precede the text if all entries are printed on one line.
     prefix: &'static str,
     text: String,
 }

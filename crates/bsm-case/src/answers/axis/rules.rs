@@ -100,7 +100,7 @@ impl RuleInputs<'_> {
         let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
-            "Euler (Z2); ends {}{by_default}; with the ends of support, {}: {}",
+            "Euler (Z2); end conditions {}{by_default}; with the end conditions of support, {}: {}",
             shaft.buckling.0.name(),
             shaft.support.name(),
             number(of_support)
@@ -150,7 +150,7 @@ fn quantity(name: &str) -> Option<&'static Quantity> {
 /// Creates a rule about a number, if the number and its limit exist.
 ///
 /// * `name`: name of the quantity.
-/// * `at_least`: true if the limit is a minimum.
+/// * `at_least`: true if the limit is a minimum, false if it is a maximum.
 /// * `remedy`: creates the advice from the margin of a violated rule.
 fn criterion(
     [title, name]: [&'static str; 2],
@@ -217,12 +217,12 @@ rules! {
     /// Rules about the screw between its bearings.
     of_screw(of, margin) TITLES_OF_SCREW:
     "critical speed" critical_speed_ratio
-        // The ratio is infinite if hindered growth buckles the screw.
+        // The ratio is infinite if constrained thermal expansion buckles the screw.
         = of.judged(output!(critical_speed_ratio), K::required_critical_speed_ratio),
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
-            "unsupported_length_mm {} or less, or a core of {} mm, or a stiffer support",
+            "unsupported_length_mm {} or less, or a core diameter of {} mm, or a stiffer support",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() / margin, 1)
         );
@@ -239,7 +239,7 @@ rules! {
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
         format!(
-            "unsupported_length_mm {} or less, or a core of {} mm",
+            "unsupported_length_mm {} or less, or a core diameter of {} mm",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
@@ -252,7 +252,7 @@ rules! {
             let hindered = of.number(output!(pretension_N)).zip(of.number(output!(screw_tension_N)));
             hindered.map(|(cold, warm)| cold - warm).filter(|force| *force > 0.0)
         },
-        "force of hindered growth; GY Ballscrew, THK A-715 (AA5)",
+        "force due to constrained thermal expansion; GY Ballscrew, THK A-715 (AA5)",
         {
             let slack = of.number(output!(pretension_K)).unwrap_or(f64::NAN);
             let needed = at_least(slack / margin, 0);
@@ -284,7 +284,7 @@ rules! {
     "static safety" static_safety_factor
         = of.judged(output!(static_safety_factor), K::required_static_safety),
         at_least of.input(K::required_static_safety),
-        "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK requires 1 to 1.5, or 2 to 7 with impact",
+        "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and the value for the most loaded ball. THK requires 1 to 1.5, or 2 to 7 with impact",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
         = of.needed(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
@@ -319,17 +319,17 @@ rules! {
         = of.needed(output!(rms_motor_torque_Nm), of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (BB3)",
-        "a larger motor, a smaller lead, or longer rests";
-    "peak torque on the curve of the motor" peak_torque_utilization
+        "a larger motor, a smaller lead, or longer dwells";
+    "peak torque on the torque-speed curve of the motor" peak_torque_utilization
         = of.needed(output!(peak_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: torque at both ends of each phase / peak torque at the same speed",
         "a larger motor, a smaller lead, or less acceleration";
-    "continuous torque on the curve of the motor" rms_torque_utilization
+    "continuous torque on the torque-speed curve of the motor" rms_torque_utilization
         = of.needed(output!(rms_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: RMS torque over the cycle / continuous torque at the mean speed",
-        "a larger motor, a smaller lead, or longer rests";
+        "a larger motor, a smaller lead, or longer dwells";
     "power of the motor" peak_motor_power_W
         = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,

@@ -196,7 +196,7 @@ impl<'a> AxisState<'a> {
         axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
     }
 
-    /// Returns the modified life at the usual, smallest or largest contamination factor \[h\].
+    /// Returns the modified life at the typical, smallest or largest contamination factor \[h\].
     pub(super) fn modified_life(&self, place: usize) -> Option<f64> {
         self.life()?;
         let Lubrication { fatigue_limit, contamination, .. } = self.lubrication.as_ref()?;

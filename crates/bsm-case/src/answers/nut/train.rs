@@ -1,4 +1,5 @@
-//! Ball train of a nut: advance of the balls, and pushes between balls if a gap is given.
+//! Ball train of a nut: advance of the balls and, if a ball gap is given, push forces between the
+//! balls.
 
 use std::borrow::Cow;
 
@@ -33,28 +34,29 @@ struct OneCircuit<'a> {
     train: &'a CircuitTrain,
 }
 
-/// Pushes between the balls, or the reason why they are not calculated.
+/// Push forces between the balls, or the reason why they are not calculated.
 pub(super) type TrainResult = Result<Train, String>;
 
-/// Returns a message about a push that exceeds the limit [`MAX_PUSH_RATIO`].
+/// Returns a message about a push force that exceeds the limit [`MAX_PUSH_RATIO`].
 ///
-/// * `push`: push with its unit.
-/// * `part`: ratio of the push to the ball load.
+/// * `push`: push force as text, with its unit.
+/// * `part`: ratio of the push force to the ball load.
 /// * `of`: kind of ball load, `largest` or `mean`.
 fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
-        "a push of {push} between balls is {:.1} % of the {of} ball load; above {:.0} %, pushes change loads and contact angles",
+        "a push force of {push} between balls is {:.1} % of the {of} ball load; above {:.0} %, push forces change loads and contact angles",
         100.0 * part,
         100.0 * MAX_PUSH_RATIO
     )
 }
 
-/// Explains why the friction torque with pushes is missing.
+/// Explains why the friction torque with push forces between the balls is missing.
 pub(super) fn not_pushed(why: &str) -> String {
-    format!("The friction torque with pushes between balls is not calculated: {why}")
+    format!("The friction torque with push forces between the balls is not calculated: {why}")
 }
 
-/// Returns true if the model calculates the free ball speeds that cause pushes between balls.
+/// Returns true if the model calculates the free speeds of the balls, which determine the push
+/// forces between them.
 fn pushes(model: ModelChoice) -> bool {
     matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
 }
@@ -98,20 +100,22 @@ impl NutReport {
         of(&ball_friction.friction.motions)
     }
 
-    /// Calculates the pushes between the balls, or returns `None` if no gap is given.
+    /// Calculates the push forces between the balls, or returns `None` if no ball gap is given.
     ///
-    /// * `motions`: free motions of the balls without pushes.
+    /// * `motions`: motions of the balls without push forces.
     pub(super) fn pushed_of(&self, motions: &[Option<FreeMotion>]) -> Option<TrainResult> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (inputs, (source, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
         if !pushes(problem.settings.model) {
             let model = problem.settings.model.name();
-            return Some(Err(format!("pushes between balls need model traction, not {model}")));
+            return Some(Err(format!(
+                "push forces between balls require model traction, not {model}"
+            )));
         }
         if problem.scatters() || !nut.errors.balls.is_empty() {
             return Some(Err(
-                "pushes between balls of unequal size are not calculated, because a slow ball gathers a queue \
-                 behind it with any gap"
+                "push forces between balls of unequal size are not calculated, because balls queue \
+                 behind a slow ball whatever the gap is"
                     .to_owned(),
             ));
         }
@@ -136,7 +140,8 @@ impl NutReport {
             other => other.map_err(|why| why.to_string()),
         })
     }
-    /// Returns a sentence that states whether the balls touch, or `None` if no gap is given.
+    /// Returns a sentence that states whether the balls touch each other, or `None` if no ball gap
+    /// is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
         let inputs = self.problem.gaps.train.as_ref()?;
         let train = match self.pushed()? {

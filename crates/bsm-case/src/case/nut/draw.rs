@@ -37,7 +37,7 @@ mod tests {
     /// For 20 000 draws, the mean deviates by at most 5/√N and the standard deviation by at most
     /// 5/√(2N), which are five standard errors.
     #[test]
-    fn draws_are_normal() {
+    fn draws_are_normally_distributed() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let draws: Vec<_> = (0..20_000).map(|_| normal(&mut rng)).collect();
         let mean = draws.iter().sum::<f64>() / 2e4;

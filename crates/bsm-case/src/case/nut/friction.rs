@@ -6,7 +6,7 @@ use crate::case::problem::Needs;
 use crate::vocabulary::error::bad;
 use crate::{Case, CaseError};
 
-/// Source of the friction of the balls.
+/// Data from which the friction of the balls is calculated.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum FrictionSource {
     /// Constant friction coefficient.
@@ -24,7 +24,7 @@ impl FrictionSource {
         }
     }
 
-    /// Returns the source of friction that a case specifies.
+    /// Returns the friction data that a case specifies, or `None` if it specifies none.
     pub(super) fn of(case: &Case) -> Result<Option<Self>, CaseError> {
         let given = case.given();
         given.check_friction()?;

@@ -63,7 +63,7 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// Source of friction, and the speeds of screw and nut.
+    /// Friction data of the balls, and the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
     /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
     far_friction: Option<f64>,
@@ -214,7 +214,7 @@ impl NutProblem {
         matches!(self.preload, Some((_, Amount::Displacement(displacement))) if displacement != 0.0)
     }
 
-    /// Returns the friction coefficients at loaded and far flanks for a source of friction.
+    /// Returns the friction coefficients at the loaded flanks and at the far flanks.
     pub(crate) fn flank_friction(&self, source: &FrictionSource) -> FlankFriction {
         FlankFriction { loaded: source.coefficient(), far: self.far_friction }
     }
@@ -500,7 +500,8 @@ fn notes(
     }
     if by == Some(PreloadKind::Oversize) && case.preload_N.is_some() {
         notes.push(
-            "preload_N of one nut is the preload of oversize balls, which press both flanks."
+            "For a single nut, preload_N is the preload due to oversize balls, which press against \
+             both flanks."
                 .to_owned(),
         );
     }
