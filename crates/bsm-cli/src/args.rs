@@ -316,7 +316,7 @@ impl DialectArgs {
 
     /// Returns an error if one of the options is given although no table is read.
     ///
-    /// * `table`: name of the option for the table.
+    /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
         let given = [self.delimiter.map(|_| "--delimiter"), self.decimal.map(|_| "--decimal")];
         not_without_table(given.into_iter().flatten().next(), table)
@@ -335,7 +335,7 @@ impl NamedTableArgs {
 
     /// Returns an error if one of the options is given although no table is read.
     ///
-    /// * `table`: name of the option for the table.
+    /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
         self.dialect.only_with(table)?;
         not_without_table(self.names.as_ref().map(|_| "--names"), table)

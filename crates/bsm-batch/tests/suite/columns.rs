@@ -1,4 +1,4 @@
-//! Tests of results of analyses as table columns.
+//! Tests of table columns that contain analysis results.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
 use bsm_case::{

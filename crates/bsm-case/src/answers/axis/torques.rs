@@ -108,7 +108,7 @@ impl Torques {
         }
     }
 
-    /// Returns the torques as numbers.
+    /// Returns the screw torque and its contributions as numbers.
     pub(super) fn numbers(&self) -> Numbers {
         read_torques(self, |_| true)
     }
