@@ -12,8 +12,8 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Source of the values of a kernel input. The first line of this table whose condition is true
-/// applies.
+/// Where the values of a kernel input come from. The first line of this table whose condition is
+/// true applies.
 ///
 /// | the input | source | value in a row |
 /// |---|---|---|

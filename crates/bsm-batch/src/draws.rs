@@ -160,8 +160,8 @@ impl Draws {
         &self.of
     }
 
-    /// Returns a grid of the bounds of uniform distributions and the means of normal distributions.
-    /// A task that is valid for this grid is also valid for the random points.
+    /// Returns a grid that contains the bounds of uniform distributions and the means of normal
+    /// distributions. A task that is valid for this grid is also valid for the random points.
     ///
     /// # Errors
     ///

@@ -380,7 +380,7 @@ enum ArrowColumn<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// Provides access to the cells of the table of a chunk.
+    /// Provides access to the table cells of a chunk.
     ///
     /// # Errors
     ///

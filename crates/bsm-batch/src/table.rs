@@ -79,7 +79,7 @@ pub struct TableHead<'a> {
     pub is_text: bool,
 }
 
-/// A table that is being written.
+/// A CSV, JSON Lines or Parquet table that is being written.
 pub struct TableSink<W: Write + Send> {
     schema: SchemaRef,
     outputs: Vec<&'static Output>,

@@ -284,7 +284,7 @@ fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::R
     Ok(to)
 }
 
-/// A text table that is being written.
+/// A CSV or JSON Lines table that is being written.
 pub(crate) struct TextSink<W> {
     writer: W,
     form: RowForm,

@@ -199,7 +199,7 @@ pub(crate) struct ModelArgs {
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::TOLERANCE))]
     tolerance: Option<f64>,
-    /// Relative error of the integrals of model traction; defaults to 1e-8.
+    /// Relative error of the friction integrals in model traction; defaults to 1e-8.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
     accuracy: Option<f64>,
     /// Ratio of creep speed to rolling speed in model traction; defaults to 1e-4.
@@ -316,7 +316,7 @@ impl DialectArgs {
 
     /// Returns an error if one of the options is given although no table is read.
     ///
-    /// * `table`: name of the option for the table.
+    /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
         let given = [self.delimiter.map(|_| "--delimiter"), self.decimal.map(|_| "--decimal")];
         not_without_table(given.into_iter().flatten().next(), table)
@@ -335,7 +335,7 @@ impl NamedTableArgs {
 
     /// Returns an error if one of the options is given although no table is read.
     ///
-    /// * `table`: name of the option for the table.
+    /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
         self.dialect.only_with(table)?;
         not_without_table(self.names.as_ref().map(|_| "--names"), table)
@@ -508,7 +508,7 @@ pub(crate) struct SelectArgs {
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "columns", "figures"])]
     pub(crate) free: bool,
     /// Print the keys of a requirement, the standard lists or the manufacturers' sizes (to copy and
-    /// edit), or the columns of the list of nuts.
+    /// edit), or the columns of a nut list.
     #[arg(long, value_name = "WHAT", value_enum)]
     pub(crate) show: Option<SelectShow>,
     /// Sizes to choose from: manufacturers (THK and HIWIN, the default), standard (all combinations
@@ -572,7 +572,7 @@ pub(crate) struct SweepArgs {
     /// Set or replace an input of the case. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
-    /// Units of pictures and of the columns of a table. A folder of parts always has metric units.
+    /// Units of plots and table columns. A folder of parts always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     pub(crate) units: Option<String>,
     /// Input of a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,.. May be

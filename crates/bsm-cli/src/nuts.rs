@@ -46,7 +46,8 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     };
     let figures: Vec<_> = figures.into_iter().map(|figure| figure.in_units(units)).collect();
     let lacking = match list.catalog() {
-        // The figure of the forces of a preloaded pair needs one nut. The other figures need two.
+        // The figure that shows the forces in a preloaded pair needs one nut. The other figures
+        // need two nuts.
         Some(_) if figures.len() < 2 => Some(
             "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter",
         ),

@@ -17,8 +17,8 @@ use crate::files::{pretty_json, print};
 /// JSON value (see [`kind`]). Bars separate alternatives.
 ///
 /// Names with `@` refer to tables of quantities or to the [`TABLES`], which are the sections of an
-/// [`Answer`](bsm_case::Answer). Only two answers have a different structure: the members of the
-/// answer of `fit` are inputs chosen by the user, and the vectors of `nut` have the names used in
+/// [`Answer`](bsm_case::Answer). Only two answers have a different structure: the answer of `fit`
+/// has a member for each input that the user chose, and the vectors of `nut` have the names used in
 /// the published comparison cases (`validation/published/nut/public.json`).
 const ANSWERS: [(&str, &str, &str); 14] = [
     (

@@ -57,8 +57,8 @@ impl Dxf {
     }
 }
 
-/// Draws the cross section of the grooves of nut and screw around a ball, in millimeters at scale
-/// 1:1. The origin is the ball center, x points along the axis, and y points away from the axis.
+/// Draws the cross section of the nut and screw grooves around a ball, in millimeters at scale 1:1.
+/// The origin is the ball center, x points along the axis, and y points away from the axis.
 pub fn groove_dxf(section: &GrooveSection) -> String {
     let mut dxf = Dxf(String::new());
     dxf.pair(0, "SECTION");

@@ -98,7 +98,7 @@ impl Axis {
 /// A figure that consists of curves over a common x axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Name of the files of this figure, without extension.
+    /// File name of this figure, without extension.
     pub key: String,
     /// Title of the figure.
     pub title: String,

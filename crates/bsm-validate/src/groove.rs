@@ -401,11 +401,11 @@ const BAND_QUANTITIES: [BandQuantity; 3] = [
     },
 ];
 
-/// Friction coefficient of the reference torques.
+/// Friction coefficient with which the reference torques were calculated.
 const FRICTION: f64 = 0.08;
-/// Speed of the screw of the reference torques \[rad/s\].
+/// Screw speed at which the reference torques were calculated \[rad/s\].
 const SPEED: f64 = 500.0 * RPM;
-/// Density of the balls of the reference torques \[kg/m³\].
+/// Ball density with which the reference torques were calculated \[kg/m³\].
 const DENSITY: f64 = 7800.0;
 
 /// Returns the friction torque of the contacts under raceway control \[N·m\].

@@ -157,10 +157,10 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
                 .note(format!("value farthest from the claim; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
-        // The position of a flat maximum is accurate only to the square root of the precision of
-        // its value.
+        // A flat maximum can be located only to the square root of the relative rounding error of
+        // the function value.
         let located =
-            "the position of a maximum is accurate to the square root of the rounding error, 1e-7";
+            "a maximum can be located only to the square root of the rounding error, 1e-7";
         checks.push(
             Check::new(
                 &format!("lin1994/optimum-constant-{suffix}"),

@@ -107,7 +107,7 @@ tables! {
     elastic_reference: "elastic-contacts/reference.csv";
     /// Lists of sizes for the tables of Sobolewski (2002).
     parkon: "ratings/parkon.json";
-    /// Rows of the tables of Sobolewski (2002).
+    /// Rows of the tables in Sobolewski (2002).
     rating_tables: "ratings/sobolewski.csv";
     /// Catalog rows with known ball diameters, and independent estimates of their grooves.
     groove: "groove/public.json";

@@ -65,8 +65,8 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
     let (Some(efficiency), Ok(root)) = (efficiency, rigid.root(work)) else {
         return Ok(check.measured(f64::NAN, "").at_most(1.0, "the point must converge"));
     };
-    // The tolerance is half a unit of the last of nine digits, or a relative error of 1e-9 if this
-    // is larger.
+    // The reference values have nine digits. The tolerance is half a unit of the last digit, or a
+    // relative error of 1e-9 if this is larger.
     let deviation = |ours: f64, printed: f64| {
         let last_digit = 10.0_f64.powf(printed.abs().log10().floor() - 8.0);
         (ours - printed).abs() / (0.5 * last_digit).max(1e-9 * printed.abs())

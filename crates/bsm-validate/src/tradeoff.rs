@@ -128,7 +128,7 @@ pub struct Count {
     pub points: usize,
 }
 
-/// Results of the measurement of speed and accuracy.
+/// Results of a speed and accuracy measurement.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Tradeoff {
     /// Settings of the reference solution, as options of `bsm solve`.

@@ -231,15 +231,15 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
     Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
 }
 
-/// Returns the length of the footer of a Parquet file including its tail, or `None` if `tail` (the
-/// last bytes of the file) is invalid.
+/// Returns the length of a Parquet footer including its tail, or `None` if `tail` (the last bytes
+/// of the file) is invalid.
 fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
     let [a, b, c, d, letters @ ..] = tail;
     let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
     (letters == *b"PAR1" && footer <= MAX_FOOTER_BYTES).then_some(footer + TAIL as u64)
 }
 
-/// Reads the footer of a Parquet file including its tail; returns `None` if the file has no footer.
+/// Reads a Parquet footer including its tail; returns `None` if the file has no footer.
 fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     let Some(at_tail) = len.checked_sub(TAIL as u64) else { return Ok(None) };
     let mut tail = [0; TAIL];

@@ -44,7 +44,7 @@ struct PlanFile {
     columns: Vec<String>,
     rows: u64,
     rows_per_part: NonZeroU64,
-    /// Id of the plan: the SHA-256 hash of the text of the file in which this value is empty.
+    /// Id of the plan: the SHA-256 hash of the file text, calculated with an empty id.
     #[serde(default)]
     sha256: String,
 }
@@ -195,7 +195,7 @@ impl Plan {
     ///
     /// The errors of [`task`](Self::task).
     pub fn estimate(&self) -> Result<Estimate, String> {
-        /// Size of the footer of a part \[B\].
+        /// Size of a part footer \[B\].
         const FOOTER: f64 = 1500.0;
         /// Size of a column entry in the footer \[B\].
         const COLUMN: f64 = 150.0;

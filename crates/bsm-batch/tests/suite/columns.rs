@@ -1,4 +1,4 @@
-//! Tests of results of analyses as table columns.
+//! Tests of table columns that contain analysis results.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
 use bsm_case::{
@@ -41,8 +41,8 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
     Answers::select(Some(&names)).expect("outputs")
 }
 
-/// Returns all numeric outputs of the analyses of a dry screw, except for the warm state, the loss
-/// in the ball returns and the modified life. The last two need a lubricant.
+/// Returns all numeric outputs that the analyses calculate for a dry screw, except for the warm
+/// state, the loss in the ball returns and the modified life. The last two need a lubricant.
 fn all_columns() -> Vec<&'static Output> {
     let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
     let columns = kinds.flat_map(AnalysisKind::columns);

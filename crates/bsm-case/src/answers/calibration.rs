@@ -21,7 +21,7 @@ use crate::{
     TableFormat,
 };
 
-/// Columns of the table of fitted inputs.
+/// Columns of the table that lists the fitted inputs.
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
 pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
 

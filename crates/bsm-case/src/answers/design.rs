@@ -64,7 +64,7 @@ pub struct DesignReport {
 /// Name of the output for the efficiency of the whole screw.
 const EFFICIENCY: OutputName = output!(screw_efficiency);
 
-/// Columns of the table of selection steps.
+/// Columns of the table that lists the selection steps.
 pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
 
 thread_local! {
@@ -342,8 +342,8 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// Calculates the efficiency of the whole screw at a moment of a phase with the model of the
-/// requirement. Returns `None` if the model has no solution.
+/// Uses the model that the requirement specifies to calculate the efficiency of the whole screw at
+/// a moment of a phase. Returns `None` if the model has no solution.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = requirement.case_of(nut);
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
@@ -457,7 +457,7 @@ fn row(check: &Check) -> DesignRow {
     }
 }
 
-/// Converts a rule of the sheet to an additional row of the table of steps.
+/// Converts a rule on the sheet to an additional row in the table of selection steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
     DesignRow {
         step: 11,

@@ -38,8 +38,8 @@ pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_l
 const FIELDS: [&str; 5] =
     ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
-/// Columns of the table of fields: the coordinates relative to the semi-axes, followed by the
-/// fields at nut and screw.
+/// Columns of the field table: the coordinates relative to the semi-axes, followed by the fields at
+/// nut and screw.
 const HEADS: &[Output; 12] = &[
     field("across", ""),
     field("along", ""),

@@ -114,8 +114,8 @@ pub struct Fit {
 pub struct FitValue {
     /// Value of the input.
     pub value: f64,
-    /// Relative change of the input per relative change of the measured output or of the margin of
-    /// the rule.
+    /// Relative change of the input divided by the relative change of the measured output or of the
+    /// rule margin.
     pub response: f64,
     /// Solution with this value, if the condition refers to the motion of a ball.
     pub record: Option<Record>,

@@ -29,11 +29,11 @@ const NAMED: usize = 4;
 /// Labels of text sections that can have only a few different values.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
 
-/// Member name of the table of verdicts on a motion.
+/// JSON member name of the table that contains the verdicts on a motion.
 const VERDICTS: &str = "verdicts";
 
-/// Usual range of the ratio of catalog stiffness to contact stiffness. Manufacturers' conventions
-/// explain ratios in this range.
+/// Typical ratios of catalog stiffness to contact stiffness. Ratios in this range are explained by
+/// the conventions of manufacturers.
 const USUAL_STIFFNESS: std::ops::RangeInclusive<f64> = 0.6..=0.95;
 
 impl Case {

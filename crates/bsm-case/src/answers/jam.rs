@@ -419,7 +419,7 @@ impl BallReturn {
         self.entered.is_some_and(f64::is_infinite)
     }
 
-    /// Returns the largest thrust in the return.
+    /// Returns the largest thrust in the ball return.
     fn thrust(&self) -> Option<f64> {
         let thrusts = [self.apex, self.step.map(|(_, thrust)| thrust), self.entry_thrust()];
         thrusts.into_iter().flatten().reduce(f64::max)

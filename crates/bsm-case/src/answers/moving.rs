@@ -17,7 +17,7 @@ use crate::{
 /// Contacts of a ball, in the order in which the analyses list them.
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
-/// Columns of the table of statements about the motion.
+/// Columns of the table that lists statements about the motion.
 pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string=";
 
 /// Creates the answer of an analysis of a solved motion.
@@ -73,7 +73,7 @@ fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
     lacks.into_iter().map(words).collect()
 }
 
-/// A solution for analyses of the motion of the ball.
+/// A solution of a model, prepared for analyses of the ball motion.
 #[derive(Debug, Clone)]
 pub struct MotionAnswer {
     /// Model and settings of the solution.

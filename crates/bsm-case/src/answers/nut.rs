@@ -250,7 +250,8 @@ impl NutReport {
         matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)))
     }
 
-    /// Returns a part of the friction of lubricated balls, or `None` if the contacts are dry.
+    /// Returns a contribution to the friction of lubricated balls, or `None` if the contacts are
+    /// dry.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
@@ -1025,7 +1026,7 @@ impl NutReport {
         (!models.is_empty()).then(|| models.join(" and "))
     }
 
-    /// Returns the columns of the table of balls.
+    /// Returns the columns of the ball table.
     pub fn ball_columns() -> Vec<&'static Output> {
         BALLS.iter().flat_map(|quantity| quantity.columns).collect()
     }

@@ -496,10 +496,10 @@ const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond th
                          size; contact at four points. Catalog rules for the torque of a preloaded nut give three times the torque of \
                          the contacts.";
 
-/// Columns of the table of intervals due to the uncertainty of lubricated friction.
+/// Columns of the table that lists the intervals due to uncertain lubricated friction.
 pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
 
-/// Builds the table of intervals due to the uncertainty of lubricated friction.
+/// Builds the table that lists the intervals due to uncertain lubricated friction.
 fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
     let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]

@@ -8,8 +8,8 @@ use crate::case::rated_nut;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, OutputName, Record, output};
 
-/// Cross section of the grooves of nut and screw. The origin is the ball center. The coordinates
-/// are the axial position and the distance from the screw axis \[mm\].
+/// Cross section of the nut and screw grooves. The origin is the ball center. The coordinates are
+/// the axial position and the distance from the screw axis \[mm\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrooveSection {
     /// Radius of the ball \[mm\].
@@ -30,8 +30,8 @@ pub struct GrooveSection {
 }
 
 impl GrooveSection {
-    /// Calculates the cross section of the grooves of a case. The number of balls and turns is not
-    /// required.
+    /// Calculates the cross section of the grooves that a case describes. The number of balls and
+    /// turns is not required.
     ///
     /// # Errors
     ///
@@ -120,8 +120,8 @@ pub(crate) fn beyond_the_flanks(
 /// * `member`: `nut` or `screw`.
 /// * `flank`: angles at which the flank begins and ends \[deg\].
 /// * `angle`: contact angle \[deg\].
-/// * `half`: length of the semi-axis of the ellipse across the groove, as an angle around the
-///   center of the groove arc \[deg\].
+/// * `half`: semi-axis of the ellipse across the groove, expressed as an angle around the center of
+///   the groove arc \[deg\].
 pub(crate) fn beyond_the_flank(
     member: &str,
     [meet, edge]: [f64; 2],

@@ -13,7 +13,7 @@ use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 /// number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
-/// Columns of the table of derivatives.
+/// Columns of the derivative table.
 pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
     | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
 

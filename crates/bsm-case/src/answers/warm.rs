@@ -59,7 +59,7 @@ fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
 }
 
-/// Columns of the table of conductances.
+/// Columns of the conductance table.
 pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
 pub(crate) const RANGES: &str = "=number, phase | low:number? | value | high:number?";
 

@@ -1,4 +1,4 @@
-//! Conversion of the inputs of a case to the axis in SI units.
+//! Converts the inputs of a case to an axis in SI units.
 
 use std::f64::consts::TAU;
 

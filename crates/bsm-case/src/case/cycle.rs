@@ -1,4 +1,4 @@
-//! Conversion of the cycle of a case to SI units: ramps, constant speeds and standstills.
+//! Converts the cycle of a case to ramps, constant speeds and standstills in SI units.
 
 use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
 
@@ -9,8 +9,8 @@ use crate::vocabulary::phase::MoveProfile;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, CaseError, InputKey, PhaseEntry};
 
-/// Largest deviation of the sum of all time shares from 1 or 100 that is accepted as a rounding
-/// error of the inputs.
+/// Largest accepted deviation of the sum of all time shares from 1 or 100. It allows for rounding
+/// errors of the inputs.
 const SHARE_ROUNDING: f64 = 0.01;
 
 /// Ratio of the speeds at the ends of a ramp below which the slower end is assumed to be

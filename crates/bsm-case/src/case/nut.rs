@@ -1,4 +1,4 @@
-//! Conversion of the inputs of a nut with all its balls to a problem in SI units.
+//! Converts the inputs of a nut with all its balls to a problem in SI units.
 
 mod bodies;
 mod circuits;

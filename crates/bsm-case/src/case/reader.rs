@@ -1,4 +1,4 @@
-//! Conversion of the inputs of a case to a model problem in SI units.
+//! Converts the inputs of a case to a model problem in SI units.
 
 use bsm_dyn::{
     Ball, Coulomb, Direction, ElasticPoint, Load, Material, Model, OperatingPoint, Problem,

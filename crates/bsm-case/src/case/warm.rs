@@ -20,7 +20,7 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// Warm steady state that a case requests, and the fold of the branch of states.
+/// Warm steady state that a case requests, and the fold of its solution branch.
 #[derive(Debug)]
 pub(crate) struct Warm {
     /// Steady state; `None` in case of thermal runaway.

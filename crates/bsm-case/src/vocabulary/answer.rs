@@ -228,10 +228,10 @@ impl Criterion {
     }
 }
 
-/// Columns of the table of rules.
+/// Columns of the rule table.
 pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean? | source:string | remedy:string?";
 
-/// Columns of the table of missing inputs.
+/// Columns of the table that lists missing inputs.
 pub(crate) const NOT_GIVEN: &str = "number:string | text:string";
 
 impl Table {

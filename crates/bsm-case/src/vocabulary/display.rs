@@ -14,7 +14,7 @@ use crate::{
 /// System of units for screen, sheet, figures and columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DisplayUnits {
-    /// Units of the vocabulary.
+    /// Metric units, which are the units of the vocabulary.
     #[default]
     Metric,
     /// Inches, pounds and degrees Fahrenheit.

@@ -199,8 +199,8 @@ pub struct CircuitEntry {
     /// Index of the nut body to which the circuit belongs, from 0.
     #[serde(default)]
     pub body: usize,
-    /// Existing flanks. Defaults to both flanks for a single nut body, and to one flank for each of
-    /// several bodies.
+    /// Flanks that the groove of the circuit has. Defaults to both flanks for a single nut body,
+    /// and to one flank for each of several bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flank: Option<Named<Flanks>>,
     /// Axial offset of the circuit's groove in the nut.

@@ -30,7 +30,7 @@ pub struct Output {
     pub(crate) origin: Origin,
 }
 
-/// Source of the value of an output.
+/// Where the value of an output comes from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
     /// The solution of a model.

@@ -398,7 +398,8 @@ mod tests {
         }
     }
 
-    /// Every offered unit can be read back, with the same factor.
+    /// An input name with any of its alternative units is parsed, and the conversion has the factor
+    /// of this unit.
     #[test]
     fn names_in_alternative_units_are_parsed() {
         let mut offered = 0;

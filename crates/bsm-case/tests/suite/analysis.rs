@@ -56,7 +56,8 @@ fn slip_report_matches_the_model() {
                 ("screw_spin_rad_s", o.screw.slip.map(|slip| slip.spin)),
             ] {
                 let expected = value.expect("elastic model");
-                // The tolerance allows for rounding of speeds of 10 m/s and of rates of 3000 rad/s.
+                // The tolerance allows for rounding errors of speeds of 10 m/s and of angular
+                // velocities of 3000 rad/s.
                 let scale = expected.abs().max(1.0);
                 assert!((number(&report, name) - expected).abs() <= 1e-10 * scale, "{name}");
             }

@@ -1,4 +1,4 @@
-//! Tests of the catalog of nuts and of the life of a nut.
+//! Tests of the nut catalog and of the nut life.
 
 use bsm_case::{Case, Catalog, Condition, ListColumn, candidate_case, ratings};
 use bsm_design::Candidate;

@@ -480,7 +480,7 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
     let loads =
         report.phases.iter().map(|phase| phase.number(output!(screw_load_N)).expect("a load"));
     for (ours, expected) in loads.zip([550.69, 17.354, -515.98, -550.69, -17.354, 515.98]) {
-        // The tolerance is half a unit of the last of five digits.
+        // The expected values have five digits. The tolerance is half a unit of the last digit.
         assert_relative_eq!(ours, expected, max_relative = 5e-5);
     }
     let one_way = 1e6 * (5400.0 / number(&report, "equivalent_load_N")).powi(3);

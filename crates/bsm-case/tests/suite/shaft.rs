@@ -153,7 +153,8 @@ fn sheet_contains_a_note_about_short_strokes() {
 }
 
 /// The manufacturing method determines the speed number limit of the ball return. The limit for a
-/// rolled screw also depends on the lead: 20 mm is less than half of the diameter of 62 mm.
+/// rolled screw also depends on the lead: a lead of 20 mm is less than half of the screw diameter,
+/// 62 mm.
 #[test]
 fn manufacturing_method_determines_the_speed_number_limit() {
     let limit = |make: &str| {

@@ -16,7 +16,7 @@ fn settings() -> Settings {
     Settings { control: Some(Control::Nut), ..Settings::from(Model::RacewayControl) }
 }
 
-/// Returns a reference case with changes, and its expected results.
+/// Returns a reference case with changed inputs, and its expected results.
 fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let reference =

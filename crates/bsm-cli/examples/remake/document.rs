@@ -29,7 +29,7 @@ pub(crate) struct Fence<'a> {
     /// Language, followed by any attributes.
     pub(crate) info: &'a str,
     pub(crate) body: &'a str,
-    /// Position of the end of the fence in the text of the document.
+    /// Position in the document at which the fence ends.
     pub(crate) end: usize,
 }
 

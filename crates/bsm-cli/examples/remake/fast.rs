@@ -436,7 +436,7 @@ fn ball_train(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Generates a table of the errors of every model and setting for the points in the repository.
+/// Generates a table with the errors of every model and setting for the points in the repository.
 fn accuracy(_: &Program) -> Blocks {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
     let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";

@@ -282,7 +282,7 @@ fn texts_between_backquotes(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
-/// A row of the table of papers: one equation, figure or statement.
+/// A row of the papers table: one equation, figure or statement.
 struct Row {
     paper: String,
     text: String,
@@ -295,7 +295,7 @@ fn papers() -> String {
     fs::read_to_string(root().join(PAPERS)).expect("the table of the papers")
 }
 
-/// Parses the rows of the table of papers. The columns are paper, item, equation, command, value in
+/// Parses the rows of the papers table. The columns are paper, item, equation, command, value in
 /// the paper, calculated value and verdict.
 fn rows(text: &str) -> Vec<Row> {
     let row = |record: Result<csv::StringRecord, csv::Error>| {

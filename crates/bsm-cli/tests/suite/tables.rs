@@ -361,8 +361,8 @@ fn a_sweep_notes_where_auto_changes_the_model() {
     assert!(!note.contains("more"), "{note}");
 }
 
-/// With inch units, names, units and numbers of the columns of a sweep are converted, and so are the axes of its pictures. A column can
-/// also be requested in a unit of its own.
+/// With inch units, names, units and numbers of sweep columns are converted, and so are the axes of
+/// plots. A column can also be requested in another unit.
 #[test]
 fn sweep_columns_and_plots_use_display_units() {
     let dir = folder();

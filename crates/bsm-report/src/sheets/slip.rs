@@ -289,7 +289,7 @@ impl Study {
     ) -> Result<(), ReportError> {
         let Some((screw, nut)) = case.speeds_rpm() else { return Ok(()) };
         let mut angles = [Vec::new(), Vec::new()];
-        // The speeds range from one fiftieth of the speed of the case to twice this speed.
+        // The speeds range from one fiftieth to twice the speed in the case.
         for i in 0..=40 {
             let factor = 0.02 * 100.0_f64.powf(f64::from(i) / 40.0);
             let case = Case {

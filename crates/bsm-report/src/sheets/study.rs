@@ -44,8 +44,8 @@ impl Study {
     }
 }
 
-/// For each x value of a sweep, the results of the analyses of the ball motion. Points without a
-/// solution have no results.
+/// Results of the ball motion analyses for each x value of a sweep. Points without a solution have
+/// no results.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
 /// Analyzes cases, each of which is given with its x value.

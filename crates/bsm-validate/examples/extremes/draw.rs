@@ -1,4 +1,4 @@
-//! Random points in extreme ranges.
+//! Generates random operating points in extreme ranges.
 
 use bsm_case::{Case, ModelChoice};
 use bsm_dyn::{Model, angles::Angles};

@@ -39,7 +39,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
 pub struct ScrewTorque {
     /// Screw torque, its parts and derived results.
     pub numbers: Numbers,
-    /// Name of the model of the contacts, or the reason why there is no contact torque.
+    /// Name of the contact model, or the reason why there is no contact torque.
     pub contacts: String,
     /// Axial force of each nut body in the warm steady state of an axis \[N\].
     pub bodies: Option<Vec<f64>>,
@@ -108,7 +108,7 @@ impl Torques {
         }
     }
 
-    /// Returns the torques as numbers.
+    /// Returns the screw torque and its contributions as numbers.
     pub(super) fn numbers(&self) -> Numbers {
         read_torques(self, |_| true)
     }

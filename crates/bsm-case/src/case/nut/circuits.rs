@@ -40,7 +40,8 @@ pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     (Some(count(balls) / turns), Some(turns))
 }
 
-/// Returns the design with the balls per turn and the turns of the circuits of one nut body.
+/// Returns the design, with the number of balls per turn and the number of turns taken from the
+/// circuits of one nut body.
 pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;

@@ -1,4 +1,4 @@
-//! Conversion of the inputs of a case to a nut in SI units.
+//! Converts the inputs of a case to a nut in SI units.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Conversion of the inputs of a ball train.
+//! Converts the inputs of a ball train to SI units.
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
