@@ -141,10 +141,11 @@ impl<P: Scalar> Balance<'_, P> {
         let point = &self.at.point;
         let radius = point.ball.radius;
         let speed = (radius * magnitude(point.drive.relative_speed())).re();
-        let (mut touching, mut count) = ([(0, self.grooves.flank(0, &state.place)); FLANKS], 0);
-        for i in 0..FLANKS {
-            let flank = self.grooves.flank(i, &state.place);
-            state.approaches[i] = flank.approach;
+        let place = state.place;
+        let (mut touching, mut count) = ([(0, self.grooves.flank(0, &place)); FLANKS], 0);
+        for (i, approach) in state.approaches.iter_mut().enumerate() {
+            let flank = self.grooves.flank(i, &place);
+            *approach = flank.approach;
             if flank.approach.re() > 0.0 {
                 touching[count] = (i, flank);
                 count += 1;
@@ -158,9 +159,8 @@ impl<P: Scalar> Balance<'_, P> {
             let patches = [contacts[0].1, contacts[1].1];
             let nodes = [self.nodes(i), self.nodes(j)];
             let sums = D::dry(simd, &patches, &nodes, pair.len() == 1);
-            for k in 0..pair.len() {
-                let ((mut pressed, _), (unit, power)) = (contacts[k], &sums[k]);
-                let i = [i, j][k];
+            let contacts = pair.iter().zip(contacts).zip(&sums);
+            for ((&(i, _), (mut pressed, _)), (unit, power)) in contacts {
                 let (load, angle) = (pressed.load, pressed.angle);
                 let pull = load * self.friction[i % 2];
                 // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                       (T2)
@@ -234,26 +234,28 @@ impl<P: Scalar> Balance<'_, P> {
         let zero = y[0].constant(0.0);
         let (mut force, mut moment, mut axial) = ([zero; 3], [zero; 3], zero);
         let (sin_lead, cos_lead) = self.grooves.lead;
-        for i in 0..FLANKS {
-            let Some(pressed) = &state.pressed[i] else { continue };
-            for k in 0..3 {
-                force[k] = force[k] + pressed.force[k];
-                moment[k] = moment[k] + pressed.moment[k];
+        for (i, pressed) in state.pressed.iter().enumerate() {
+            let Some(pressed) = pressed else { continue };
+            for (sum, part) in force.iter_mut().zip(pressed.force) {
+                *sum += part;
+            }
+            for (sum, part) in moment.iter_mut().zip(pressed.moment) {
+                *sum += part;
             }
             if i < 2 {
                 // F_a = (Σ_nut F_c)·k                                     (B6)
-                axial = axial + pressed.force[0] * sin_lead + pressed.force[2] * cos_lead;
+                axial += pressed.force[0] * sin_lead + pressed.force[2] * cos_lead;
             }
         }
         let size = magnitude(point.drive.relative_speed());
         let (rate, [w_t, w_n, w_b]) = state.to_nut;
         let absolute = rate * size + point.drive.nut_speed;
         // Σ F = m r_m P² n,  Σ M = P k × I ω                              (AC5)
-        force[1] = force[1] - absolute * absolute * (point.ball.mass * point.helix.radius);
+        force[1] -= absolute * absolute * (point.ball.mass * point.helix.radius);
         let gyro = absolute * (point.ball.inertia() * size);
-        moment[0] = moment[0] + gyro * (w_n * cos_lead);
-        moment[1] = moment[1] - gyro * (w_t * cos_lead - w_b * sin_lead);
-        moment[2] = moment[2] - gyro * (w_n * sin_lead);
+        moment[0] += gyro * (w_n * cos_lead);
+        moment[1] -= gyro * (w_t * cos_lead - w_b * sin_lead);
+        moment[2] -= gyro * (w_n * sin_lead);
         let (load, length) = self.units;
         let per_load = load.recip();
         let along = per_load / self.friction[0].re().min(1.0);
