@@ -20,6 +20,9 @@ export function number(value) {
 /** Formats the 90 % interval of a number over the possible grooves; empty without an interval. */
 export const interval = (ends) => (ends ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
 
+/** Formats a number of an answer by name, with its 90 % interval over the possible grooves. */
+export const numberOf = (answer, name) => `${number(answer[name])}${interval(answer.groove_estimate?.intervals?.[name])}`;
+
 /** Formats a number with few digits, for axes and labels. */
 export function brief(value) {
   if (!Number.isFinite(value)) return "–";
