@@ -20,6 +20,9 @@ export function number(value) {
 /** Formats the 90 % interval of a number over the possible grooves; empty without an interval. */
 export const interval = (ends) => (ends ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
 
+/** Formats a number of an answer by name, with its 90 % interval over the possible grooves. */
+export const numberOf = (answer, name) => `${number(answer[name])}${interval(answer.groove_estimate?.intervals?.[name])}`;
+
 /** Formats a number with few digits, for axes and labels. */
 export function brief(value) {
   if (!Number.isFinite(value)) return "–";
@@ -195,7 +198,11 @@ export const shownAll = (values, unit) => values.map((value) => shown(value, uni
 export const shownUnit = (unit) => unitOf(displayed[unit]?.[0] ?? unit);
 
 /** Formats a number with its displayed unit. */
-export const measured = (value, unit) => `${number(shown(value, unit))} ${shownUnit(unit)}`.trim();
+export const measured = (value, unit, ends) =>
+  `${number(shown(value, unit))}${interval(ends && shownAll(ends, unit))} ${shownUnit(unit)}`.trim();
+
+/** Formats a quantity of an answer by name, with its unit and its 90 % interval over the possible grooves. */
+export const measuredOf = (answer, name, unit) => measured(answer[name], unit, answer.groove_estimate?.intervals?.[name]);
 
 /** Returns the label of an axis with the displayed unit. */
 export const labeled = (words, unit) => (unit ? `${words}, ${shownUnit(unit)}` : words);

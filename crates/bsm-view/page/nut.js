@@ -1,6 +1,6 @@
 // All balls of a nut: their loads, and the displacement of the nut.
 
-import { html, svg, text, picture, number, shown, shownAll, shownUnit, measured, labeled, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
+import { html, svg, text, picture, number, shown, shownAll, shownUnit, measured, measuredOf, numberOf, labeled, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
 
 const SIDES = [["nut_plus_N", "nut, flank +", "--c1", "circle"], ["nut_minus_N", "nut, flank −", "--c2", "square"]];
 /** Returns the width and height of a chart, and the rectangle for its curves. */
@@ -54,7 +54,7 @@ function sharing(balls, answer) {
     picture(width, height, words, axes(x, y, box, labeled("position along the axis", "mm"), labeled("load", "N"), 64), ...dots.filter(Boolean)),
     legend(sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined])),
     html("p", { class: "small" },
-      `The largest load is ${measured(answer.max_contact_load_N, "N")}, ${number(answer.max_over_mean)} times the mean. ${answer.unloaded_balls} of ${balls.z_mm.length} balls are unloaded.`));
+      `The largest load is ${measuredOf(answer, "max_contact_load_N", "N")}, ${numberOf(answer, "max_over_mean")} times the mean. ${answer.unloaded_balls} of ${balls.z_mm.length} balls are unloaded.`));
 }
 
 function developed(balls) {
@@ -125,11 +125,11 @@ function train(balls, answer) {
       ...(most > 0 ? [["with push forces", "var(--c2)", "circle"], ["speed of touching balls", "var(--c2)", "solid"],
         ["touching balls", "color-mix(in srgb, var(--c5) 30%, transparent)"],
         [`force of the ball in front, up to ${number(most)} ${shownUnit("N")}`, "var(--c2)"]] : [])]),
-    html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${measured(answer.needed_gap_mm, "mm")}.`));
+    html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${measuredOf(answer, "needed_gap_mm", "mm")}.`));
 }
 
 function deflection(curve, answer) {
-  const [cold, warm] = [measured(answer.cold_preload_N, "N"), measured(answer.warm_preload_N, "N")];
+  const [cold, warm] = [measuredOf(answer, "cold_preload_N", "N"), measuredOf(answer, "warm_preload_N", "N")];
   const [width, height, box] = sizes();
   const loads = curve.axial_load_N, shift = curve.nut_displacement_um;
   const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]), [low, high] = span(shift.map((v) => v ?? NaN));
@@ -158,7 +158,7 @@ function deflection(curve, answer) {
       [`tangent stiffness, ${shownUnit("N/um")}, right scale`, "var(--c3)", "dash"],
       ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} ${shownUnit("N")}`, "var(--c2)", "dots"]] : [])]),
     html("p", { class: "small" },
-      `The stiffness at this load is ${measured(answer.nut_stiffness_N_um, "N/um")}.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} cold and ${warm} warm`}; ${measured(answer.preload_left_N, "N")} of the preload remain.`}${limit == null ? "" : ` Above ${number(limit)} ${shownUnit("N")}, no preload remains.`}`));
+      `The stiffness at this load is ${measuredOf(answer, "nut_stiffness_N_um", "N/um")}.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} cold and ${warm} warm`}; ${measuredOf(answer, "preload_left_N", "N")} of the preload remain.`}${limit == null ? "" : ` Above ${measuredOf(answer, "limit_load_N", "N")}, no preload remains.`}`));
 }
 
 /** Draws the preload of the warm steady states as a function of the speed. The curve is solid up to the fold and dashed beyond the fold. */
@@ -175,7 +175,9 @@ function warm(branch, answer) {
   const line = (part, dash) => svg("path", { d: path(part.map((i) => [x(speed[i]), y(preload[i])])), fill: "none",
     stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });
   const all = speed.map((_, i) => i), until = turn < 0 ? all : all.slice(0, turn), fold = until.at(-1);
-  const { nut_temperature_C: nut, screw_temperature_C: screw, balls_temperature_C: balls } = answer.warm;
+  const ends = answer.groove_estimate?.intervals ?? {};
+  const [nut, screw, balls] = ["nut", "screw", "balls"].map((part) => `${part}_temperature_C`)
+    .map((name) => measured(answer.warm[name], "C", ends[name]));
   return figure("Warm preload against speed",
     picture(width, height, `Warm preload as a function of the screw speed${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
     axes(x, y, box, "screw speed, rpm", labeled("warm preload", "N"), 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
@@ -183,5 +185,5 @@ function warm(branch, answer) {
       stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
     svg("path", { d: `M${x(asked)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" })),
     html("p", { class: "small" },
-      `Nut ${measured(nut, "C")}, screw ${measured(screw, "C")}, balls ${measured(balls, "C")} at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle), no steady state exists and the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
+      `Nut ${nut}, screw ${screw}, balls ${balls} at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle), no steady state exists and the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
 }

@@ -36,7 +36,7 @@ export function showKey(host, result) {
       `90 % interval of the torque for the uncertain oil properties: ${number(band.ball_torque_Nm.low)} to ${number(band.ball_torque_Nm.high)} N m.`)]
       : []),
     // The first note is the estimate.
-    ...(result.groove_estimate ? [html("p", { class: "small" }, result.notes[0])] : []),
+    ...(result.groove_estimate ? [html("p", { class: "small" }, `${result.notes[0]} Pictures and maps show the best groove only.`)] : []),
     ...warnings(result));
 }
 

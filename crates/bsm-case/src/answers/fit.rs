@@ -363,7 +363,8 @@ impl Fit {
                 let record = self.record(possible, settings, value, &mut ModelWorkspace::default());
                 Some((value, record))
             };
-            let values = case.over_possible(FEW_DRAWS, follow);
+            // The case may lack the input, which the choice of the model needs.
+            let values = self.at(case, fitted.value)?.over_possible(FEW_DRAWS, follow);
             fitted.without = values.iter().filter(|value| value.is_none()).count();
             fitted.band = Band::of(values.iter().flatten().map(|(value, _)| *value));
             fitted.possible =

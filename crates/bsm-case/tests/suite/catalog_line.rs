@@ -674,3 +674,25 @@ fn line_at(line: &Case, load: f64) -> Case {
     at.apply(&[&format!("axial_load_N={load}"), "screw_speed_rpm=1000"]).expect("inputs");
     at
 }
+
+/// A case that does not state its friction coefficient has an interval of the fitted coefficient. No possible groove used to have
+/// a value, because the model was chosen without the coefficient.
+#[test]
+fn friction_coefficient_that_the_case_lacks_is_fitted_with_an_interval() {
+    let mut line = case(R40, &[]);
+    let fitted = |line: &Case| {
+        let line = line.with_groove().expect("a groove");
+        let fit = Fit::parse(&line, "friction_coefficient", "efficiency=0.97").expect("a fit");
+        let report = fit.run(&line, &Settings::default()).expect("a value");
+        let [found] = &report.found[..] else { panic!("{:?}", report.found) };
+        assert_eq!(found.without, 0);
+        let notes = fit.answer(&line, &report).notes;
+        assert!(notes.iter().any(|note| note.contains("not the error of the measured value")));
+        (found.value, found.band)
+    };
+    let given = fitted(&line);
+    line.friction_coefficient = None;
+    let missing = fitted(&line);
+    assert!(missing.1.is_some_and(|band| band.low < missing.0 && missing.0 < band.high));
+    assert_eq!(given, missing);
+}

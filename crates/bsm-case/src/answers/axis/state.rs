@@ -428,12 +428,11 @@ fn life_by_balls(
         let is_known =
             |(point, _): &((f64, f64), _)| at_bits(point.0, point.1) == at_bits(load, speed);
         let solved;
-        let nut = match known.filter(is_known) {
-            Some((_, nut)) => nut,
-            None => {
-                solved = nut_at(case, settings, load, speed).ok()?;
-                &solved
-            }
+        let nut = if let Some((_, nut)) = known.filter(is_known) {
+            nut
+        } else {
+            solved = nut_at(case, settings, load, speed).ok()?;
+            &solved
         };
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
