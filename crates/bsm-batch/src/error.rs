@@ -2,7 +2,7 @@
 
 use std::io;
 
-use bsm_case::{TextError, brief};
+use bsm_case::{OtherSeparator, TextError, brief};
 
 /// The reason why a whole table cannot be read or written. An invalid row is not an error, but a
 /// row with a status.
@@ -13,14 +13,8 @@ pub enum TableError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The cells are separated by an unexpected character.
-    #[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
-        found.escape_debug(), expected.escape_debug())]
-    Separator {
-        /// The character found.
-        found: char,
-        /// The expected character.
-        expected: char,
-    },
+    #[error(transparent)]
+    Separator(#[from] OtherSeparator),
     /// The file is not a Parquet file, or it is incomplete.
     #[error("not a Parquet table: {0}")]
     Parquet(String),

@@ -8,7 +8,7 @@ use bsm_nut::NutError;
 use thiserror::Error;
 
 use super::units::units_of_stem;
-use crate::{InputKey, exact, nearest};
+use crate::{InputKey, OtherSeparator, exact, nearest};
 
 /// A case, a setting or a grid that cannot be used.
 ///
@@ -37,6 +37,9 @@ pub enum CaseError {
         /// The most similar known name.
         nearest: Option<String>,
     },
+    /// The names of the columns of a table are separated by an unexpected character.
+    #[error(transparent)]
+    Separator(OtherSeparator),
     /// A number outside its range or outside the range of a model.
     #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
@@ -94,6 +97,8 @@ pub enum Known {
     List,
     /// Columns of the catalog.
     Column,
+    /// Columns of a manufacturer's table.
+    TableColumn,
     /// Keys of a requirement.
     Requirement,
     /// Numeric outputs.
@@ -105,6 +110,7 @@ impl Known {
         match self {
             Self::Input | Self::List | Self::Requirement => "unknown key",
             Self::Column => "no column is named",
+            Self::TableColumn => "unknown column",
             Self::Output => "no numeric output is named",
         }
     }

@@ -123,18 +123,22 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
 
 /// Returns the sheet of an axis as a page that prints on two sides of A4.
 ///
+/// * `figures`: the figures of the sheet (see [`size_figures`]).
 /// * `input`: name and hash of the file from which the case was read, if there is one.
 ///
 /// # Errors
 ///
 /// [`ReportError::Page`] if the template is wrong.
-pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, ReportError> {
-    let figures = size_figures(report);
+pub fn size_page(
+    report: &AxisReport,
+    figures: &[Figure],
+    input: Option<&str>,
+) -> Result<String, ReportError> {
     let page = Page {
         title: "Ball screw axis: calculation sheet",
         command: "bsm axis CASE.json --figures DIR",
         template: include_str!("../../templates/size.html"),
-        figures: &figures,
+        figures,
     };
     page.html(&sheet(&report.displayed(), input))
 }
