@@ -76,7 +76,7 @@ fn input(error: &CaseError) -> PyErr {
             Known::Input => "ballscrew.INPUTS contains all names",
             Known::Output => OUTPUTS,
             Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS contain all names",
-            Known::List | Known::Column => "",
+            Known::List | Known::Column | Known::TableColumn => "",
         },
         CaseError::NoRange { .. } => "give the search range: inputs={name: (low, high)}",
         _ => "",

@@ -290,8 +290,9 @@ pub(crate) fn axis(
     let case = &case.get().0;
     let report = on_threads(py, || AxisReport::of(case, &how.0))?;
     let made = || -> Result<Files, ReportError> {
-        let (page, results) = (size_page(&report, None)?, size_results(&report));
-        report_files(page, &results, &size_figures(&report))
+        let (figures, results) = (size_figures(&report), size_results(&report));
+        let page = size_page(&report, &figures, None)?;
+        report_files(page, &results, &figures)
     };
     let files = if sheet { made()? } else { Vec::new() };
     Ok((told(&report.answer), files))

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use bsm_case::{TextError, brief};
+use bsm_case::{OtherSeparator, TextError, brief};
 
 /// The reason why a table cannot be read or written. An invalid row does not cause this error; it
 /// gets a status instead.
@@ -13,14 +13,8 @@ pub enum TableError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The first line of a CSV table uses another separator than expected.
-    #[error("the column names are separated by `{}`, but the expected separator is `{}`",
-        found.escape_debug(), expected.escape_debug())]
-    Separator {
-        /// Separator in the file.
-        found: char,
-        /// Expected separator.
-        expected: char,
-    },
+    #[error(transparent)]
+    Separator(#[from] OtherSeparator),
     /// The file is not a Parquet file or is incomplete.
     #[error("not a Parquet table: {0}")]
     Parquet(String),

@@ -5,7 +5,10 @@ use std::ops::Range;
 
 use arrow_array::RecordBatch;
 use arrow_schema::{FieldRef, SchemaRef};
-use bsm_case::{InputKey, Lines, brief, check_width, decimal_number, entries, split, write_exact};
+use bsm_case::{
+    InputKey, Lines, OtherSeparator, brief, check_width, decimal_number, entries, split,
+    write_exact,
+};
 use csv::WriterBuilder;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
@@ -62,13 +65,8 @@ impl<R: Read> CsvSource<R> {
         let sorted = width.and_then(|width| {
             Ok((Columns::sort(names.iter().map(AsRef::as_ref), keep, table_format)?, width))
         });
-        let (columns, width) = sorted.map_err(|error| {
-            let other = header.chars().find(|c| [',', ';', '\t', '|'].contains(c));
-            match other.filter(|_| !header.contains(delimiter)) {
-                Some(found) => TableError::Separator { found, expected: delimiter },
-                None => error,
-            }
-        })?;
+        let other = || OtherSeparator::of(header, delimiter).map(TableError::from);
+        let (columns, width) = sorted.map_err(|error| other().unwrap_or(error))?;
         let mut targets = vec![CellTarget::Nothing; width];
         for (input, index) in columns.input_places.iter().enumerate() {
             targets[*index] = CellTarget::Input(input);

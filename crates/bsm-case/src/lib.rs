@@ -79,7 +79,7 @@ pub use vocabulary::entries::{CaseEntries, Choice};
 pub use vocabulary::error::{CaseError, Known, brief, printable};
 pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, following};
-pub use vocabulary::lines::{Lines, TextError, check_width, split};
+pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{GivenNames, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{digits, exact, interval, number, short, trimmed, write_exact};

@@ -469,7 +469,7 @@ pub(crate) struct AxisArgs {
     #[arg(long, value_name = "CYCLE.csv")]
     pub(crate) cycle: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) dialect: DialectArgs,
+    pub(crate) table: NamedTableArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     #[command(flatten)]

@@ -13,7 +13,8 @@ use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, read};
 use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
-    let files = [Some(args.case.path()), args.other.as_deref(), args.cycle.as_deref()];
+    let names = args.table.names.as_deref();
+    let files = [Some(args.case.path()), args.other.as_deref(), args.cycle.as_deref(), names];
     let endings: &[&'static str] =
         if args.other.is_some() { &["json", "html"] } else { &["json", "html", "dxf", "csv"] };
     let to = args.out.check(endings, InputFiles::of(files))?;
@@ -37,8 +38,11 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     }
     let table = |path: &Path| files::write(path, &size_table(&report)?);
     let draw = || {
-        let page = Some(size_page(&report, args.case.hash().as_deref())?);
-        Ok(Pictures { figures: size_figures(&report), page, drawing: drawing.ok() })
+        let line = waiting("drawing the figures");
+        let figures = size_figures(&report);
+        drop(line);
+        let page = Some(size_page(&report, &figures, args.case.hash().as_deref())?);
+        Ok(Pictures { figures, page, drawing: drawing.ok() })
     };
     let reply = Reply { table: Some(Box::new(table)), ..Reply::about(&report.case, answer) };
     reply.give(&to, draw)
@@ -50,12 +54,12 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
 /// * `path`: path of the case file, for messages.
 fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {
     if let Some(table) = &args.cycle {
-        let format = args.dialect.format();
+        let format = args.table.format()?;
         let bytes = read(table, MAX_TABLE_BYTES)?;
         let cycle = PhaseEntry::from_csv(&bytes, &format);
         case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
     } else {
-        args.dialect.only_with("--cycle")?;
+        args.table.only_with("--cycle")?;
     }
     let settings = args.model.settings()?;
     let line = waiting("calculating the axis");

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, InputSet, Known, brief, printable};
+use bsm_case::{CaseError, InputSet, Known, OtherSeparator, brief, printable};
 use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
@@ -111,15 +111,29 @@ pub(crate) fn of_input(error: &CaseError) -> String {
                 Known::Input => "`bsm schema input` lists all keys",
                 Known::List => "`bsm select --show lists` prints all keys",
                 Known::Column => "`bsm select --show columns` lists all columns",
+                Known::TableColumn => {
+                    "map your column names with --names MAP.json, a file such as {\"your name\": \"lead_mm\", \"other name\": null}"
+                }
                 Known::Requirement => "`bsm select --show keys` lists all keys",
                 Known::Output => "`bsm schema output` lists all outputs",
             },
+            CaseError::Separator(other) => delimiter_help(*other),
             CaseError::NoRange { .. } => "give a range with --input NAME=LOW:HIGH",
             CaseError::InRow { error, .. } => help(error),
             _ => "",
         }
     }
     with_help(&error.to_string(), help(error))
+}
+
+/// Returns the options that read a table with another separator.
+fn delimiter_help(other: OtherSeparator) -> &'static str {
+    match other.found {
+        ';' => "add --delimiter semicolon, and --decimal comma if numbers are written as 1,5",
+        '\t' => "add --delimiter tab, and --decimal comma if numbers are written as 1,5",
+        '|' => "add --delimiter bar, and --decimal comma if numbers are written as 1,5",
+        _ => "add --delimiter comma",
+    }
 }
 
 /// Appends advice to an error message. If the message ends with a question mark, the advice becomes
@@ -147,15 +161,7 @@ pub(crate) fn of_table(error: &TableError) -> String {
             )
         }
         TableError::UnknownOutputs { .. } => "`bsm schema output` lists all outputs".to_owned(),
-        TableError::Separator { found, .. } => {
-            let name = match found {
-                ';' => "semicolon",
-                '\t' => "tab",
-                '|' => "bar",
-                _ => "comma",
-            };
-            format!("add --delimiter {name}, and --decimal comma if numbers are written as 1,5")
-        }
+        TableError::Separator(other) => delimiter_help(*other).to_owned(),
         _ => String::new(),
     };
     with_help(&error.to_string(), &help)

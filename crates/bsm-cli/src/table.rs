@@ -75,7 +75,8 @@ pub(crate) fn answer(answer: &Answer) -> String {
                 lines.push(format!("{label}  {words}").trim().to_owned());
             }
             Content::Texts(label, texts) => {
-                lines.extend(texts.iter().map(|text| format!("{label}: {text}")));
+                let label = if label.is_empty() { String::new() } else { format!("{label}: ") };
+                lines.extend(texts.iter().map(|text| format!("{label}{text}")));
             }
             Content::Text(_, None) | Content::Json(_) => {}
             Content::Table(table) => {

@@ -45,12 +45,16 @@ impl Make {
         workshop * 1e-3 * TAU / 60.0
     }
 
-    /// Returns the maximum screw length that manufacturers offer \[m\] for the listed diameter
-    /// nearest to the given diameter. For a ground screw, the maximum length also depends on the
-    /// grade. If the grade is unknown, the limit of the coarsest grade applies.
+    /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
+    /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
+    /// its grade or a finer grade or, if the grade is unknown, to any grade. An unknown diameter has no
+    /// longest screw.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
+        if land.is_nan() {
+            return None;
+        }
         let number = |text: &str| text.parse::<f64>().ok();
         let fineness = |name: &str| number(name.trim_start_matches(char::is_alphabetic));
         let own = grade.and_then(|grade| fineness(grade.name)).unwrap_or(f64::INFINITY);

@@ -278,6 +278,23 @@ def test_pictures_and_tables_are_saved(serve, sheet):
     assert sheet.errors == []
 
 
+def test_pictures_and_fields_have_displayed_units(serve, sheet):
+    sheet = sheet()
+    page = sheet.open(serve(example("nut_double"), "--units", "inch").address)
+    case = case_of(page)
+    # An input starts in the displayed unit, and the case keeps its own unit.
+    assert float(page.input_value("#in-axial_load_N")) == pytest.approx(case["axial_load_N"] / 4.4482216152605, rel=1e-9)
+    assert page.locator("[data-name=axial_load_N] select option:checked").inner_text() == "lbf"
+    words = {panel: page.inner_text(f"#{panel}") + page.locator(f"#{panel} svg").evaluate_all(
+        "(pictures) => pictures.map((picture) => picture.textContent).join(' ')") for panel in ("section", "nut", "map", "ellipses")}
+    assert " lbf" in words["section"] and not re.search(r"\d N\b", words["section"])
+    for label in ("load, lbf", "position along the axis, in", "displacement, µin", "lbf/in"):
+        assert label in words["nut"], label
+    assert not re.search(r", (N|mm|µm)\b", words["nut"])
+    assert "axial load, lbf" in words["map"] and "psi" in words["ellipses"]
+    assert sheet.errors == []
+
+
 def test_the_address_contains_the_settings(serve, sheet):
     served, first, other = serve(FEED), sheet(), sheet()
     page = first.open(served.address)

@@ -25,6 +25,9 @@ const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
 const beside = new Beside(at("beside"), { edit: (entries) => load(entries), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
+/** Shows all pictures in the displayed units of a case. */
+const inUnitsOf = (entries) => display(start.schema.display[entries.display_units]);
+
 /** Returns the body of a request: the case and the settings. */
 const request = () => ({ case: inputs.case, settings });
 
@@ -83,7 +86,7 @@ function tell({ case: entries }, point) {
   if (point instanceof Error) { complain(point); stale(panels, true); return; }
   const { solve: solved, slip } = point;
   complain(null);
-  display(start.schema.display[entries.display_units]);
+  inUnitsOf(entries);
   stale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
   shown.solved = solved;
   at("regime").textContent = solved.regime ?? "";
@@ -202,6 +205,7 @@ at("save").addEventListener("click", async () => {
 });
 
 function load(entries, choice) {
+  inUnitsOf(entries);
   inputs.show(entries);
   map.choices(entries, choice);
   changed();
@@ -239,6 +243,7 @@ addEventListener("resize", () => {
 for (const panel of document.querySelectorAll(".panel")) offer(panel);
 addEventListener("hashchange", () => recall());
 beside.take(start.beside);
+inUnitsOf(start.case);
 inputs.show(start.case); map.choices(start.case);
 usual = JSON.stringify(state());
 if (!recall()) load(start.case);

@@ -197,9 +197,11 @@ export const shownAll = (values, unit) => values.map((value) => shown(value, uni
 /** Returns the text of the displayed unit. */
 export const shownUnit = (unit) => unitOf(displayed[unit]?.[0] ?? unit);
 
-/** Formats a number with its displayed unit. */
-export const measured = (value, unit, ends) =>
-  `${number(shown(value, unit))}${interval(ends && shownAll(ends, unit))} ${shownUnit(unit)}`.trim();
+/** Formats a number in its displayed unit, with its 90 % interval over the possible grooves. */
+export const measuredNumber = (value, unit, ends) => `${number(shown(value, unit))}${interval(ends && shownAll(ends, unit))}`;
+
+/** Formats a number with its displayed unit, with its 90 % interval over the possible grooves. */
+export const measured = (value, unit, ends) => `${measuredNumber(value, unit, ends)} ${shownUnit(unit)}`.trim();
 
 /** Formats a quantity of an answer by name, with its unit and its 90 % interval over the possible grooves. */
 export const measuredOf = (answer, name, unit) => measured(answer[name], unit, answer.groove_estimate?.intervals?.[name]);

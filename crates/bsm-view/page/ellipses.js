@@ -68,7 +68,7 @@ export class Ellipses {
         ["sticking fraction of the area", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
       ]),
       html("p", { class: "small faint" },
-        `Model ${answer.model}. ${answer.contacts[0].saturated ? "This model saturates the friction in one direction; the picture shows the slip over the ellipse. " : ""}The long axis of each ellipse lies across the groove. The ball rolls along the groove, which points upward here and is drawn to a larger scale. The longest arrow corresponds to ${number(fastest)} m/s. The thick arrow is the friction force on the ball.`));
+        `Model ${answer.model}. ${answer.contacts[0].saturated ? "This model saturates the friction in one direction; the picture shows the slip over the ellipse. " : ""}The long axis of each ellipse lies across the groove. The ball rolls along the groove, which points upward here and is drawn to a larger scale. The longest arrow corresponds to ${measured(fastest, "m/s")}. The thick arrow is the friction force on the ball.`));
     for (const { paint } of figures) paint();
   }
 

@@ -1,10 +1,10 @@
 // One point solved with every model.
 
-import { html, number, interval, table, none } from "bsm/draw";
+import { html, measuredNumber, labeled, table, none } from "bsm/draw";
 
-const COLUMNS = [["efficiency", "efficiency"], ["ball_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"],
-  ["nut_normal_load_N", "normal load at the nut, N"], ["nut_contact_angle_deg", "contact angle at the nut, °"],
-  ["screw_contact_angle_deg", "contact angle at the screw, °"], ["time_us", "time, µs"]];
+const COLUMNS = [["efficiency", "efficiency", ""], ["ball_torque_Nm", "torque", "N m"], ["dissipated_power_W", "heat", "W"],
+  ["nut_normal_load_N", "normal load at the nut", "N"], ["nut_contact_angle_deg", "contact angle at the nut", "°"],
+  ["screw_contact_angle_deg", "contact angle at the screw", "°"], ["time_us", "time", "µs"]];
 
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
@@ -12,8 +12,8 @@ export function showModels(host, answer, solved) {
   const ends = answer.groove_estimate?.intervals?.models ?? [];
   const rows = answer.models.map((model, place) => html("tr", { class: model.model === solved?.model ? "here" : null }, html("th", { scope: "row" }, model.model),
     model.status === "converged" ?
-      COLUMNS.map(([name]) => html("td", { class: "number" }, name === "time_us" ?
-      model[name].toFixed(2) : model[name] == null ? "–" : `${number(model[name])}${interval(ends[place]?.[name])}`))
+      COLUMNS.map(([name, , unit]) => html("td", { class: "number" }, name === "time_us" ?
+      model[name].toFixed(2) : model[name] == null ? "–" : measuredNumber(model[name], unit, ends[place]?.[name])))
       : html("td", { colspan: COLUMNS.length, class: "small" }, html("strong", {}, model.status.replace("_", " ")), `: ${model.message}`)));
   // Models that are omitted for the same reason are listed together.
   const why = new Map();
@@ -23,7 +23,7 @@ export function showModels(host, answer, solved) {
   }
   const left = [...why].map(([rest, names]) => `${names.join(", ")}: ${rest}`);
   host.replaceChildren(html("p", {}, html("strong", {}, "Regime: "), answer.regime ?? "unknown, because no model has a solution here"),
-    table("All models whose inputs are given", ["model", ...COLUMNS.map(([, words]) => words)], rows),
+    table("All models whose inputs are given", ["model", ...COLUMNS.map(([, words, unit]) => labeled(words, unit))], rows),
     left.length ? html("p", { class: "small faint" }, `Not compared: ${left.join("; ")}.`) : "",
     // The first note is the estimate, which the key numbers already show.
     ...(answer.groove_estimate ? answer.notes.slice(1) : []).map((note) => html("p", { class: "small faint" }, note)));

@@ -67,7 +67,7 @@ export function showSection(host, given, result) {
     legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"],
       ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
-      ? `To scale. The thick arcs show the widths of the contact ellipses: ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "not calculated by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
+      ? `To scale. The thick arcs show the widths of the contact ellipses: ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "not calculated by this model" : `${name} ${measured(2 * result[`${name}_ellipse_a_mm`], "mm")}`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
       : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities, the contacts are points."),
     ...result.section_warnings.map((warning) => html("p", { class: "warn" }, warning)));
 }

@@ -10,7 +10,7 @@ use bsm_case::{
     Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
-use bsm_report::sheets::{size_page, size_results};
+use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{PROGRAM, number};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
@@ -261,7 +261,8 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
         estimate["intervals"] = displayed.intervals();
     }
     if rest.get("sheet") == Some(&Value::Bool(true)) {
-        let sheet = size_page(&report, None).map_err(|error| Refusal::Input(error.to_string()))?;
+        let sheet = size_page(&report, &size_figures(&report), None)
+            .map_err(|error| Refusal::Input(error.to_string()))?;
         answer["sheet"] = json!(sheet);
     }
     Ok(answer)

@@ -527,6 +527,7 @@ impl AxisReport {
         );
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
+        let screw = screw.where_finite();
         let fails = rules.iter().any(Criterion::fails);
         let mut notes = if detail.texts { worked.notes() } else { Vec::new() };
         if detail.band {
@@ -668,7 +669,13 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     if worked.machine.groove.is_none() || case.has_estimated_groove() {
         texts.extend(case.warnings());
     }
-    texts.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
+    // The rule about the edge load considers all possible grooves.
+    let of_balls = if case.has_estimated_groove() {
+        NutReport::warnings_besides_flanks
+    } else {
+        NutReport::warnings
+    };
+    texts.extend(worked.nut.as_ref().map(of_balls).unwrap_or_default());
     texts.extend(worked.warm.iter().filter_map(Warm::warning));
     warnings.extend(texts.into_iter().map(Warning::advice));
     warnings.extend(worked.warnings());

@@ -74,6 +74,11 @@ impl Case {
         Some((line, estimate))
     }
 
+    /// Returns true if the groove is estimated, and few usual grooves have the ratings and sizes of the case.
+    pub(crate) fn has_unusual_groove(&self) -> bool {
+        self.estimate().is_some_and(|(_, estimate)| estimate.is_unusual())
+    }
+
     /// Returns a note about the estimated groove, or `None` if the groove is given.
     pub fn groove_note(&self) -> Option<String> {
         let (line, estimate) = self.estimate()?;

@@ -299,7 +299,10 @@ impl ManufacturerRow {
         // If the ratings differ by more than a factor of 2, they belong to another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
-        let contradiction = refused.or(other.as_ref().map(CaseError::to_string));
+        let unusual = at.has_unusual_groove().then(|| {
+            "few usual grooves with these sizes have these ratings; check ball, turns and ratings of the row".to_owned()
+        });
+        let contradiction = refused.or(other.as_ref().map(CaseError::to_string)).or(unusual);
         // The first note, which describes the estimate itself, is skipped.
         let of_ratings = compared.notes.iter().skip(1).chain(&compared.warnings);
         let mut row = Self {

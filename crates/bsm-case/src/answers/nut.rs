@@ -942,6 +942,11 @@ impl NutReport {
 
     /// Returns warnings about the nut.
     pub fn warnings(&self) -> Vec<String> {
+        self.beyond_the_flanks().into_iter().chain(self.warnings_besides_flanks()).collect()
+    }
+
+    /// Returns the warnings about the nut, except for warnings about contact ellipses that extend beyond their flanks.
+    pub(crate) fn warnings_besides_flanks(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(pressure) = self.max_pressure().filter(|p| *p > MARKS_ABOVE) {
             warnings.push(format!(
@@ -950,7 +955,6 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
-        warnings.extend(self.beyond_the_flanks());
         warnings.extend(self.loose_balls());
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
         // The warning of such a warm state already states that balls skid.

@@ -44,6 +44,14 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
     rules.iter().find(|rule| rule.title == title)
 }
 
+/// Returns words with the titles of the rules that have the given verdict.
+fn with_titles(report: &AxisReport, words: &str, verdict: Verdict) -> String {
+    let rules = report.answer.rules.iter().filter(|rule| rule.verdict() == verdict);
+    let titles: Vec<_> = rules.map(|rule| rule.title).collect();
+    let titles = if titles.is_empty() { String::new() } else { format!(": {}", titles.join(", ")) };
+    format!("{words}{titles}")
+}
+
 /// Compares the axis sheets of two offers.
 ///
 /// * `names`: names of the offers, such as their file names.
@@ -51,9 +59,9 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
     let verdict = |name: &str, report: &AxisReport| {
         let lacks = report.answer.all_not_given();
         let words = match (report.verdict(), &lacks[..]) {
-            (Verdict::Fails, _) => "a rule fails".to_owned(),
+            (Verdict::Fails, _) => with_titles(report, "fails", Verdict::Fails),
             (Verdict::Undecided, _) => {
-                "no rule fails, but a rule is undecided because the groove is estimated".to_owned()
+                with_titles(report, "no rule fails; undecided", Verdict::Undecided)
             }
             (Verdict::Passes, []) => "all rules pass".to_owned(),
             (Verdict::Passes, lacks) => {

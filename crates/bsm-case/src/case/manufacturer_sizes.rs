@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::{MM, UnitChange, convert};
-use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
+use crate::{CaseError, INPUTS, Known, LISTS, Rule, TableFormat, entries, nearest};
 
 /// Sizes offered by THK (general catalog, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9) as a CSV
 /// table, which users can copy and edit.
@@ -110,14 +110,8 @@ pub(crate) fn manufacturer_column(
     if let Some(word) = known().find(|word| *word == own) {
         return Ok(Some((word, UnitChange::NONE)));
     }
-    convert(own, known()).map(Some).ok_or_else(|| {
-        let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
-        let what = format!(
-            "unknown column `{own}`{near}; `names` of the dialect maps column names of a manufacturer to names of inputs, or to null for \
-             columns to ignore"
-        );
-        CaseError::Invalid(what)
-    })
+    let unknown = || CaseError::unknown(Known::TableColumn, own, nearest(own, known()));
+    convert(own, known()).map(Some).ok_or_else(unknown)
 }
 
 /// Reads the column names of a user's table: a JSON object that maps each column to the name of an

@@ -294,27 +294,70 @@ impl Needs {
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
-    /// Returns the missing inputs as text. For a quantity with several forms, the form with the
-    /// fewest missing inputs is reported.
+    /// Returns the missing inputs as text. If a catalog line, from which the groove is estimated, lacks
+    /// fewer inputs than the groove, its inputs are returned, and the inputs of the groove are named as
+    /// an alternative.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
-        let (given, mut missing) = (given.completed(), Vec::new());
-        for Quantity { words, forms } in self.quantities {
-            let begun = forms.iter().filter(|form| given.contains(form.key));
-            // Inputs in `self.all` are reported separately below.
-            let lacks = |form: &Form| form.with.without(given).without(self.all);
-            match begun.min_by_key(|form| lacks(form).iter().count()) {
-                None => missing.push((*words).to_owned()),
-                Some(form) => {
-                    let besides = lacks(form);
-                    missing
-                        .extend(besides.iter().map(|key| format!("{} ({})", key.name(), form.to)));
-                }
-            }
+        let given = given.completed();
+        let of_groove = lacking(self.all, self.quantities.iter(), given);
+        if given.contains_all(CATALOG_LINE) || !self.all.meets(GROOVE) {
+            return of_groove;
         }
-        missing.extend(self.all.without(given).iter().map(|key| key.name().to_owned()));
-        missing
+        let is_angle = |quantity: &&Quantity| quantity.forms[0].key == InputKey::contact_angle_deg;
+        let others = self.quantities.iter().filter(|quantity| !is_angle(quantity));
+        let mut of_line = lacking(self.all.without(GROOVE).and(CATALOG_LINE), others, given);
+        if of_line.len() >= of_groove.len() {
+            return of_groove;
+        }
+        let replaced: Vec<_> =
+            of_groove.into_iter().filter(|name| !of_line.contains(name)).collect();
+        let of_catalog = CATALOG_LINE.without(given).iter().last();
+        let last =
+            of_line.iter_mut().find(|name| of_catalog.is_some_and(|key| key.name() == **name));
+        if let Some(last) = last {
+            let groove =
+                format!("{} inputs of the groove: {}", replaced.len(), replaced.join(", "));
+            last.push_str(&format!(" (or {groove})"));
+        }
+        of_line
     }
 }
+
+/// Returns missing inputs as text. For a quantity with several forms, the form with the fewest missing
+/// inputs counts.
+///
+/// * `all`: required inputs.
+/// * `quantities`: quantities of which one form is required.
+fn lacking<'a>(
+    all: InputSet,
+    quantities: impl Iterator<Item = &'a Quantity>,
+    given: InputSet,
+) -> Vec<String> {
+    let mut missing = Vec::new();
+    for Quantity { words, forms } in quantities {
+        let begun = forms.iter().filter(|form| given.contains(form.key));
+        // Inputs in `self.all` are reported separately below.
+        let lacks = |form: &Form| form.with.without(given).without(all);
+        match begun.min_by_key(|form| lacks(form).iter().count()) {
+            None => missing.push((*words).to_owned()),
+            Some(form) => {
+                let besides = lacks(form);
+                missing.extend(besides.iter().map(|key| format!("{} ({})", key.name(), form.to)));
+            }
+        }
+    }
+    missing.extend(all.without(given).iter().map(|key| key.name().to_owned()));
+    missing
+}
+
+/// Inputs of a groove that are estimated from a catalog line.
+const GROOVE: InputSet = inputs! {
+    ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity screw_conformity
+    loaded_balls loaded_balls_per_turn loaded_turns
+};
+
+/// Inputs of a catalog line, in addition to the lead.
+const CATALOG_LINE: InputSet = inputs! { nominal_diameter_mm rated_dynamic_load_N };
 
 /// Inputs that press the balls against the grooves.
 const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
@@ -421,15 +464,20 @@ impl Case {
     /// with the inputs `given`.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
-        let mut missing = Needs::NUT.missing(given);
         let listed = self.nut.circuits.is_some();
         let by_gap = given.contains_all(inputs! { gap_deg circuits_count });
-        let ball_words = [
-            (given.contains(K::loaded_balls_per_turn), "loaded_balls_per_turn (or circuits)"),
-            (given.contains(K::loaded_turns) || by_gap, "loaded_turns (or circuits)"),
+        let of_balls = [
+            (K::loaded_balls_per_turn, given.contains(K::loaded_balls_per_turn)),
+            (K::loaded_turns, given.contains(K::loaded_turns) || by_gap),
         ];
-        let absent = ball_words.iter().filter(|(known, _)| !known && !listed);
-        missing.extend(absent.map(|(_, words)| (*words).to_owned()));
+        let absent = of_balls.into_iter().filter(|(_, known)| !known && !listed);
+        let absent: InputSet = absent.map(|(key, _)| key).collect();
+        let needs = Needs { all: Needs::NUT.all.and(absent), ..Needs::NUT };
+        let mut missing = needs.missing(given);
+        for key in absent.iter() {
+            let own = missing.iter_mut().filter(|name| **name == key.name());
+            own.for_each(|name| name.push_str(" (or circuits)"));
+        }
         if listed && !given.meets(PRESSED) {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }

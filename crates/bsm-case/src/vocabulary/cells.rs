@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::vocabulary::lines::{Lines, TextError, check_width, split};
+use crate::vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::units::UnitChange;
 use crate::{CaseError, TableFormat};
@@ -22,7 +22,7 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// Returns a [`CaseError::Invalid`] that names the line with the error.
+    /// [`CaseError::Invalid`] that names the line, and [`CaseError::Separator`].
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
         let wrong = |error: TextError| CaseError::Invalid(error.to_string());
         let mut lines = Lines::new(table);
@@ -30,6 +30,10 @@ impl Cells {
         loop {
             let (line, mut row) = (lines.number() + 1, Vec::new());
             let Some(text) = lines.next_line().map_err(wrong)? else { break };
+            let other = OtherSeparator::of(text, format.delimiter);
+            if let Some(other) = other.filter(|_| rows.is_empty()) {
+                return Err(CaseError::Separator(other));
+            }
             let cell = |_, cell: Cow<'_, str>| row.push(cell.trim().to_owned());
             let found = split(text, format.delimiter, line, cell).map_err(wrong)?;
             check_width(found, rows.first().map_or(found, Vec::len), line).map_err(wrong)?;

@@ -9,7 +9,7 @@ use bsm_nut::thermal::NoSteadyState;
 use thiserror::Error;
 
 use super::units::units_of_stem;
-use crate::{InputKey, exact, nearest};
+use crate::{InputKey, OtherSeparator, exact, nearest};
 
 /// Error in a case, a setting or a grid.
 ///
@@ -38,6 +38,9 @@ pub enum CaseError {
         /// The most similar known name.
         nearest: Option<String>,
     },
+    /// The names of the columns of a table are separated by an unexpected character.
+    #[error(transparent)]
+    Separator(OtherSeparator),
     /// A number is outside its permitted range or outside the range of a model.
     #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
@@ -95,6 +98,8 @@ pub enum Known {
     List,
     /// Names of the columns in a list of nuts.
     Column,
+    /// Columns of a manufacturer's table.
+    TableColumn,
     /// Names of the keys of a requirement.
     Requirement,
     /// Names of the numeric outputs.
@@ -106,6 +111,7 @@ impl Known {
         match self {
             Self::Input | Self::List | Self::Requirement => "unknown key",
             Self::Column => "no column is named",
+            Self::TableColumn => "unknown column",
             Self::Output => "no numeric output is named",
         }
     }

@@ -17,6 +17,25 @@ pub enum TextError {
     Malformed(String),
 }
 
+/// The names of the columns are separated by another character than expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
+    found.escape_debug(), expected.escape_debug())]
+pub struct OtherSeparator {
+    /// The character found.
+    pub found: char,
+    /// The expected character.
+    pub expected: char,
+}
+
+impl OtherSeparator {
+    /// Returns the error if a header contains only another separator than the expected one.
+    pub fn of(header: &str, expected: char) -> Option<Self> {
+        let found = header.chars().find(|sign| [',', ';', '\t', '|'].contains(sign))?;
+        (!header.contains(expected)).then_some(Self { found, expected })
+    }
+}
+
 /// Lines of a text, numbered as in an editor. A line ends with LF, CRLF or CR. Blank lines are only
 /// permitted at the end.
 pub struct Lines<R> {

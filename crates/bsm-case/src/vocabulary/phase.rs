@@ -281,8 +281,8 @@ impl PhaseEntry {
     /// Returns a [`CaseError::Invalid`] that names the row with the error.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let columns =
-            cells.columns(|head| phase_key(head).map(Some).map_err(CaseError::Invalid))?;
+        let key = |name: &str| phase_key(name).map_err(CaseError::Invalid);
+        let columns = cells.columns(|head| format.name(head).map(key).transpose())?;
         cells.each(&columns, |_, row| {
             let entry = |(column, text): (NamedColumn, &str)| {
                 let value = if column.0 == PROFILE {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, Case, CaseError, Grid, InputKey, ModelChoice, OutputName, Record, Rule, Scope, Settings,
-    input_schema, output, output_schema,
+    Axis, Case, CaseError, Grid, InputKey, ModelChoice, NutProblem, OutputName, Record, Rule,
+    Scope, Settings, input_schema, output, output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
 use proptest::prelude::*;
@@ -556,4 +556,32 @@ fn contact_columns_show_values_of_their_own_contact() {
             );
         }
     }
+}
+
+/// Missing inputs are those of the nearest way to a result: a catalog line if it lacks fewer inputs than the groove, otherwise the
+/// groove.
+#[test]
+fn missing_inputs_are_those_of_the_nearest_way() {
+    let refusal = |json: &str| {
+        let case = Case::from_json(json.as_bytes()).expect("a case");
+        let error = NutProblem::of(&case, &Settings::default()).expect_err("inputs are missing");
+        error.to_string()
+    };
+    let line = refusal(r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "axial_load_N": 1200}"#);
+    assert!(
+        line.starts_with("rated_dynamic_load_N (or 7 inputs of the groove: ball_diameter_mm, "),
+        "{line}"
+    );
+    let nothing = refusal(r#"{"lead_mm": 5, "axial_load_N": 1200}"#);
+    let start = "nominal_diameter_mm and rated_dynamic_load_N (or 7 inputs of the groove: ";
+    assert!(nothing.starts_with(start), "{nothing}");
+    let groove = refusal(
+        r#"{"ball_diameter_mm": 3.175, "pitch_circle_diameter_mm": 16.75, "lead_mm": 5, "contact_angle_deg": 45,
+        "nut_conformity": 0.52, "loaded_balls_per_turn": 15, "axial_load_N": 1200}"#,
+    );
+    assert!(!groove.contains("rated_dynamic_load_N"), "{groove}");
+    assert!(
+        groove.contains("screw_conformity and loaded_turns (or circuits) are required"),
+        "{groove}"
+    );
 }

@@ -386,6 +386,17 @@ given,15,10,3.175,3,12.32,9600,19300";
         of("misprint")
     );
     assert!(of("other").contains("96000 N, but the rating of the groove is"), "{}", of("other"));
+    let unusual = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,loaded_turns,dynamic_load_rating_kgf,static_load_rating_kgf
+SFU03205,32,5,2.381,4,1922,6343
+SFU02505,25,5,3.175,4,1724,4904";
+    let unusual = ManufacturerNut::from_csv(unusual, &TableFormat::default()).expect("rows");
+    let unusual = ManufacturerRow::all(&unusual, None).expect("ratings");
+    let named: Vec<_> =
+        unusual.iter().map(|row| (&*row.name, row.contradiction.is_some())).collect();
+    assert!(
+        named.contains(&("SFU03205", true)) && named.contains(&("SFU02505", false)),
+        "{named:?}"
+    );
     // In the axis of a requirement, the contradictory row fails. The other rows are checked against
     // the rules.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
@@ -574,20 +585,20 @@ fn rule_is_undecided_where_the_interval_of_an_estimated_groove_contains_its_limi
 /// A nut of a table whose rules are undecided comes after the nuts that pass and before the nuts that fail.
 #[test]
 fn undecided_nuts_of_a_table_come_between_passing_and_failing_nuts() {
-    let line = br#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "axial_load_N": 1000,
-        "screw_speed_rpm": 100, "stroke_mm": 500}"#;
+    let line = br#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 3500, "axial_load_N": 1000,
+        "screw_speed_rpm": 100, "stroke_mm": 200}"#;
     let line = Case::from_json(line).expect("a catalog line");
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
     let edge = report.answer.rules.iter().find(|rule| rule.name == "edge_load_N");
     let band = edge.and_then(|rule| rule.band).expect("an interval");
     let load = (band.low * band.high).sqrt();
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N
-weak,20,20,9000
-open,40,20,51300
-strong,80,20,250000";
+weak,8,2,500
+open,16,5,3500
+strong,40,20,51300";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
     let requirement =
-        format!(r#"{{"axial_load_N": {load}, "screw_speed_rpm": 100, "stroke_mm": 500}}"#);
+        format!(r#"{{"axial_load_N": {load}, "screw_speed_rpm": 100, "stroke_mm": 200}}"#);
     let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
     let requirement =
         RequirementFile::from_json(requirement.as_bytes(), &[], lists).expect("a requirement");

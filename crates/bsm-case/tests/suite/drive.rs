@@ -176,3 +176,18 @@ fn preload_can_be_given_by_class_or_derived_from_the_load() {
     let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());
 }
+
+/// The resolution of a motor and the stopping distance of an axis need neither load nor ratings.
+#[test]
+fn resolution_and_stopping_distance_need_no_load() {
+    let sheet = |json: &str| {
+        let case = Case::from_json(json.as_bytes()).expect("a case");
+        AxisReport::of(&case, &Settings::default()).expect("a sheet")
+    };
+    let steps = sheet(r#"{"lead_mm": 5, "motor_steps_per_turn": 200, "microsteps_count": 16}"#);
+    // 5 mm / 3200 steps. One rounding.
+    assert!((steps.number(output!(travel_per_step_um)).expect("a step") - 1.5625).abs() < 1e-12);
+    let stop = sheet(r#"{"lead_mm": 10, "feed_m_min": 15, "stop_deceleration_m_s2": 5}"#);
+    // 0.25 m/s for 50 ms, then (0.25 m/s)^2 / (2 * 5 m/s^2).
+    assert!((stop.number(output!(stopping_distance_mm)).expect("a distance") - 18.75).abs() < 1e-9);
+}

@@ -375,6 +375,8 @@ fn sweep_columns_and_plots_use_display_units() {
             "axial_load_N=4448.2216152605,8896.443230521",
             "--columns",
             columns,
+            "--model",
+            "rigid",
         ];
         run(dir.path(), &[&args[..], more].concat(), 0).0
     };
@@ -419,4 +421,34 @@ fn sweep_columns_and_plots_use_display_units() {
         ["sweep", &case, "--vary", "axial_load_N=1000,2000", "--units", "inch", "-o", "parts/"];
     let (_, message) = run(dir.path(), &folder, 2);
     assert!(message.contains("a folder of parts has metric units"), "{message}");
+}
+
+/// A table with semicolons names the option that reads it, also where the table is a cycle or a list of nuts, and `--names` maps the
+/// columns of a cycle.
+#[test]
+fn semicolons_in_any_table_suggest_the_delimiter() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    fs::write(at("cycle.csv"), "Zeit;Vorschub;Kraft\n2,0;12,0;4000\n2,0;-12,0;0\n")
+        .expect("a table");
+    fs::write(at("nuts.csv"), "nut;lead_mm;Preis\na;5,0;12,5\n").expect("a table");
+    let names = r#"{"Zeit": "time_s", "Vorschub": "feed_m_min", "Kraft": "force_N"}"#;
+    fs::write(at("names.json"), names).expect("names");
+    let case = example("rated.json");
+    let axis = ["axis", &case, "--cycle", "cycle.csv"];
+    for args in [&axis[..], &["select", "--from", "nuts.csv"]] {
+        let (_, message) = run(dir.path(), args, 2);
+        assert!(message.contains("add --delimiter semicolon, and --decimal comma"), "{message}");
+    }
+    let dialect = ["--delimiter", "semicolon", "--decimal", "comma"];
+    let (_, message) =
+        run(dir.path(), &[&["select", "--from", "nuts.csv"][..], &dialect].concat(), 2);
+    assert!(
+        message.contains("unknown column `Preis`") && message.contains("--names MAP.json"),
+        "{message}"
+    );
+    let named = [&axis[..], &dialect, &["--names", "names.json", "--json"]].concat();
+    let output = bsm(dir.path(), &named, "");
+    let sheet = json(&stdout(&output));
+    assert_eq!(sheet["phases"][0]["start_feed_m_min"], 12.0, "{}", stderr(&output));
 }

@@ -46,10 +46,14 @@ pub fn offers_page(
 fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
     let shown = (0..).zip(&table.columns).filter(|(_, column)| column.head.is_some());
     let shown: Vec<_> = shown.filter(|(_, column)| column.name != "better").collect();
-    let head = |(_, column): &(usize, &Column)| match column.name {
-        "first" => names[0].to_owned(),
-        "second" => names[1].to_owned(),
-        _ => column.head.as_deref().unwrap_or_default().to_owned(),
+    let head = |(place, column): &(usize, &Column)| {
+        let text = match column.name {
+            "first" => names[0],
+            "second" => names[1],
+            _ => column.head.as_deref().unwrap_or_default(),
+        };
+        let has_numbers = table.rows.iter().any(|row| row[*place].is_number());
+        json!({ "text": text, "has_numbers": has_numbers })
     };
     let better = table.columns.iter().position(|column| column.name == "better");
     let row = |(place, row): (usize, &Vec<Value>)| {
@@ -64,7 +68,12 @@ fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
                 },
             };
             let is_better = better.is_some_and(|place| row[place] == about.name);
-            json!({ "text": text, "is_number": row[*column].is_number(), "is_better": is_better })
+            json!({
+                "text": text,
+                "is_number": row[*column].is_number(),
+                "is_unit": about.head.as_deref() == Some("unit"),
+                "is_better": is_better,
+            })
         };
         shown.iter().map(cell).collect::<Vec<_>>()
     };

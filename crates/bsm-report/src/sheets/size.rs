@@ -124,18 +124,22 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
 
 /// Returns the axis sheet as an HTML page, which prints on two pages of A4.
 ///
+/// * `figures`: the figures of the sheet (see [`size_figures`]).
 /// * `input`: name and hash of the case file, if there is one.
 ///
 /// # Errors
 ///
 /// [`ReportError::Page`] if the template is invalid.
-pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, ReportError> {
-    let figures = size_figures(report);
+pub fn size_page(
+    report: &AxisReport,
+    figures: &[Figure],
+    input: Option<&str>,
+) -> Result<String, ReportError> {
     let page = Page {
         title: "Ball screw axis: calculation sheet",
         command: "bsm axis CASE.json --figures DIR",
         template: include_str!("../../templates/size.html"),
-        figures: &figures,
+        figures,
     };
     page.html(&sheet(&report.displayed(), input))
 }

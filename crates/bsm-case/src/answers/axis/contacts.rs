@@ -119,7 +119,7 @@ pub(super) fn contacts(
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalog(case).friction(advance * load, drives);
-        return Ok(Contacts::halved(friction, "by catalog efficiency"));
+        return Ok(Contacts::halved(friction, "catalog efficiency"));
     }
     if !case.given().has_friction() {
         let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{Axis, OPENS_AT, RatingBasis, RequiredLife};
+use bsm_design::{Axis, EndFixity, OPENS_AT, RatingBasis, RequiredLife, Shaft};
 
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
@@ -105,6 +105,17 @@ impl RuleInputs<'_> {
             shaft.support.name(),
             number(of_support)
         )
+    }
+
+    /// Describes the remedy of whirling apart from length and core: two fixed ends cannot become stiffer, but a driven nut
+    /// turns around a screw at rest.
+    fn other_remedy_of_whirling(&self) -> &'static str {
+        let is_fixed = |shaft: &Shaft| shaft.support == EndFixity::FixedFixed;
+        if self.axis.shaft.as_ref().is_some_and(is_fixed) {
+            "a driven nut (driven_part nut)"
+        } else {
+            "a stiffer support"
+        }
     }
 
     /// Returns the largest permitted preload for the preload method of the nut \[N\].
@@ -222,9 +233,10 @@ rules! {
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
-            "unsupported_length_mm {} or less, or a core diameter of {} mm, or a stiffer support",
+            "unsupported_length_mm {} or less, or a core diameter of {} mm, or {}",
             at_most(of.length_mm() * margin.sqrt(), 0),
-            at_least(of.core_mm() / margin, 1)
+            at_least(of.core_mm() / margin, 1),
+            of.other_remedy_of_whirling()
         );
     "speed number" largest_speed_number_mm_min
         = of.judged(output!(largest_speed_number_mm_min), K::speed_number_limit_mm_min),

@@ -31,6 +31,10 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("speed number", output!(largest_speed_number_mm_min), &[PitchCircle, Speed]),
 ];
 
+/// Results that need neither the screw nor its load, such as the resolution of a motor.
+const OTHER_RESULTS: [OutputName; 3] =
+    [output!(stopping_distance_mm), output!(travel_per_step_um), output!(travel_per_count_um)];
+
 impl Need {
     /// Names the inputs that meet the requirement.
     fn words(self) -> &'static str {
@@ -105,7 +109,8 @@ pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_result = |(_, number, needs): &(&str, OutputName, &[Need])| {
         missing(needs).is_empty() && numbers.number(*number).is_some()
     };
-    if RESULTS.iter().any(has_result) {
+    let is_known = |number: &OutputName| numbers.number(*number).is_some();
+    if RESULTS.iter().any(has_result) || OTHER_RESULTS.iter().any(is_known) {
         return Ok(());
     }
     let ways = RESULTS.iter().map(|(label, _, needs)| (label, missing(needs)));
