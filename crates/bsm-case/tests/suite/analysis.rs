@@ -120,7 +120,7 @@ fn rigid_reports_no_contact_ellipses() {
     assert!(report.texts("lacks")[0].contains("nut_conformity"), "{:?}", report.texts("lacks"));
     let report = jam(&case, Model::Rigid);
     assert!(
-        report.texts("lacks").iter().any(|l| l.contains("contact state")),
+        report.texts("lacks").iter().any(|l| l.contains("wedge angle")),
         "{:?}",
         report.texts("lacks")
     );
