@@ -468,8 +468,9 @@ impl Case {
         let needs = Needs { all: Needs::NUT.all.and(absent), ..Needs::NUT };
         let mut missing = needs.missing(given);
         for key in absent.iter() {
-            let own = missing.iter_mut().filter(|name| **name == key.name());
-            own.for_each(|name| name.push_str(" (or circuits)"));
+            for name in missing.iter_mut().filter(|name| **name == key.name()) {
+                name.push_str(" (or circuits)");
+            }
         }
         if listed && !given.meets(PRESSED) {
             missing.push("axial_load_N (or preload_N)".to_owned());
