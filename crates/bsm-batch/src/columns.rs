@@ -266,13 +266,11 @@ impl ColumnUnits {
 
     /// Returns the displayed name and unit of an output.
     pub fn of_output(&self, output: &Output) -> (String, DisplayUnit) {
-        match self.selected.iter().find(|(own, ..)| *own == output.name) {
-            Some((_, name, unit)) => (name.clone(), *unit),
-            None => {
-                let unit = self.display.of(output.unit);
-                (unit.name(output.name), unit)
-            }
+        if let Some((_, name, unit)) = self.selected.iter().find(|(own, ..)| *own == output.name) {
+            return (name.clone(), *unit);
         }
+        let unit = self.display.of(output.unit);
+        (unit.name(output.name), unit)
     }
 
     /// Returns the columns of a table of results, with displayed names and units.
@@ -327,7 +325,9 @@ impl<S: AnswerSink> AnswerSink for ConvertingSink<S> {
         }
         for (values, unit) in answers.columns.iter_mut().zip(&self.outputs) {
             if !unit.is_own() {
-                values.iter_mut().for_each(|value| *value = unit.value(*value));
+                for value in values.iter_mut() {
+                    *value = unit.value(*value);
+                }
             }
         }
         self.sink.write(chunk, answers)

@@ -220,7 +220,9 @@ impl Picture for Cells {
             output, units, axes: [x, y], values: [xs, ys], mut found, regions, models, ..
         } = *self;
         let (_, unit) = units.of_output(output);
-        found.iter_mut().for_each(|value| *value = unit.value(*value));
+        for value in &mut found {
+            *value = unit.value(*value);
+        }
         let map = Map {
             title,
             x: (x, xs),

@@ -305,7 +305,9 @@ impl Needs {
         }
         let is_angle = |quantity: &&Quantity| quantity.forms[0].key == InputKey::contact_angle_deg;
         let others = self.quantities.iter().filter(|quantity| !is_angle(quantity));
-        let mut of_line = lacking(self.all.without(GROOVE).and(CATALOG_LINE), others, given);
+        // The estimated groove has a pitch circle, which the lead angle needs.
+        let all = self.all.without(GROOVE).and(CATALOG_LINE);
+        let mut of_line = lacking(all, others, given.and(GROOVE));
         if of_line.len() >= of_groove.len() {
             return of_groove;
         }
@@ -317,7 +319,7 @@ impl Needs {
         if let Some(last) = last {
             let groove =
                 format!("{} inputs of the groove: {}", replaced.len(), replaced.join(", "));
-            last.push_str(&format!(" (or {groove})"));
+            *last = format!("{last} (or {groove})");
         }
         of_line
     }
@@ -475,8 +477,9 @@ impl Case {
         let needs = Needs { all: Needs::NUT.all.and(absent), ..Needs::NUT };
         let mut missing = needs.missing(given);
         for key in absent.iter() {
-            let own = missing.iter_mut().filter(|name| **name == key.name());
-            own.for_each(|name| name.push_str(" (or circuits)"));
+            for name in missing.iter_mut().filter(|name| **name == key.name()) {
+                name.push_str(" (or circuits)");
+            }
         }
         if listed && !given.meets(PRESSED) {
             missing.push("axial_load_N (or preload_N)".to_owned());

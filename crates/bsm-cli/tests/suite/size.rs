@@ -615,9 +615,12 @@ fn two_offers_are_compared_side_by_side() {
     let page = ["axis", "a.json", "b.json", "--units", "inch", "-o", "offers.html"];
     bsm(dir.path(), &page, "");
     let page = fs::read_to_string(dir.path().join("offers.html")).expect("a page");
-    for words in
-        ["<th>a.json</th><th>b.json</th>", "screw_mass_lb", " better\">", "Inputs that differ"]
-    {
+    for words in [
+        "<th class=\"number\">a.json</th><th class=\"number\">b.json</th>",
+        "screw_mass_lb",
+        " better\">",
+        "Inputs that differ",
+    ] {
         assert!(page.contains(words), "{words}: {page}");
     }
 }
