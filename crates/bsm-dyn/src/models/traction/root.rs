@@ -184,7 +184,8 @@ impl SlipBall<'_> {
             let [nut, screw] = loaded.angles;
             return Err(Reason::BallLeavesFlank { nut, screw });
         }
-        if OMEGA.iter().any(|i| !(y[*i].abs() < MAX_ANGULAR_SPEED)) {
+        let is_slow = OMEGA.iter().all(|i| y[*i].abs() < MAX_ANGULAR_SPEED);
+        if !is_slow {
             return Err(Reason::SearchLost);
         }
         Ok(loaded)
