@@ -548,6 +548,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
 }
 
 /// Returns the message for a reason, with numbers in the units of the outputs.
+#[expect(clippy::too_many_lines, reason = "one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(

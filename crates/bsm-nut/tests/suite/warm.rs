@@ -402,7 +402,7 @@ fn two_states_exist_below_a_fold_and_none_above() {
     assert_near("gain at the fold", gain, 1.0, 3e-3);
     match with_speed_factor(&nut, 1.01 * factor).steady() {
         Err(NoSteadyState::RunsAway(fold)) => {
-            assert_near("from above", fold.factor, 1.0 / 1.01, 1e-5)
+            assert_near("from above", fold.factor, 1.0 / 1.01, 1e-5);
         }
         other => panic!("{other:?}"),
     }
