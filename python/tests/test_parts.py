@@ -75,7 +75,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
     (data / "notes.txt").write_bytes(b"")
     found = plan.verify()
     assert found.missing == [(1, 5), (6, 10)] and not found.complete
-    assert "its footer is invalid" in found.damaged[0][1] and found.foreign[0].endswith("notes.txt")
+    assert "has an invalid footer" in found.damaged[0][1] and found.foreign[0].endswith("notes.txt")
     with pytest.raises(bs.PartError, match="8 of 10 parts are missing"):
         plan.finish()
     with pytest.raises(bs.PartError, match="part-000004.parquet"):

@@ -205,8 +205,7 @@ pub(crate) struct ModelArgs {
     /// Ratio of creep speed to rolling speed in model traction; defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway in model raceway-control: nut or screw. By default, the model determines
-    /// it.
+    /// Controlling raceway in model raceway-control: nut or screw (default: automatic)
     #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
     /// Friction of a lubricant film in model raceway-control: local (at each point, the default) or

@@ -17,14 +17,14 @@ pub enum TextError {
     Malformed(String),
 }
 
-/// The names of the columns are separated by another character than expected.
+/// The first line of a CSV table uses another separator than expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
+#[error("the column names are separated by `{}`, but the expected separator is `{}`",
     found.escape_debug(), expected.escape_debug())]
 pub struct OtherSeparator {
-    /// The character found.
+    /// Separator in the file.
     pub found: char,
-    /// The expected character.
+    /// Expected separator.
     pub expected: char,
 }
 

@@ -245,13 +245,20 @@ pub(crate) type Counterpart = (&'static str, &'static str, UnitChange);
 /// Returns the suffixes of a unit of the vocabulary and of another unit of the same quantity, both given as text, and the change from
 /// the other unit.
 pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
-    DIMENSIONS.iter().find_map(|dimension| {
-        let mut of_vocabulary = dimension.own.iter().filter_map(|own| dimension.unit(own));
-        let own = of_vocabulary.find(|unit| unit.text == own)?;
+    let of = |dimension: &'static Dimension, unit: Option<&'static Unit>| {
         // The first of several suffixes with the same text is the usual one.
         let other = dimension.units.iter().find(|unit| unit.text == other)?;
-        Some((own.suffix, other.suffix, dimension.change(other, own)))
-    })
+        Some((unit?.suffix, other.suffix, dimension.change(other, unit?)))
+    };
+    let of_vocabulary = |dimension: &'static Dimension| {
+        let mut units = dimension.own.iter().filter_map(|suffix| dimension.unit(suffix));
+        of(dimension, units.find(|unit| unit.text == own))
+    };
+    let any = |dimension: &'static Dimension| {
+        of(dimension, dimension.units.iter().find(|unit| unit.text == own))
+    };
+    // Units of the vocabulary come first, because a text such as K is a unit of several quantities.
+    DIMENSIONS.iter().find_map(of_vocabulary).or_else(|| DIMENSIONS.iter().find_map(any))
 }
 
 impl Dimension {

@@ -203,7 +203,7 @@ fn constrained_expansion_causes_a_warning_or_is_checked_by_a_rule() {
     let warned = |report: &AxisReport| {
         report.answer.warnings.iter().any(|warning| {
             warning.contains(
-                "compresses the screw by 36.0 kN; pretension_K = 16.3 would keep it in tension",
+                "compresses the screw with a force of 36.0 kN; pretension_K = 16.3 would keep it in tension",
             )
         })
     };

@@ -586,7 +586,7 @@ fn uncertainty_band_has_no_upper_end_without_steady_state() {
     let sheet = AxisReport::of(&feed_axis(&words), &settings()).expect("an axis");
     let answer = sheet.answer.to_json();
     assert!(sheet.answer.notes.iter().any(|note| note.contains("runs away above")));
-    assert!(sheet.answer.notes.iter().any(|note| note.contains("no end (null)")));
+    assert!(sheet.answer.notes.iter().any(|note| note.contains("is open (null)")));
     for name in ["balls_temperature_C", "warm_preload_N", "steady_heat_W", "loop_gain"] {
         let [low, value, high] =
             ["low", "value", "high"].map(|end| answer["band"][name][end].as_f64());

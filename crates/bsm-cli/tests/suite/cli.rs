@@ -545,7 +545,7 @@ fn invalid_sweeps_write_no_files() {
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.csv", "-o", "y.csv"],
-            "one run writes one table",
+            "a run writes at most one table",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.json"],

@@ -137,7 +137,7 @@ fn damaged_files_are_found_and_repaired() {
     let copy = fs::read(map.join("data/part-000004.parquet")).expect("a part");
     for (bytes, is_shallow, words) in [
         (flipped, false, "has been changed: its bytes do not match the SHA-256"),
-        (good[..good.len() / 2].to_vec(), true, "its footer is invalid"),
+        (good[..good.len() / 2].to_vec(), true, "has an invalid footer"),
         (Vec::new(), true, "is empty"),
         (foreign, true, "is a part of another plan"),
         (copy, true, "is a copy of part 4"),
@@ -694,7 +694,9 @@ fn plans_accept_random_points_and_tables() {
     run(0, &["parts", "run", "table/", "--points", "moved.parquet"]);
     run(0, &["parts", "check", "table/"]);
     fs::write(dir.path().join("points.parquet"), "another").expect("writable");
-    assert!(run(2, &["parts", "run", "table/"]).contains("is not the table of points"));
+    assert!(
+        run(2, &["parts", "run", "table/"]).contains("does not match the point table of the plan")
+    );
 
     for (args, words) in [
         (&["--plan", "-o", "x.csv"][..], "--plan applies only to folders"),

@@ -285,7 +285,7 @@ fn resume_verifies_finished_parts() {
     };
     let end = bytes.len();
     let broken =
-        "its footer is invalid; move it elsewhere and solve the missing parts again with --resume";
+        "not a part file of bsm; move it elsewhere and solve the missing parts again with --resume";
     let damages: Vec<(&str, Harm<'_>, Reaction)> = vec![
         ("cut to 100 bytes", put(bytes[..100].to_vec()), Refused(3, broken)),
         ("cut by a byte", put(bytes[..end - 1].to_vec()), Refused(3, broken)),
