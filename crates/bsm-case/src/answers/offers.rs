@@ -135,7 +135,9 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     };
     let [first, second] = reports.map(inputs);
     let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
-    let differ = keys.filter(|key| *key != "description" && first.get(*key) != second.get(*key));
+    // The description names the offer, and the marks of estimates are not inputs.
+    let is_input = |key: &&String| !["description", "estimated_inputs"].contains(&key.as_str());
+    let differ = keys.filter(is_input).filter(|key| first.get(*key) != second.get(*key));
     differ.map(|key| vec![json!(key), json!(first.get(key)), json!(second.get(key))]).collect()
 }
 
