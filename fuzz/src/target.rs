@@ -70,7 +70,8 @@ impl Target {
     ///
     /// Panics if the target panics, or if it takes too much time or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
-        // The program also turns panics that damaged tables cause into errors.
+        // Damaged tables can cause panics that are caught and converted into errors. As in the
+        // program, these panics print nothing.
         HOOK.call_once(silence_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;

@@ -88,7 +88,7 @@ class Verification(NamedTuple):
         Damaged files, each with the reason. The list also contains Parquet files and folders that are not part of the
         plan.
     foreign : list of str
-        All other files in the folder that are not part of the plan.
+        Files in the folder that are not part of the plan, except the Parquet files and folders in `damaged`.
     complete : bool
         True if no part is missing or damaged.
     rows : int

@@ -139,7 +139,7 @@ plt.show()
 #
 # ## Limits
 #
-# * The calculation does not include running-in, starting from rest, and contact between balls. It includes starvation
+# * The calculation does not include running-in, starting from rest, or contact between balls. It includes starvation
 #   only through `film_factor`.
 # * A fit cannot distinguish between two inputs that have similar effects at all measured points. Therefore, measure at
 #   low and high speeds and at small loads.

@@ -183,7 +183,8 @@ impl<'a> Solver<'a> {
         chunk: &Chunk,
         room: Buffers<'_>,
     ) -> RowReport {
-        // A caller that provides no memory for filled-in inputs does not need them.
+        // The caller may provide fewer columns than there are outputs. Outputs that fill in missing
+        // inputs are last in the list and are then not calculated.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
             Some(ModelChoice::Auto) => AUTO_STRIDE,

@@ -255,8 +255,8 @@ fn only_own(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure>
     )))
 }
 
-/// Returns the points, and a grid with which the task is checked: the grid itself, or the bounds
-/// and means of the random points.
+/// Returns the points and the grid that is used to check the task. For random points, this grid
+/// consists of their bounds and means.
 fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     let usage = |what: &'static str| move |e: CaseError| Failure::input(what, &e);
     if let Some(count) = args.samples {

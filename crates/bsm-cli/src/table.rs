@@ -154,7 +154,7 @@ fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answ
         row.values.into_iter().flatten().map(move |value| (unit, value))
     };
     let scales = Scales::of(rows.iter().flat_map(values));
-    // Under each title, quantities without a contact or direction come first.
+    // Under each title, quantities that do not refer to a contact or a direction come first.
     for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
         rows.sort_by_key(|row| row.quantity.scope as u8);
     }

@@ -492,8 +492,8 @@ mod tests {
         let rigid = f64::INFINITY;
         let warm = screw.tension(growth, rigid, 3.0, 8.0);
         assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
-        // For a screw with a core diameter of 34 mm without pretension, the thermal force at 10 K
-        // is 21.5 kN.
+        // For a screw with a core diameter of 34 mm and no pretension, the thermal force at a
+        // temperature rise of 10 K is 21.5 kN.
         let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);

@@ -128,8 +128,8 @@ pub struct EventRoot<const M: usize> {
 /// Reason why the continuation ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathEnd {
-    /// The path followed a closed curve once around. The result contains all crossings of the
-    /// curve.
+    /// The curve is closed and was traced completely. The result contains the crossings of the
+    /// whole curve.
     Closed,
     /// The caller ended the continuation.
     Ended,

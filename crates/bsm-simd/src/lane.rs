@@ -166,8 +166,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[must_use]
     pub fn abs(self) -> Self {
         let simd = self.simd;
-        // The sign bit is cleared with a bit mask, because the function `abs` of the crate pulp is
-        // not inlined.
+        // The sign bit is cleared with a bit mask, because pulp's `abs` function is not inlined.
         let size = simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
         Self { x: parts!(self.x, N, i, simd.and_f64s(size, self.x[i])), ..self }
     }

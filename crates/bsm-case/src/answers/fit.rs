@@ -188,10 +188,10 @@ fn range_of(
     Ok(range)
 }
 
-/// An input whose value is determined.
+/// An input whose value is determined by the fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedInput {
-    /// Name of the input, which may have another unit.
+    /// Name of the input. The name may end with a unit other than the default unit.
     pub name: String,
     /// Search range, in the unit with which the name of the input ends. The default for a friction
     /// coefficient is 1e-4 to 0.5. The default for other inputs is relative to the value in the

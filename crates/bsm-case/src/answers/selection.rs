@@ -475,7 +475,8 @@ impl Found {
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "a list contains one")]
 enum Rows {
-    /// Standard sizes, with the axis sheet numbers of the sizes that meet a requirement.
+    /// Standard sizes. `sheets` contains the values of the axis sheet for each size that meets the
+    /// requirement, by index of the size.
     Sizes { catalog: Catalog, sheets: BTreeMap<u32, Vec<f64>> },
     /// Rows of a manufacturer's table.
     Table(Vec<ManufacturerRow>),

@@ -61,7 +61,7 @@ impl Case {
     /// including the inputs of an estimated groove.
     pub fn stated_over(&self, columns: InputSet) -> InputSet {
         let given = self.stated().overridden_by(columns);
-        // Listed circuits determine turns and balls.
+        // If circuits are given, they determine the numbers of turns and balls.
         let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
         let estimates = lacks_groove && self.nut.estimate_groove != Some(false);
         if estimates { given.with_groove() } else { given }
@@ -158,7 +158,7 @@ impl Case {
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
         let full_turn = turn_length(groove.pitch_diameter, lead) / groove.ball_diameter;
         let (_, given_turns) = balls_and_turns(self);
-        // The number of turns is assumed such that all balls have room.
+        // If the number of turns is not given, it is chosen so that all balls fit.
         let turns = given_turns.unwrap_or(groove.turns.max(groove.loaded_balls / full_turn));
         let per_turn = (groove.loaded_balls / turns).min(full_turn);
         let angle = groove.contact_angle / DEG;

@@ -163,8 +163,8 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     }
 }
 
-/// Returns the key of a cycle entry for a name that may have another unit, and the conversion to
-/// the unit of the key.
+/// Returns the key of a cycle entry to which `name` refers, and the conversion to the unit of the
+/// key. The name may end with a different unit than the key.
 fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
     let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));

@@ -135,7 +135,7 @@ fn dimension(key: &str) -> [f64; 3] {
 
 /// Returns the largest violation of Euler's identity for scaling of masses, lengths and times, for
 /// efficiency and torque.
-fn worst_identity((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64; 2] {
+fn largest_identity_violation((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64; 2] {
     let torque = answer.screw_torque.expect("a torque");
     let exponents = [1.0, 2.0, -2.0];
     (0..3).fold([0.0; 2], |[worst, worst_torque]: [f64; 2], unit| {
@@ -192,7 +192,7 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     assert_relative_eq!(found.0.efficiency, eta, max_relative = rounding, epsilon = 1e-12);
     let own = torque(found.0.screw_torque);
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
-    let violation = worst_identity(&found);
+    let violation = largest_identity_violation(&found);
     prop_assert!(is_homogeneous(settings.model, violation), "{violation:?}");
     // A neighboring point without a solution or on another branch is not compared.
     let difference = worst_difference(case, settings, step);
@@ -387,7 +387,7 @@ proptest! {
             let error = (row.efficiency - expected) * row.value.abs().max(1.0);
             prop_assert!(error.abs() <= 1e-8, "{row:?} {expected}");
         }
-        prop_assert!(is_homogeneous(solution.model.into(), worst_identity(&found)));
+        prop_assert!(is_homogeneous(solution.model.into(), largest_identity_violation(&found)));
     }
 }
 

@@ -477,8 +477,8 @@ fn a_preload_force_applies_to_the_cold_nut() {
     }
     assert!((number(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
     assert!((number(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
-    // The drag torque of the manufacturers' rule and the remaining preload without external load
-    // are based on the warm preload.
+    // The drag torque according to the manufacturers' rule and the preload that remains without
+    // external load are based on the warm preload.
     let ratio = number(&x, "rule_torque_low_Nm") / number(&o, "rule_torque_low_Nm");
     assert!((ratio - number(&x, "warm_preload_N") / number(&o, "warm_preload_N")).abs() < 1e-9);
     assert!((number(&x, "preload_left_N") / number(&x, "warm_preload_N") - 1.0).abs() < 1e-9);

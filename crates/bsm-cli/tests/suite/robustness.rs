@@ -683,8 +683,8 @@ fn rounding_errors_are_not_printed_as_results() {
         let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
-            // The residual and differences of powers are permitted, because they always consist of
-            // rounding errors.
+            // The residual and the differences between powers may be this small, because they
+            // always consist of rounding errors.
             value > 0.0 && value < 1e-11
         });
         let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");

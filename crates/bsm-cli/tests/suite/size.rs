@@ -77,7 +77,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         let torque = number(results, "peak_motor_torque_Nm") - 0.8;
         assert!((0.95..1.0).contains(&(ideal / torque)), "{way}: {ideal} {torque}");
 
-        // The sheet must contain every number of the JSON that has a limit.
+        // The page must contain every rule of the JSON output.
         let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
         for rule in sheet["rules"].as_array().expect("rules") {
             assert!(page.contains(rule["rule"].as_str().expect("a title")), "{rule}");

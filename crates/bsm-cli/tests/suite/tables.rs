@@ -423,10 +423,10 @@ fn sweep_columns_and_plots_use_display_units() {
     assert!(message.contains("a folder of parts has metric units"), "{message}");
 }
 
-/// A table with semicolons names the option that reads it, also where the table is a cycle or a list of nuts, and `--names` maps the
-/// columns of a cycle.
+/// If a cycle or a list of nuts is separated by semicolons, the error message suggests the options
+/// `--delimiter` and `--decimal`. `--names` maps the columns of a cycle.
 #[test]
-fn semicolons_in_any_table_suggest_the_delimiter() {
+fn error_for_semicolon_separated_file_suggests_the_delimiter() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     fs::write(at("cycle.csv"), "Zeit;Vorschub;Kraft\n2,0;12,0;4000\n2,0;-12,0;0\n")

@@ -154,8 +154,8 @@ pub(super) struct PanelNodes<'a> {
 }
 
 impl<'a> PanelNodes<'a> {
-    /// Returns the next block of nodes. After the last node, the block is filled with copies of
-    /// zero weight.
+    /// Returns the next block of nodes. The last block is padded with copies of the last node that
+    /// have zero weight.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<Nodes> {
         if self.left.is_empty() {

@@ -43,8 +43,8 @@ impl Auto {
         let known = rolling_ball.and_then(|rolling_ball| {
             let onset_number = rolling_ball.skid(&contacts).onset_number()?;
             if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
-                // In partial skid, neither raceway control nor gross slip is valid, even if its
-                // error bound is small.
+                // In partial skid, neither raceway control nor gross slip is valid, even if the
+                // error bound of raceway control is small.
                 return None;
             }
             let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;

@@ -250,8 +250,9 @@ mod tests {
         let difference = deformed.angles[1] - deformed.angles[0];
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
-        // The arc distances close the triangle, whose height is determined by the unloaded contact
-        // angle.
+        // The distances from the ball center to the two arc centers have radial components. Their
+        // sum is the radial distance between the arc centers, which follows from the unloaded
+        // contact angle.
         let radial_distance = (nut + screw_offset) * screw.point.contact_angle.cos();
         assert_relative_eq!(l_a * cos_a + l_b * cos_b, radial_distance, max_relative = 1e-14);
     }

@@ -45,7 +45,7 @@ pub struct ContactSite<D> {
 pub struct SlipPower<D> {
     /// Power of the slip at the contact center, which is common to all points of the contact.
     pub center: D,
-    /// Power of the spin about the contact normal.
+    /// Power dissipated by spin about the contact normal.
     pub spin: D,
     /// Power due to the curvature of the contact surface (Heathcote slip).
     pub curvature: D,

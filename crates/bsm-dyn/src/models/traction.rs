@@ -184,8 +184,8 @@ impl Traction {
     }
 }
 
-/// An operating point together with its rolling ball, which is the starting value for every
-/// quadrature.
+/// An operating point and its rolling ball. The solver starts from the rolling ball unless it
+/// already knows a root for another quadrature rule.
 pub(crate) struct Start<'a> {
     contacts: &'a ElasticContacts,
     rolling_ball: RollingBall,

@@ -183,8 +183,8 @@ fn outcome_contains_residual_and_details_at_the_returned_point() {
 }
 
 /// If the slope of the function has changed sign, a chord step increases the residual or leads to
-/// NaN. The next step then uses the Jacobian at the current point and is compared with the residual
-/// at this point.
+/// NaN. The next step then uses the Jacobian at the current point, and its residual is compared
+/// with the residual at the current point.
 #[test]
 fn failed_chord_step_is_replaced_by_a_newton_step() {
     let bent = |x: &[f64; 1]| match x[0] {

@@ -290,8 +290,8 @@ fn preload_is_set_at_assembly_and_changes_with_temperatures() {
     }
 }
 
-/// A uniform temperature rise of nut, screw and balls does not change the ball loads, neither in
-/// pairs of either arrangement nor in a nut with oversize balls and elastic bars.
+/// A uniform temperature rise of nut, screw and balls does not change the ball loads. This is true
+/// for nut pairs in both arrangements and for a nut with oversize balls and an elastic body.
 #[test]
 fn a_uniform_temperature_rise_does_not_change_the_ball_loads() {
     let mut single = nut_with_98_balls().preloaded(PreloadKind::Oversize, 8e-6);

@@ -184,8 +184,8 @@ fn nuts_match_the_reference_cases() {
             &read_numbers(&expect["tilt_urad"]),
             tolerance,
         );
-        // The list includes the sum of all forces, which is needed to distinguish zero from
-        // rounding errors.
+        // The list also contains the sum of the contact loads at the nut. It sets the tolerance for
+        // values that are zero apart from rounding errors.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
             all.push(sum);

@@ -256,7 +256,8 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
-        // These quantities are also accurate only to within a factor.
+        // The heat transfer coefficient and the temperature rises are based on estimated
+        // conductances, which have a large relative error (a factor of 1.4 to 3).
         _ if quantity.name == "axis_heat_transfer_W_K"
             || quantity.name.starts_with("steady_temperature_rise") =>
         {

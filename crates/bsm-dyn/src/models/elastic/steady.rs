@@ -20,8 +20,9 @@ pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 /// monotonically.
 pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 
-/// Maximum change of a coordinate along a straight curve, divided by its scale and by
-/// [`STRAIGHTNESS_TOL`] (dimensionless). The scale is about a third of the coordinate.
+/// Maximum change of `$x_A$`, `$x_B$` and `$c$` up to which the curve is treated as straight, in
+/// units of [`STRAIGHTNESS_TOL`] times the scale of the coordinate (dimensionless). The scale is
+/// about a third of the coordinate.
 const MAX_POSITION_CHANGE: f64 = 3.0;
 
 /// Residual tolerance of (S14) and (S20) for a final result (dimensionless). Newton's method

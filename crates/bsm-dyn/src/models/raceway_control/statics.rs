@@ -21,8 +21,8 @@ pub(crate) const STATIC: usize = 2;
 /// need more steps are solved by bracketing.
 const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: f64::INFINITY, max_steps: 6 };
 
-/// Maximum number of steps in the solution of (W13) for the cotangent at the screw. The same number
-/// of bisections would reach rounding errors.
+/// Maximum number of steps in the solution of (W13) for the cotangent at the screw. Even if every
+/// step were a bisection, the interval would shrink to the size of a rounding error.
 const MAX_CLOSURE_STEPS: usize = 60;
 
 /// Tolerance of the cotangent in the solution of (W13), relative to the cotangent of the unloaded

@@ -544,7 +544,7 @@ fn first_order_solution_does_not_exclude_roots_at_large_friction() {
 /// Near self-locking, the loads are 2e5 times the axial load, while inertia is very small. In an
 /// earlier version, rounding errors of these loads made the load at A' negative at some speeds.
 #[test]
-fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
+fn load_on_the_opposite_flank_is_positive_near_self_locking() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
         let ball = Ball::of_density(0.419_112_6e-3, 17_715.02);
         let screw = operating_point(

@@ -152,7 +152,7 @@ pub(super) fn frenet<P: Copy, D: RealOver<P>>((sin, cos): (P, P), y: &[D; BALL])
     [along * sin - around * cos, radial, along * cos + around * sin]
 }
 
-/// Returns the second and third component of the vector with the given components along `$N =
+/// Returns the second and third components of the vector with the given components along `$N =
 /// \pm(0, \cos, \sin)$` and `$t \times N$`.
 ///
 /// * `i`: nut (0) or screw (1).
