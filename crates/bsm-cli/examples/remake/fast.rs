@@ -361,11 +361,13 @@ fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
     Ok(format!(
-        "\nFor these rows, the ratio of the upper to the lower end of the interval has a median of {:.2} for the stiffness of the contacts, \
-         and\nof {:.2} for the largest pressure. The intervals contain the results of the correct ball and turns in {:.0} % and {:.0} % of the \
-         rows.\n",
+        "\nFor these rows, the ratio of the upper to the lower end of the interval has a median of {:.2} for the friction torque, of {:.2} \
+         for the stiffness of the contacts, and of {:.2} for the largest pressure. The intervals contain the results of the correct ball and \
+         turns in {:.0} %, {:.0} % and {:.0} % of the rows.\n",
+        of("torque-width")?,
         of("stiffness-width")?,
         of("pressure-width")?,
+        100.0 * of("torque-contained")?,
         100.0 * of("stiffness-contained")?,
         100.0 * of("pressure-contained")?
     ))
