@@ -695,7 +695,7 @@ impl BallNut {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let near = 1e-9 * self.arc_distance();
         let groups = self.groups(found, near, |one, other| held_of(one) == held_of(other));
-        // A ball does not precess faster than the faster of the nut and the screw rotates.
+        // The precession rate of a ball does not exceed the speed of the faster body, nut or screw.
         let fastest = drive.screw_speed.abs().max(drive.nut_speed.abs());
         let inertia = self.ball.mass * self.helix.radius * fastest * fastest;
         let mut sum = FrictionSum::default();
