@@ -97,6 +97,7 @@ impl TableError {
     }
 
     /// Reports that the kind of Parquet file is not supported.
+    #[cfg(feature = "parquet")]
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table is written with {kind}, which is not read here; write it without encryption, and with \
@@ -129,6 +130,7 @@ impl From<TextError> for TableError {
     }
 }
 
+#[cfg(feature = "parquet")]
 impl From<parquet::errors::ParquetError> for TableError {
     fn from(error: parquet::errors::ParquetError) -> Self {
         use parquet::errors::ParquetError;

@@ -81,7 +81,14 @@ impl<'a> Workers<'a> {
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }
-                Err(error) if idle.is_empty() => return Err(error),
+                Err(error) if idle.is_empty() => {
+                    // WebAssembly has no threads, so the calling thread does the work.
+                    if error.kind() != io::ErrorKind::Unsupported {
+                        return Err(error);
+                    }
+                    let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+                    return Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop });
+                }
                 Err(_) => {
                     // Half of the threads end, so that resources remain for reading and for memory.
                     for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
