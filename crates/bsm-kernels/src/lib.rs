@@ -33,6 +33,10 @@ impl Rows<'_, '_> {
     /// Solves the rows for which the direct solve of a model succeeds. For `auto`, the result contains the chosen model of each
     /// solved row; otherwise it is empty.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
+        // Kernels would double the size of the solver in a saved page, whose maps have few points.
+        if cfg!(target_family = "wasm") {
+            return Vec::new();
+        }
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),
             ModelChoice::Fixed(Model::ClosedForm) => {

@@ -4,7 +4,8 @@
 //!
 //! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
 //! which they are written and are fused only where the code says so. Results are therefore the same
-//! on every instruction set and in every lane.
+//! on every instruction set and in every lane. WebAssembly is an exception, because it has no fused
+//! operations.
 
 mod exponential;
 mod lane;

@@ -20,8 +20,9 @@ export function showLosses(host, result, slip) {
   else rows = DRY.flatMap(([name, words]) =>
     CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact.replace(" ", "_")}_${name}_power_W`], paint])).filter(([,
       value]) => value != null && Math.abs(value) > 1e-9 * total);
-  // On a phone, the labels are above the bars.
-  const phone = narrow(), [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [204, 560, 27, 4, 17],
+  // On a phone, the labels are above the bars. Otherwise, the longest label determines the start of the bars (6.3 px a letter).
+  const phone = narrow(), longest = Math.max(31, ...rows.map(([words]) => words.length)),
+    [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [8 + 6.3 * longest, 560, 27, 4, 17],
     high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - 78 - 0.12 * (width - left));
   const bar = (y, value, paint) => svg("g", {},

@@ -79,7 +79,11 @@ impl Request {
 /// Calculates the answer to a request.
 ///
 /// * `stop`: stops the calculation of a map as soon as it is true.
-pub(crate) fn answer(
+///
+/// # Errors
+///
+/// [`Refusal`].
+pub fn answer(
     route: &str,
     body: &[u8],
     workers: &Workers<'_>,
@@ -88,14 +92,14 @@ pub(crate) fn answer(
     let request = || Request::read(body)?.with_groove();
     match route {
         "schema" => Ok(schema()),
-        "point" => Ok(Value::Object(point(&request()?, EllipseFields::POINTS)?)),
+        "point" => point(&request()?),
         "solve" => solve(&request()?),
         "compare" => compare(&request()?),
         "slip" => slip(&request()?),
         "nut" => nut(&request()?),
         "warm" => warm(&request()?),
         "axis" => axis(&Request::read(body)?),
-        "ellipses" => ellipses(&request()?, EllipseFields::POINTS),
+        "ellipses" => ellipses(&request()?),
         "sweep" => sweep(&Request::read(body)?, workers, stop),
         _ => Err(Refusal::Route(route.to_owned())),
     }
@@ -103,18 +107,16 @@ pub(crate) fn answer(
 
 /// Returns the results for one point: `solve` without the parts of the torque, `slip` and
 /// `ellipses`.
-///
-/// * `points`: number of points of the fields per semi-axis.
-pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
-    Ok(Map::from_iter([
-        ("solve".to_owned(), solved(request, false)?),
-        ("slip".to_owned(), or_message(slip(request))),
-        ("ellipses".to_owned(), or_message(ellipses(request, points))),
-    ]))
+fn point(request: &Request) -> Result<Value, Refusal> {
+    Ok(json!({
+        "solve": solved(request, false)?,
+        "slip": or_message(slip(request)),
+        "ellipses": or_message(ellipses(request)),
+    }))
 }
 
 /// Returns the answer, or the error message if there is no answer.
-pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
+fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
@@ -128,10 +130,7 @@ fn solve(request: &Request) -> Result<Value, Refusal> {
 ///
 /// * `parts`: true to include the parts of the torque, which require the equilibrium of a preloaded
 ///   nut.
-pub(crate) fn solved(
-    Request { case, settings, rest }: &Request,
-    parts: bool,
-) -> Result<Value, Refusal> {
+fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Value, Refusal> {
     let record = Record::new(case.problem(settings)?.solve(&mut ModelWorkspace::default()));
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model does not accept the inputs");
@@ -196,7 +195,7 @@ pub(crate) fn solved(
 
 /// Returns the output of `bsm solve --model all --json`, including the omitted models and the
 /// reasons for their omission.
-pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
+fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
     Ok(comparison(case)?.to_json())
 }
 
@@ -217,14 +216,16 @@ fn slip(request: &Request) -> Result<Value, Refusal> {
 }
 
 /// Returns the fields over the contact ellipses.
-fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
+fn ellipses(request: &Request) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(&request.case, &request.settings)?;
-    Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
+    Ok(EllipseFields::of(&request.case, &settings, &solution, EllipseFields::POINTS)?
+        .answer()
+        .to_json())
 }
 
 /// Returns the output of `bsm nut --json`, extended by the table of balls and the load-displacement
 /// curve.
-pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
+fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
@@ -239,7 +240,7 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
 
 /// Returns the warm steady states as a function of the speed, for a picture. The friction of all
 /// balls is calculated with the fastest method.
-pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
+fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
     Ok(WarmBranch::of(case, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
@@ -247,7 +248,7 @@ pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Re
 
 /// Returns the output of `bsm axis --json`, extended by the numbers as text and, if requested, by
 /// the axis sheet.
-pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
+fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
     let displayed = report.answer.clone().in_units(case.display_units());

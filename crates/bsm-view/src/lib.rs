@@ -1,18 +1,25 @@
 //! The page of `bsm view`, which shows one screw in the browser: live from a server on this
-//! machine, or as one file.
+//! machine, or as one file that contains the solver.
 //!
 //! [`Server`] provides the page with the same numbers and messages as the commands. [`saved`]
-//! returns the same page with all results calculated in advance. The page itself is in `page/`: one
-//! HTML file, plain JavaScript modules, and the libraries in `page/vendor`.
+//! returns the same page as one file, in which the solver runs as WebAssembly. The page itself is in
+//! `page/`: one HTML file, plain JavaScript modules, and the libraries in `page/vendor`.
 
 mod answer;
 mod form;
+#[cfg(feature = "server")]
 mod http;
+#[cfg(feature = "server")]
 mod page;
+#[cfg(feature = "server")]
 mod running;
+#[cfg(feature = "server")]
 mod save;
+#[cfg(feature = "server")]
 mod server;
 
-pub use answer::Refusal;
-pub use save::saved;
+pub use answer::{Refusal, answer};
+#[cfg(feature = "server")]
+pub use save::{PageSolver, saved};
+#[cfg(feature = "server")]
 pub use server::{Save, Server, ViewError};

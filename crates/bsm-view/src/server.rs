@@ -117,7 +117,7 @@ impl Server {
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
             // The page shows the given inputs, and every answer estimates the other inputs.
             case: case.without_estimates().to_json(),
-            beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
+            beside: page::cases(beside),
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
@@ -226,8 +226,7 @@ impl ServerState {
     }
 
     fn page(&self) -> String {
-        page::html(&json!({
-            "live": true,
+        let start = json!({
             "token": self.token,
             "case": self.case,
             "beside": self.beside,
@@ -235,7 +234,8 @@ impl ServerState {
             "save": self.save.is_some(),
             "program": bsm_report::PROGRAM,
             "schema": schema(),
-        }))
+        });
+        page::html(&start, None)
     }
 
     fn posted(self: &Arc<Self>, turn: Option<Turn>, route: &str, body: Vec<u8>) -> Reply {

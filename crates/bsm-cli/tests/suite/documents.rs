@@ -113,7 +113,8 @@ fn relevant_differences_between_texts_are_found() {
 }
 
 /// Shell commands that are not run here because they build the program or run tests.
-const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
+const SET_UP: [&str; 5] =
+    ["cargo fetch ", "cargo build ", "cargo test ", "pip install ", "crates/bsm-view/page-solver"];
 
 /// README has two set-up commands. One command runs the main job, and the other command passes the
 /// tests. CI runs exactly these commands.
@@ -173,7 +174,12 @@ fn commands_run_and_print_what_is_documented() {
                         && document.command_before(b.body.start).as_deref() == Some(line)
                 };
                 let no_solution = code == 3 && blocks.iter().any(shown);
-                assert!(code == 0 || no_solution, "{name}: {line}: exit code {code}: {stderr}");
+                // Without the solver of pages, the command checks its inputs and then refuses.
+                let no_page = code == 2 && stderr.contains("cannot write a page, because");
+                assert!(
+                    code == 0 || no_solution || no_page,
+                    "{name}: {line}: exit code {code}: {stderr}"
+                );
             }
             let next = fences.iter().find(|f| f.end > fence.end);
             let below = next.and_then(|next| {
