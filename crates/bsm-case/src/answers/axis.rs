@@ -660,21 +660,16 @@ pub(crate) fn numbers(
 /// * `of_ratings`: warnings on the ratings of the nut.
 fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
     let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-    let mut warnings = of_ratings;
+    let is_estimated = case.has_estimated_groove();
     // An estimated groove may have other proportions than the real nut, so warnings about its
     // proportions are discarded.
-    if case.has_estimated_groove() {
-        warnings.clear();
-    }
-    if worked.machine.groove.is_none() || case.has_estimated_groove() {
+    let mut warnings = if is_estimated { Vec::new() } else { of_ratings };
+    if worked.machine.groove.is_none() || is_estimated {
         texts.extend(case.warnings());
     }
     // The rule about the edge load considers all possible grooves.
-    let of_balls = if case.has_estimated_groove() {
-        NutReport::warnings_besides_flanks
-    } else {
-        NutReport::warnings
-    };
+    let of_balls =
+        if is_estimated { NutReport::warnings_besides_flanks } else { NutReport::warnings };
     texts.extend(worked.nut.as_ref().map(of_balls).unwrap_or_default());
     texts.extend(worked.warm.iter().filter_map(Warm::warning));
     warnings.extend(texts.into_iter().map(Warning::advice));

@@ -218,20 +218,20 @@ impl Answer {
             return Vec::new();
         }
         let mut values: HashMap<&str, Vec<f64>> = HashMap::new();
-        let mut names: Vec<_> = self.existing_numbers().collect();
-        let own: HashSet<_> = names.iter().map(|(name, _)| *name).collect();
+        let mut names: Vec<_> = self.existing_numbers().map(|(name, _)| name).collect();
+        let own: HashSet<_> = names.iter().copied().collect();
         for answer in answers {
             let mut seen = HashSet::new();
             for (name, value) in answer.existing_numbers() {
                 if seen.insert(name) {
                     values.entry(name).or_default().push(value);
-                    names.extend(Some((name, value)).filter(|_| !own.contains(name)));
+                    names.push(name);
                 }
             }
         }
         let mut seen = HashSet::new();
-        names.retain(|(name, _)| seen.insert(*name));
-        let partial = |(name, _): (&'static str, f64)| {
+        names.retain(|name| seen.insert(*name));
+        let partial = |name: &'static str| {
             let (values, has_value) = (values.remove(name).unwrap_or_default(), own.contains(name));
             let (grooves, band) = (values.len(), Band::of(values));
             let is_partial = grooves < answers.len() || !has_value;
