@@ -2,6 +2,7 @@
 
 pub(crate) mod analysis;
 pub(crate) mod axis;
+pub(crate) mod band;
 pub(crate) mod calibration;
 pub(crate) mod comparison;
 pub(crate) mod design;

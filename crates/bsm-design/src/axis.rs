@@ -54,6 +54,12 @@ impl Mount {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
+    /// Returns true if the screw may carry a load that nothing guides, such as a jack: one end of
+    /// the screw is free, and the end supports of the section that may buckle are not given.
+    pub fn may_be_unguided(&self) -> bool {
+        self.support == EndFixity::FixedFree && self.buckling.0.is_none()
+    }
+
     /// Returns the shaft between the bearings, or `None` if its length is not known.
     ///
     /// * `nut_length`, `stroke`: nut length and stroke \[m\].
@@ -222,6 +228,13 @@ impl Axis {
     pub fn buckling_safety(&self) -> Option<f64> {
         let pressed = self.largest_load() + self.compression;
         Some(self.shaft.as_ref()?.buckling_load() / pressed)
+    }
+
+    /// Same as [`buckling_safety`](Self::buckling_safety), but with the end supports of the screw.
+    pub fn buckling_safety_of_support(&self) -> Option<f64> {
+        let shaft = self.shaft.as_ref()?;
+        let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();
+        Some(ratio * self.buckling_safety()?)
     }
 
     /// Returns the axial load at which the stress in the core reaches [`PERMITTED_STRESS`] \[N\].

@@ -378,7 +378,10 @@ impl Requirement {
         let ratio = axis.critical_speed_ratio();
         rules
             .extend(ratio.map(|x| (Quantity::CriticalSpeedRatio, x, None, Some(self.speed_ratio))));
-        let safety = axis.buckling_safety();
+        let safety = match self.mount.may_be_unguided() {
+            true => axis.buckling_safety_of_support(),
+            false => axis.buckling_safety(),
+        };
         rules.extend(
             safety.map(|x| (Quantity::BucklingSafety, x, Some(self.buckling_safety), None)),
         );

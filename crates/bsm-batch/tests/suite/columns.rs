@@ -44,7 +44,9 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
 /// Returns all numeric outputs that the analyses calculate for a dry screw, except for the warm
 /// state, the loss in the ball returns and the modified life. The last two need a lubricant.
 fn all_columns() -> Vec<&'static Output> {
-    let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
+    let needs_lubricant =
+        |kind: &AnalysisKind| matches!(kind, AnalysisKind::Warm | AnalysisKind::Band);
+    let kinds = AnalysisKind::ALL.into_iter().filter(|kind| !needs_lubricant(kind));
     let columns = kinds.flat_map(AnalysisKind::columns);
     let oiled = [
         "return_torque_Nm",

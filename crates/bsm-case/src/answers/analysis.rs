@@ -3,7 +3,7 @@
 use bsm_dyn::{Model, ModelWorkspace};
 
 use super::moving::MotionAnswer;
-use super::{axis, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
+use super::{axis, band, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::display::in_unit;
@@ -15,7 +15,7 @@ use crate::{
 
 impl AnalysisKind {
     /// All kinds of analyses.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Slip,
         Self::Jam,
         Self::Optimum,
@@ -24,10 +24,11 @@ impl AnalysisKind {
         Self::Axis,
         Self::Warm,
         Self::Warnings,
+        Self::Band,
     ];
 
     /// Names and quantities of the analyses, in the order of [`ALL`](Self::ALL).
-    const ROWS: [(&str, &[Quantity]); 8] = [
+    const ROWS: [(&str, &[Quantity]); 9] = [
         ("slip", slip::QUANTITIES),
         ("jam", jam::QUANTITIES),
         ("optimum", optimum::QUANTITIES),
@@ -36,6 +37,7 @@ impl AnalysisKind {
         ("axis", axis::QUANTITIES),
         ("warm", warm::QUANTITIES),
         ("warnings", warnings::QUANTITIES),
+        ("band", band::QUANTITIES),
     ];
 
     /// Returns the name of the command that prints the analysis.
@@ -60,7 +62,7 @@ impl AnalysisKind {
 
     /// Returns true if the analysis needs a solved motion, and false if it only needs inputs.
     pub fn needs_solution(self) -> bool {
-        self.needs_motion() || self == Self::Warnings
+        self.needs_motion() || matches!(self, Self::Warnings | Self::Band)
     }
 
     /// Returns the names of the required inputs that are missing. Some quantities may need
@@ -79,6 +81,7 @@ impl AnalysisKind {
             Self::Axis => axis::NEEDS.missing(given),
             Self::Warm => warm::missing(base, given),
             Self::Warnings => Vec::new(),
+            Self::Band => band::NEEDS.missing(given),
         }
     }
 
@@ -114,7 +117,12 @@ impl AnalysisKind {
             }
             (Self::Jam, Some(moving)) => jam::jam(case, &moving.solution).map(Answer::into_numbers),
             (Self::Warnings, Some(moving)) => Ok(warnings::numbers(case, &moving.solution)),
-            (Self::Slip | Self::Jam | Self::Warnings, None) => Ok(Numbers::none(self.quantities())),
+            (Self::Band, Some(moving)) => {
+                band::numbers(case, &moving.settings, &moving.solution, work)
+            }
+            (Self::Slip | Self::Jam | Self::Warnings | Self::Band, None) => {
+                Ok(Numbers::none(self.quantities()))
+            }
         }
     }
 }

@@ -27,7 +27,7 @@ pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
 use super::warm::QUANTITIES as WARM;
-use crate::case::axis::{Machine, operating_hours_per_year, useful_travel};
+use crate::case::axis::{Machine, operating_hours_per_year, stroke};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::bad;
@@ -80,7 +80,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
             "buckling load with the end conditions of support";
-        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the end conditions of support";
+        buckling_safety_of_support [""] Scalar(|w| w.axis().buckling_safety_of_support()), "buckling safety factor with the end conditions of support";
         yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load at a core stress of 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
@@ -767,7 +767,8 @@ impl AxisState<'_> {
 /// Rejects temperature inputs that would have no effect, and an accuracy grade without the travel
 /// to which it applies.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
-    if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
+    let travels = case.useful_travel_mm.is_some() || stroke(case)?.is_some();
+    if case.nut.accuracy_grade.is_some() && !travels {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }

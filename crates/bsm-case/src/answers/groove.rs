@@ -263,9 +263,12 @@ impl Answer {
         numbers.flat_map(Numbers::all)
     }
 
-    /// Adds to each undecided rule the inputs that would decide it.
+    /// Adds the inputs that would decide the rule to each rule that is undecided because of the
+    /// estimated groove.
     fn name_deciding_inputs(&mut self, deciding: &[&str]) {
-        let undecided = |rule: &&mut Criterion| rule.verdict() == Verdict::Undecided;
+        let undecided = |rule: &&mut Criterion| {
+            rule.verdict() == Verdict::Undecided && rule.margin_without_default.is_none()
+        };
         for rule in self.rules.iter_mut().filter(undecided).filter(|_| !deciding.is_empty()) {
             let decide = format!("{} to decide the rule", alternatives(deciding));
             rule.remedy = Some(match rule.remedy.take() {

@@ -184,6 +184,15 @@ impl NutReport {
         self.unloaded_friction(direction)?.torque
     }
 
+    /// Returns the torque of ball-to-ball contact if every contact transmits a force of 3 % of the
+    /// ball load, or 0 if the balls do not touch \[N·m\].
+    fn contact_torque_bound(&self) -> Option<f64> {
+        let (advance, friction) = (self.advance()?, self.problem.gaps.friction?);
+        let is_apart = self.train().is_some_and(|train| train.touching == 0);
+        let touch = !is_apart && advance.largest_gap() > 0.0;
+        Some(if touch { advance.contact_torque * friction } else { 0.0 })
+    }
+
     /// Returns the friction torque of the preload according to the manufacturers' rule \[N·m\].
     fn drag_by_rule(&self) -> Option<f64> {
         let (design, preload) = (&self.problem.design, self.made.preload.as_ref()?);
@@ -371,7 +380,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
-            "friction torque of the running preload, contacts alone";
+            "friction torque of the running preload, sliding friction of the ball contacts only; without the rolling resistance of a lubricant film";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
             "friction torque of the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
@@ -391,7 +400,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls: (largest - smallest) / mean";
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
-        ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
+        ball_contact_band_Nm ["N m"] Scalar(|n| n.contact_torque_bound()) needs FRICTION,
             "torque of ball-to-ball contact if every contact transmits a force of 3 % of the ball load; 0 if the gaps are sufficient";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without forces between balls";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";

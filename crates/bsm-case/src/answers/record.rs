@@ -10,6 +10,7 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::answers::band::{NO_INTERVAL, high, low};
 use crate::answers::section::{GrooveSection, beyond_the_flank};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
@@ -268,6 +269,28 @@ impl Record {
         })
     }
 
+    /// Returns a note on the axial play below which a third contact begins, if the case does not
+    /// give the play and the model of this record does not calculate the threshold. Rows of tables
+    /// have no such note, because it requires a solve by model `traction`.
+    fn threshold_play(
+        &self,
+        case: &Case,
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Option<String> {
+        if self.solved()?.ball.threshold_play.is_some() || case.reader().arch_fit().is_some() {
+            return None;
+        }
+        let traction = Settings { model: Model::Traction.into(), ..*settings };
+        let solution = case.problem(&traction).ok()?.solve(work);
+        let threshold = solution.solved()?.ball.threshold_play? / UM;
+        Some(format!(
+            "If the axial play is below {threshold:.1} um (model traction), friction presses the ball against a \
+             far flank of the gothic arch, and this third contact causes additional friction. Give axial_play_um \
+             to include it."
+        ))
+    }
+
     fn film(&self) -> Option<&FilmState> {
         self.solved()?.film.as_ref()
     }
@@ -428,8 +451,7 @@ impl Record {
         let band = if beside.band { uncertainty() } else { None };
         let (mut notes, mut parts) = (Vec::new(), None);
         if beside.band && band.is_none() && self.film().is_some() {
-            let what = "The friction has no 90 % interval, because most draws of the uncertain inputs have no steady state.";
-            notes.push(what.to_owned());
+            notes.push(NO_INTERVAL.to_owned());
         }
         if beside.parts {
             match torque_parts(case, settings, work) {
@@ -439,8 +461,16 @@ impl Record {
         }
         notes.extend(self.notes());
         notes.extend(self.critical_lead_angle(case, settings));
+        notes.extend(self.threshold_play(case, settings, work));
         notes.extend(case.assumed_roughness());
         notes.extend(case.given().unused_by_models());
+        if case.nut.cycle.is_some() {
+            notes.push(
+                "The cycle is not used, because the models calculate one ball at axial_load_N and screw_speed_rpm. \
+                 `bsm nut` and `bsm axis` use the cycle."
+                    .to_owned(),
+            );
+        }
         let mut map = self.to_json();
         map.insert("program".to_owned(), json!(program));
         map.insert("inputs".to_owned(), case.to_json());
@@ -501,8 +531,8 @@ pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
 
 /// Builds the table that lists the intervals due to uncertain lubricated friction.
 fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
-    let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
-        vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]
+    let row = |name: &str, label: &str, unit: &str, ends: &[f64; 2]| {
+        vec![json!(name), json!(label), json!(unit), json!(low(*ends)), json!(high(*ends))]
     };
     let rows = [
         row("contact_loss_ratio", "contact loss / stated contact loss", "", loss),

@@ -7,7 +7,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::phase::MoveProfile;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{Case, CaseError, InputKey, PhaseEntry};
+use crate::{Case, CaseError, InputKey, InputSet, PhaseEntry};
 
 /// Largest accepted deviation of the sum of all time shares from 1 or 100. It allows for rounding
 /// errors of the inputs.
@@ -137,6 +137,22 @@ impl Cycle {
     pub(crate) fn travel(&self, lead: f64) -> Option<CycleTravel> {
         let phases = phases(&self.segments, &MachineTable::NONE, lead);
         Some(CycleTravel::of(&phases, lead / std::f64::consts::TAU, self.time?))
+    }
+}
+
+impl Case {
+    /// Returns a note on a load or a speed that an axis does not use, because its cycle states the
+    /// loads and speeds of all phases.
+    pub(crate) fn unused_with_cycle(&self) -> Option<String> {
+        self.nut.cycle.as_ref()?;
+        let unused = self.given().iter().filter(|key| InputSet::LOAD_AND_SPEED.contains(*key));
+        let names: Vec<_> = unused.map(InputKey::name).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "Load and speed of the axis follow from the cycle. These inputs have no effect: {}.",
+                names.join(", ")
+            )
+        })
     }
 }
 

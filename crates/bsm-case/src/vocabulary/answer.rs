@@ -140,6 +140,9 @@ pub struct Criterion {
     pub band: Option<Band>,
     /// 90 % interval of the margin, if it depends on an estimated groove.
     pub margins: Option<Band>,
+    /// Margin of the rule if a default that the user has not confirmed does not apply, such as a
+    /// guided load.
+    pub margin_without_default: Option<f64>,
 }
 
 /// Verdict on a rule, or on all rules of an answer.
@@ -147,7 +150,8 @@ pub struct Criterion {
 pub enum Verdict {
     /// The rule is violated.
     Fails,
-    /// The groove is estimated, and the 90 % interval of the number contains the limit.
+    /// The groove is estimated, and the 90 % interval of the number contains the limit; or the rule
+    /// is only met with a default that may not apply.
     Undecided,
     /// The rule is met, or nothing is required.
     Passes,
@@ -181,6 +185,7 @@ impl Criterion {
         match (self.margin(), self.margins) {
             (Some(_), Some(Band { low, high })) if !meets(low) && meets(high) => Verdict::Undecided,
             (Some(margin), _) if !meets(margin) => Verdict::Fails,
+            _ if self.margin_without_default.is_some_and(|m| !meets(m)) => Verdict::Undecided,
             _ => Verdict::Passes,
         }
     }

@@ -311,6 +311,11 @@ impl InputSet {
         OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
+    /// Inputs that state the load and the speed of a single phase. A cycle states them for all
+    /// phases.
+    pub(crate) const LOAD_AND_SPEED: Self =
+        inputs! { axial_load_N screw_speed_rpm feed_m_min nut_speed_rpm };
+
     /// Running contact angles that replace the contact angles calculated by a model.
     pub const RUNNING_ANGLES: Self =
         inputs! { nut_running_contact_angle_deg screw_running_contact_angle_deg };
@@ -416,6 +421,10 @@ impl Case {
         // An input that is given is no longer estimated.
         if let Some(estimated) = &mut self.nut.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
+        }
+        // A new load or speed replaces the cycle, which states the loads and speeds of all phases.
+        if given.meets(InputSet::LOAD_AND_SPEED) {
+            self.nut.cycle = None;
         }
         // A new preload replaces a preload class.
         if given.contains(InputKey::preload_N) {

@@ -26,6 +26,8 @@ pub enum AnalysisKind {
     Warm,
     /// Number of warnings about a solution.
     Warnings,
+    /// 90 % intervals due to uncertain friction of a lubricant.
+    Band,
 }
 
 /// An input or a result, which consists of a single number or of one number for each contact or

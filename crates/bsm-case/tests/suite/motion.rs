@@ -1,6 +1,7 @@
 //! Tests of motion and loads of an axis: moves, ramps, dwells, load at rest, brake and stop.
 
-use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings, output};
+use approx::assert_relative_eq;
+use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings, Verdict, output};
 use serde_json::{Map, Value, json};
 
 use crate::named;
@@ -358,6 +359,72 @@ fn process_force_may_be_absent_zero_or_negative() {
     let nothing = json!({ "lead_mm": 10, "axial_load_N": 0, "feed_m_min": 6 });
     let why = report(&nothing).expect_err("refused").to_string();
     assert!(why.contains("no load acts on the screw"), "{why}");
+}
+
+/// A new load or speed used to have no effect on an axis with a cycle, so that all rows of a table
+/// over the load were equal.
+#[test]
+fn a_new_load_or_speed_replaces_the_cycle() {
+    let cycle = json!([{ "force_N": 2000, "screw_speed_rpm": 300, "time_s": 1 }]);
+    let inputs = json!({ "lead_mm": 10, "cycle": cycle });
+    let inputs = Value::Object(with_screw(inputs.as_object().expect("inputs")));
+    let mut case = Case::from_json(inputs.to_string().as_bytes()).expect("a case");
+    let load = |case: &Case| {
+        let report = AxisReport::of(case, &Settings::default()).expect("a sheet");
+        report.number(output!(largest_load_N)).expect("a load")
+    };
+    assert_relative_eq!(load(&case), 2000.0, max_relative = 1e-12);
+    case.apply(&["axial_load_N=500", "screw_speed_rpm=100"]).expect("settings");
+    assert_relative_eq!(load(&case), 500.0, max_relative = 1e-12);
+    assert!(case.nut.cycle.is_none());
+    case.apply(&[&format!("cycle={}", inputs["cycle"])]).expect("a cycle");
+    let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
+    let note = "These inputs have no effect: screw_speed_rpm, axial_load_N.";
+    assert!(report.answer.notes.iter().any(|own| own.contains(note)), "{:?}", report.answer.notes);
+}
+
+/// Process forces of a jack or a lift also act at rest, but the program cannot know this from
+/// `axial_load_N`, so it must say what it assumes.
+#[test]
+fn axial_load_is_only_a_force_at_rest_if_hold_force_repeats_it() {
+    let jack = |hold: Option<f64>| {
+        let mut case = json!({ "lead_mm": 6, "axial_load_N": 12000, "screw_speed_rpm": 100 });
+        case["hold_force_N"] = hold.into();
+        solved(&case).answer.notes
+    };
+    let says = |notes: &[String], text: &str| notes.iter().any(|note| note.contains(text));
+    let moving = jack(None);
+    assert!(says(&moving, "No force acts at rest"), "{moving:?}");
+    assert!(says(&moving, "if the 12000 N also act at rest, give hold_force_N"), "{moving:?}");
+    let holding = jack(Some(12000.0));
+    assert!(says(&holding, "12000 N act at rest") && !says(&holding, "only during motion"));
+}
+
+/// A free end means that nothing may guide the load, as in a jack, for which the buckling load is a
+/// sixteenth of the load with a guided table.
+#[test]
+fn buckling_of_a_screw_with_a_free_end_is_undecided_until_its_nut_is_described() {
+    let jack = |load: f64, buckling: &str| {
+        let mut case = json!({
+            "lead_mm": 6, "axial_load_N": load, "screw_speed_rpm": 100,
+            "support": "fixed-free", "unsupported_length_mm": 800, "shaft_diameter_mm": 16,
+        });
+        if !buckling.is_empty() {
+            case["buckling_support"] = buckling.into();
+        }
+        let report = solved(&case);
+        let rules = &report.answer.rules;
+        let rule = rules.iter().find(|rule| rule.title == "buckling").expect("a rule").clone();
+        (rule.verdict(), rule.remedy.unwrap_or_default())
+    };
+    // Euler load of the jack: 0.25 pi^2 E I/l^2 = 2.56 kN; with a guided nut, 41 kN.
+    assert_eq!(jack(12e3, "fixed-fixed").0, Verdict::Passes);
+    assert_eq!(jack(12e3, "fixed-free").0, Verdict::Fails);
+    let (verdict, remedy) = jack(12e3, "");
+    assert_eq!(verdict, Verdict::Undecided);
+    assert!(remedy.contains("buckling_support fixed-fixed"), "{remedy}");
+    assert_eq!(jack(1e3, "").0, Verdict::Passes);
+    assert_eq!(jack(30e3, "").0, Verdict::Fails);
 }
 
 /// The program used to report that guide friction back-drives a horizontal axis with 100 kg, and

@@ -325,6 +325,41 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
     }
 }
 
+/// The interval of lubricated friction must have the same ends in a column and in the answer to a
+/// single point.
+#[test]
+fn table_columns_contain_the_friction_interval_of_single_solves() {
+    let dir = folder();
+    let drive = example("feed_drive_oil.json");
+    let columns = ["contact_loss_ratio", "ball_torque_Nm", "efficiency"];
+    let names: Vec<_> = columns
+        .iter()
+        .flat_map(|column| {
+            let (stem, unit) =
+                column.split_at(column.len() - if column.ends_with("_Nm") { 3 } else { 0 });
+            let stem = stem.strip_prefix("contact_").unwrap_or(stem);
+            ["low", "high"].map(|end| format!("band_{stem}_{end}{unit}"))
+        })
+        .collect();
+    let args = ["sweep", &drive, "--vary=screw_speed_rpm=30,1000", "--columns", &names.join(",")];
+    let output = bsm(dir.path(), &[&args[..], &["-o", "rows.jsonl"]].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let rows = fs::read_to_string(dir.path().join("rows.jsonl")).expect("rows");
+    for row in rows.lines().map(json) {
+        let speed = format!("screw_speed_rpm={}", row["screw_speed_rpm"]);
+        let args = ["solve", &drive, "--show", "band", "--set", &speed, "--json"];
+        let single = json(&stdout(&bsm(dir.path(), &args, "")));
+        for (place, column) in columns.iter().enumerate() {
+            for (end, name) in ["low", "high"].iter().zip(&names[2 * place..]) {
+                assert!(
+                    row[name].is_f64() && row[name] == single["band"][column][end],
+                    "{name}: {row} {single}"
+                );
+            }
+        }
+    }
+}
+
 /// A load of 1e6 N on 70 balls causes pressures above 4200 MPa and contact ellipses that extend
 /// beyond the flanks, so that warnings are expected.
 #[test]

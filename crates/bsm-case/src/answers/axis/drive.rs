@@ -11,7 +11,7 @@ use super::state::AxisState;
 use super::torques::{PhaseTorques, Torques};
 use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{Case, InputKey};
+use crate::{Case, InputKey, trimmed};
 
 /// Effect of the load at rest on the screw after a loss of motor power.
 pub(super) struct PowerLoss {
@@ -233,10 +233,9 @@ impl AxisState<'_> {
         let load = self.machine.rest_load;
         let what = match what {
             BackDriving::None => {
-                return Some(
-                    "No force acts at rest, so the axis needs no holding torque and no brake."
-                        .to_owned(),
-                );
+                let none =
+                    "No force acts at rest, so the axis needs no holding torque and no brake.";
+                return Some(format!("{none}{}", self.force_during_motion()));
             }
             BackDriving::Turns => "The load at rest back-drives the screw; a brake is needed.",
             BackDriving::Undecided => "The load at rest may back-drive the screw; use a brake.",
@@ -254,7 +253,21 @@ impl AxisState<'_> {
         Some(format!(
             "Without motor power, {load:.0} N act at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
              screw. {what} The brake needs at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
-             friction.{holds}"
+             friction.{holds}{}",
+            self.force_during_motion()
         ))
+    }
+
+    /// Returns a sentence on the process force that is assumed to act only during motion, or an
+    /// empty text if there is none.
+    fn force_during_motion(&self) -> String {
+        let is_at_rest = self.case.hold_force_N.is_some() || self.case.nut.cycle.is_some();
+        match self.case.axial_load_N.filter(|load| *load != 0.0 && !is_at_rest) {
+            Some(load) => format!(
+                " axial_load_N is assumed to act only during motion; if the {} N also act at rest, give hold_force_N.",
+                trimmed(load.abs())
+            ),
+            None => String::new(),
+        }
     }
 }

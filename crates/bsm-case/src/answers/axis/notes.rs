@@ -47,6 +47,7 @@ impl AxisState<'_> {
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.nut.as_ref().and_then(NutReport::assumed_play));
         notes.extend(self.machine.assumed.iter().cloned());
+        notes.extend(self.case.unused_with_cycle());
         notes.extend(self.by_catalog());
         notes.extend(self.heaviest().and_then(Torques::costs));
         notes.extend(self.about_life());
@@ -329,7 +330,7 @@ impl AxisState<'_> {
     fn buckles_by_support(&self) -> Option<String> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
-            (self.axis().buckling_safety()?, self.buckling_safety_of_support()?);
+            (self.axis().buckling_safety()?, self.axis().buckling_safety_of_support()?);
         let by_default = self.case.nut.buckling_support.is_none();
         (by_default && safety >= required && of_support < required).then(|| {
             format!(

@@ -6,7 +6,7 @@ use bsm_design::{Axis, EndFixity, OPENS_AT, RatingBasis, RequiredLife, Shaft};
 
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
-use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
+use crate::case::axis::{motor_speed, mount, preload_method, speed_number_limit, useful_travel};
 use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::number::number;
 use crate::vocabulary::units::{MM, UM};
@@ -107,6 +107,23 @@ impl RuleInputs<'_> {
         )
     }
 
+    /// If the screw may be unguided, makes the buckling rule undecided unless the rule is also met
+    /// with the end conditions of `support`.
+    fn with_unguided_load(&self, mut rule: Criterion) -> Criterion {
+        if rule.name == output!(buckling_safety).name()
+            && mount(self.case).may_be_unguided()
+            && let Some((of_support, limit)) =
+                self.axis.buckling_safety_of_support().zip(rule.limit)
+        {
+            rule.margin_without_default = Some(of_support / limit);
+            if !rule.fails() {
+                let remedy = "buckling_support fixed-fixed, if a guided table clamps the nut";
+                rule.remedy = (!rule.passes()).then(|| remedy.to_owned());
+            }
+        }
+        rule
+    }
+
     /// Describes the remedy of whirling apart from length and core: two fixed ends cannot become stiffer, but a driven nut
     /// turns around a screw at rest.
     fn other_remedy_of_whirling(&self) -> &'static str {
@@ -188,6 +205,7 @@ fn criterion(
         remedy,
         band: None,
         margins: None,
+        margin_without_default: None,
     };
     // No remedy is given for a number that cannot be calculated. A note states the reason.
     rule.remedy = rule.margin().filter(|m| !m.is_nan() && rule.fails()).map(remedy_of);
@@ -407,7 +425,11 @@ pub(super) fn rules(
     let edge_load = of_nut.number(output!(edge_load_N));
     let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life };
     let rest = of_ratings_and_drive(of).chain(of_preload(of));
-    of_screw(of).chain(steady_state(fold)).chain(rest).collect()
+    of_screw(of)
+        .map(|rule| of.with_unguided_load(rule))
+        .chain(steady_state(fold))
+        .chain(rest)
+        .collect()
 }
 
 /// Returns the rule that a warm steady state must exist.

@@ -362,13 +362,6 @@ impl<'a> AxisState<'a> {
         Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }
 
-    /// Returns the buckling safety factor with the end conditions of `support`.
-    pub(super) fn buckling_safety_of_support(&self) -> Option<f64> {
-        let shaft = self.shaft()?;
-        let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();
-        Some(ratio * self.axis().buckling_safety()?)
-    }
-
     /// Returns the axial load at which the core reaches the permitted stress \[N\] (Z3). This load
     /// does not depend on the length.
     pub(super) fn yield_load(&self) -> Option<f64> {

@@ -1,0 +1,60 @@
+//! 90 % intervals of efficiency and torque due to uncertain friction of a lubricant, as columns of
+//! tables.
+
+use bsm_dyn::{ModelWorkspace, Solution, model::LossInterval};
+
+use crate::case::problem::Needs;
+use crate::vocabulary::quantity::quantities;
+use crate::{Case, CaseError, Numbers, Settings};
+
+quantities! { pub(crate) QUANTITIES, read(&LossInterval) of Band;
+    "90 % interval of lubricated friction" {
+        band_loss_ratio_low [""] Scalar(|band| Some(low(band.loss))),
+            "contact loss / stated contact loss: lower end of its 90 % interval";
+        band_loss_ratio_high [""] Scalar(|band| Some(high(band.loss))),
+            "contact loss / stated contact loss: upper end of its 90 % interval";
+        band_ball_torque_low_Nm ["N m"] Scalar(|band| Some(low(band.screw_torque))),
+            "torque of the balls: lower end of its 90 % interval";
+        band_ball_torque_high_Nm ["N m"] Scalar(|band| Some(high(band.screw_torque))),
+            "torque of the balls: upper end of its 90 % interval";
+        band_efficiency_low [""] Scalar(|band| Some(low(band.efficiency))),
+            "efficiency: lower end of its 90 % interval due to uncertain friction";
+        band_efficiency_high [""] Scalar(|band| Some(high(band.efficiency))),
+            "efficiency: upper end of its 90 % interval due to uncertain friction";
+    }
+}
+
+/// Inputs that the intervals need: those of a lubricated ball.
+pub(crate) const NEEDS: Needs = Needs::LUBRICATED;
+
+/// Note on a lubricated point without an interval.
+pub(crate) const NO_INTERVAL: &str = "The friction has no 90 % interval, because most draws of the uncertain inputs have no steady state.";
+
+/// Calculates the intervals for a solved point.
+///
+/// # Errors
+///
+/// Returns [`CaseError`] if the inputs are invalid for the model.
+pub(crate) fn numbers(
+    case: &Case,
+    settings: &Settings,
+    solution: &Solution,
+    work: &mut ModelWorkspace,
+) -> Result<Numbers, CaseError> {
+    let problem = case.problem(settings)?;
+    let band = solution.solved().and_then(|solved| problem.band(solved, work));
+    Ok(match band {
+        Some(band) => read(&band, |_| true),
+        None => Numbers::none(QUANTITIES).because(Some(NO_INTERVAL.to_owned())),
+    })
+}
+
+/// Returns the smaller end of an interval.
+pub(crate) fn low([one, other]: [f64; 2]) -> f64 {
+    one.min(other)
+}
+
+/// Returns the larger end of an interval.
+pub(crate) fn high([one, other]: [f64; 2]) -> f64 {
+    one.max(other)
+}
