@@ -255,7 +255,7 @@ impl fmt::Display for Reason {
             ),
             Self::NutContactWouldRoll { slip, .. } => write!(
                 f,
-                "the ball would roll on the nut: its slip speed there would be {slip:.3e} times r_b W"
+                "the ball would roll on the nut: the slip speed there would be {slip:.3e} times ball radius times relative speed"
             ),
             Self::UnloadedFlankWouldPull { load_ratio } => write!(
                 f,
@@ -285,15 +285,15 @@ impl fmt::Display for Reason {
             ),
             Self::SlipAlongFriction { slip } => write!(
                 f,
-                "wherever the forces balance, the slip would have the direction of friction; at the nut, the slip speed \
-                 would be {slip:.3e} times r_b W"
+                "wherever the forces balance, friction would act in the direction of slip instead of against it; the slip \
+                 speed at the nut would be {slip:.3e} times ball radius times relative speed"
             ),
             Self::NoSkidAtInertia { inertia, least, most } => write!(
                 f,
                 "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
                  {inertia:.3e}"
             ),
-            Self::SearchLost => write!(f, "all strategies failed to find or exclude a root"),
+            Self::SearchLost => write!(f, "the search neither found a root nor excluded one"),
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
                 f,
                 "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
@@ -320,7 +320,7 @@ impl fmt::Display for Reason {
             Self::LubricantRunsAway { hottest } => {
                 write!(
                     f,
-                    "the lubricant heats up to more than {hottest:.1} K, because the losses always exceed the cooling"
+                    "the lubricant heats up to more than {hottest:.1} K, because the power losses exceed the cooling at every temperature"
                 )
             }
             Self::Refused { error } => error.fmt(f),

@@ -20,7 +20,7 @@ pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     quantity: "ratio of precession rate P to relative speed W",
     value: 0.0,
-    requirement: "not zero, because a ball that does not orbit has no gyroscopic moment",
+    requirement: "must not be zero, because a ball that does not orbit has no gyroscopic moment",
 };
 
 /// A solid ball of uniform density.

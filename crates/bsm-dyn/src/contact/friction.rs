@@ -77,7 +77,7 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     Err(EvalError {
         quantity: "slip speed at a contact",
         value: speed.re(),
-        requirement: "positive and finite; otherwise friction has no direction",
+        requirement: "must be positive and finite; otherwise the direction of friction is undefined",
     })
 }
 

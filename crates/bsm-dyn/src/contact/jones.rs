@@ -42,7 +42,7 @@ impl<D: Scalar> Jones<D> {
             return Err(EvalError {
                 quantity: "square of the axial distance between the groove arc centers",
                 value: square.re(),
-                requirement: "positive; otherwise no contact angles have this difference",
+                requirement: "must be positive; otherwise no contact angles have the given difference",
             });
         }
         // β = atan2(D, S) + acos(A₂/√(S² + D²))
@@ -70,7 +70,7 @@ impl<D: Scalar> Jones<D> {
             return Err(EvalError {
                 quantity: "cosine of the contact angle at the screw",
                 value: cos.re(),
-                requirement: "between -1 and 1; otherwise the groove arcs do not meet",
+                requirement: "must be between -1 and 1; otherwise the ball cannot touch both grooves",
             });
         }
         let screw_angle = square.sqrt().atan2(cos);

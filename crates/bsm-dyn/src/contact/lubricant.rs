@@ -39,7 +39,7 @@ impl<D: Copy> Lubricant<D> {
     #[must_use]
     #[expect(
         clippy::manual_map,
-        reason = "a closure would not be compiled for the instruction set"
+        reason = "a closure would not be compiled for the instruction set of its caller"
     )]
     pub fn map<E>(&self, f: impl Fn(D) -> E) -> Lubricant<E> {
         let Self { oil, roughness, losses, .. } = self;

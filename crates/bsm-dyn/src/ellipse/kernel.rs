@@ -5,7 +5,7 @@
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "indexes of vectors and matrices, written as in the equations"
+    reason = "indices of vectors and matrices are written as in the equations"
 )]
 
 use bsm_kin::Real;

@@ -24,7 +24,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
     rule: &Quadrature,
     slip: &EllipseSlip<Lane<S, N>>,
 ) -> (Lane<S, N>, Mask<S, N>) {
-    debug_assert_eq!(rule.panel.len(), BLOCK, "lines of two panels would share their inner nodes");
+    debug_assert_eq!(rule.panel.len(), BLOCK, "each panel must have one block of nodes");
     let zero = slip.creep.constant(0.0);
     let poles = slip.poles();
     let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);

@@ -242,7 +242,7 @@ impl Quadrature {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "an accuracy has only a few digits, and at least one node is used"
+            reason = "the number of nodes is small and positive"
         )]
         // Subtracting 1e-9 ensures that rounding errors do not affect powers of ten.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;

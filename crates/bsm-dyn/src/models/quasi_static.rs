@@ -11,7 +11,7 @@ use crate::models::ball::{
 };
 use crate::models::closed_form::{ScrewSize, answer, performance};
 
-/// Inputs of the quasi-static model.
+/// Inputs of the quasi-static model of a ball with two contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuasiStatic<D = f64> {
     /// Lead angle and contact angle.
@@ -22,15 +22,15 @@ pub struct QuasiStatic<D = f64> {
     pub size_ratio: D,
     /// Ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b \ge 0$`.
     pub rolling_ratio: D,
-    /// Body that rotates; the torque acts on this body.
+    /// Rotating body, on which the torque acts.
     pub driven: DrivenBody,
-    /// Direction of the drive.
+    /// Direction of the power flow (driving or back-driving).
     pub direction: Direction,
     /// Size and load of the screw, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
-/// The body that rotates.
+/// The rotating body: screw, nut or both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrivenBody {
     /// Only the screw rotates.
@@ -41,8 +41,8 @@ pub enum DrivenBody {
     Both,
 }
 
-/// The two contacts in the force balance. The friction terms are negative if the load back-drives
-/// the screw.
+/// Quantities of the two contacts in the force balance. The friction terms are negative if the load
+/// back-drives the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
     /// Sines and cosines of lead angle and contact angle.
@@ -140,7 +140,8 @@ impl<D: Scalar> QuasiStatic<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::DualDrive`] or [`Reason::FrictionHoldsLoad`].
+    /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
+    /// friction holds any axial load.
     fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
         if self.driven == DrivenBody::Both {
             return Err(NoAnswer::invalid(Reason::DualDrive));
@@ -157,7 +158,8 @@ impl<D: Scalar> QuasiStatic<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::DualDrive`] or [`Reason::FrictionHoldsLoad`].
+    /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
+    /// friction holds any axial load.
     pub(crate) fn require_balance(&self) -> Result<(), NoAnswer> {
         self.load_ratio(&self.contacts()).map(drop)
     }
@@ -172,7 +174,7 @@ impl<D: Scalar> QuasiStatic<D> {
 }
 
 impl QuasiStatic {
-    /// Evaluates the equations of the model.
+    /// Evaluates the equations of the quasi-static model.
     pub fn solve(&self) -> Solution {
         let contacts = self.contacts();
         let ratio = match self.load_ratio(&contacts) {

@@ -45,8 +45,8 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     (load > 0.0).then_some(y)
 }
 
-/// Returns an admissible root of the seven equations that is found from random starting values, or
-/// `None`.
+/// Searches from random starting values for an admissible root of the seven equations, and returns
+/// the root or `None`.
 fn root_from_random_starts(
     contacts: &ElasticContacts,
     starts: usize,
@@ -89,7 +89,7 @@ struct Tally {
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Runs random searches at equal numbers of points with and without a solution.
+/// Runs random searches at an equal number of points with and without a solution.
 fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
@@ -97,7 +97,7 @@ fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
-        // The random search cannot resolve the roots of balls with less inertia.
+        // If the inertia is even smaller, the random search cannot resolve the roots.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
             continue;
         }

@@ -156,13 +156,13 @@ impl<P: Scalar> Grooves<P> {
         let shift = if shift.re() < widest.re() { shift } else { widest };
         let grooves = Self { radial_gap, oversize, shift, ..nominal };
         if axial_play.re().is_nan() || axial_play.re() < 0.0 {
-            return Err(refused("axial play [m]", axial_play.re(), "not negative"));
+            return Err(refused("axial play [m]", axial_play.re(), "must not be negative"));
         }
         let height = grooves.height().re();
         if !(height > 0.0 && grooves.diagonal().re() > height) {
             let requirement =
                 "the ball must touch the grooves at contact angles between 0 and 90 degrees";
-            return Err(refused("radial gap of a ball [m]", radial_gap.re(), requirement));
+            return Err(refused("radial groove gap [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
     }
@@ -385,7 +385,7 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
     domain_error(EvalError {
         quantity,
         value,
-        requirement: "the + flanks or an oversize ball must be able to carry the load",
+        requirement: "must press the ball against the loaded flanks of the grooves",
     })
 }
 

@@ -111,7 +111,7 @@ impl GothicPair {
         let lifted = domain_error(EvalError {
             quantity: "external load on a preloaded pair [N]",
             value: external,
-            requirement: "small enough for both nuts to stay loaded",
+            requirement: "must be small enough for both nuts to stay loaded",
         });
         let root = found.root().ok_or_else(|| lifted.clone())?;
         let [driving, back_driven] = at(root.x, balls.as_ref(), work)?;

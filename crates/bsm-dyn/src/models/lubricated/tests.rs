@@ -1,5 +1,5 @@
-//! Tests the lubricant model: compares its parts with published results, independent results and
-//! limiting cases, and the whole model with an independent solution.
+//! Tests of the lubricant model: its parts are compared with published results, independent results
+//! and limiting cases, and the whole model with an independent solution.
 
 use std::f64::consts::PI;
 
@@ -146,8 +146,8 @@ fn torque_over_speed_matches_an_independent_table() {
     }
 }
 
-/// Compares the 5 % and 95 % quantiles of the relative power loss with the quantiles of a second
-/// set of random draws.
+/// The 5 % and 95 % quantiles of the relative power loss match the quantiles of a second set of
+/// random draws.
 #[test]
 fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
     let mut work = ModelWorkspace::default();
@@ -163,7 +163,7 @@ fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
         // Each set of 250 draws has a sampling error of a few percent, and the reference does not
-        // state its distributions over the ranges.
+        // state the distributions from which its inputs were drawn.
         assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
         assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
     }
@@ -306,7 +306,7 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
 }
 
 /// Compares the model that has a single friction coefficient per contact with the model that
-/// evaluates the friction law at each point.
+/// evaluates the friction law at each point of the contact.
 #[test]
 fn one_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
@@ -388,8 +388,8 @@ fn typical_screws_have_a_solution() {
     assert_eq!(count_unsolved_typical_screws(1886, 60), 0);
 }
 
-/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib typical_screws --
-/// --ignored --nocapture`.
+/// Repeats the test with ten thousand screws. Command: `cargo test --release -p bsm-dyn --lib
+/// typical_screws -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn ten_thousand_typical_screws_have_a_solution() {
@@ -408,7 +408,8 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 /// lubricated in turn, and the fastest of several runs counts. The dry solve uses the friction
 /// coefficient that the lubricated solve reports.
 ///
-/// `cargo test --release -p bsm-dyn --lib measure_cost_of_a_lubricant -- --ignored --nocapture`
+/// Command: `cargo test --release -p bsm-dyn --lib measure_cost_of_a_lubricant -- --ignored
+/// --nocapture`
 #[test]
 #[ignore = "timing"]
 fn measure_cost_of_a_lubricant() {

@@ -48,7 +48,7 @@ proptest! {
                 Motion { precession: relative.precession.into(), omega: lift(relative.omega) };
             let v = motion.slip_velocity(ball.helix.arc_length_per_radian().into(), &point);
             let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(transverse)));
-            // The tolerances are rounding errors of speeds of up to 10 m/s and rotation rates of up
+            // The tolerances allow for rounding errors of speeds up to 10 m/s and rotation rates up
             // to 5e3 rad/s.
             let speed = along.re.hypot(aside.re);
             prop_assert!((ball.differential_slip(&touch) - speed).abs() <= 1e-13);
