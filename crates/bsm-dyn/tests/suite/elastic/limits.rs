@@ -48,8 +48,8 @@ fn elastic_equals_the_closed_form_at_the_loaded_angle() {
 }
 
 /// If the ball rolls and friction is too small to change the contact angles, traction agrees with
-/// raceway control. The ratio of the difference to the loss is of the order of the friction
-/// coefficient.
+/// raceway control. The difference between the losses, divided by the loss, is of the order of the
+/// friction coefficient.
 #[test]
 fn traction_agrees_with_raceway_control_for_rolling_balls() {
     let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
@@ -66,7 +66,7 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
         }
     }
     assert!(tried > 150, "{tried}");
-    // In a larger sample, 98.6 % of the points agree.
+    // In a larger sample of random screws, 98.6 % of the points agree.
     assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
 }
 
@@ -88,8 +88,8 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
     assert!(tried >= 20, "{tried}");
 }
 
-/// At every lead angle, the onset number separates rolling balls from sliding balls; the skid
-/// number does not.
+/// The onset number separates rolling balls from sliding balls at every lead angle; the skid number
+/// does not.
 #[test]
 fn the_onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
@@ -121,8 +121,8 @@ fn the_onset_number_separates_rolling_from_sliding() {
         println!("S in {low}-{high}: {:.3?}", shares(&|_, s| (low..high).contains(&s)));
     }
     println!("G in 0.05-0.2: {:.3?}", shares(&|g, _| (0.05..0.2).contains(&g)));
-    // The share is 0 for rolling balls and 1 for sliding balls. The effect of friction on the
-    // contact angles is about 2 %.
+    // `share` is 0 for rolling balls and 1 for sliding balls. Friction changes the contact angles,
+    // which changes `share` by about 2 %.
     let (_, low, _, high) = shares(&|_, s| s < 0.1);
     assert!(low > -0.03 && high < 0.03, "{low} {high}");
     assert!(shares(&|_, s| s > 2.0).1 > 0.9);
@@ -130,7 +130,7 @@ fn the_onset_number_separates_rolling_from_sliding() {
     assert!(low < 0.05 && high > 0.8, "{low} {high}");
 }
 
-/// Results do not depend on the units of length and force.
+/// Results do not depend on the units of length and force, so a scaled screw has the same motion.
 #[test]
 fn a_scaled_screw_has_the_same_motion() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
@@ -158,7 +158,8 @@ fn a_scaled_screw_has_the_same_motion() {
     }
 }
 
-/// Operating points without a solution report the correct reason.
+/// Operating points without a solution report the correct reason, such as self-locking or a ball
+/// that leaves its flank.
 #[test]
 fn points_without_a_solution_report_the_correct_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
@@ -194,8 +195,8 @@ fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
     }
 }
 
-/// If the branch of roots from small inertia ends in a fold, another root may exist further along
-/// the curve. There is no root above the largest inertia on the curve.
+/// If the branch of roots that begins at small inertia ends in a fold, another root may exist
+/// further along the curve. Above the largest inertia on the curve, there is no root.
 #[test]
 fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
     let mut work = ElasticWorkspace::default();
@@ -216,8 +217,8 @@ fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
     assert!(roots > 50 && most > 0.5, "{roots} {most}");
 }
 
-/// In an earlier version, the iteration from small inertia lost its root at a very small load. The
-/// ball still slides, but orbits very slowly.
+/// In an earlier version, the iteration that started from small inertia lost its root at a very
+/// small load. The ball still slides, but orbits very slowly.
 #[test]
 fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
@@ -226,8 +227,8 @@ fn a_ball_under_very_small_load_slides() {
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
-/// An earlier version rejected a material as invalid input if it is so soft that the contact angle
-/// approaches 90 deg. At such a contact angle, the ball would travel against the drive.
+/// An earlier version rejected a very soft material as invalid input if the contact angle
+/// approached 90 deg under load. At such a contact angle, the ball would travel against the drive.
 #[test]
 fn a_very_soft_screw_has_no_solution() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
@@ -237,14 +238,15 @@ fn a_very_soft_screw_has_no_solution() {
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
 
-/// In an earlier version, the solver panicked if friction was smaller than the rounding errors.
+/// In an earlier version, the solver panicked if the friction was smaller than the rounding errors
+/// of the loads.
 #[test]
 fn negligible_friction_is_treated_as_zero() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
-    // Without friction, the skid number is undefined, not infinite.
+    // Without friction, the skid number is undefined and not infinite.
     let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
     let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
@@ -263,8 +265,8 @@ fn root_beyond_the_flank_is_not_a_solution() {
     assert!(*nut < 0.0, "{nut}");
 }
 
-/// In an earlier version, the slip at the screw lost accuracy at low speed through cancellation of
-/// the spin, which is of order 1/P. As a result, an accurate root violated the power balance.
+/// In an earlier version, the slip at the screw lost accuracy at low speed, because the large spin,
+/// which is of order 1/P, canceled. As a result, an accurate root violated the power balance.
 #[test]
 fn power_balance_holds_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
@@ -285,8 +287,8 @@ fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
 }
 
 /// In an earlier version, raceway control claimed an error of at most 3.6e-3 relative to traction.
-/// Traction has no solution here, because friction would rotate the contact angle at the screw to
-/// 90.05 and 92.0 deg.
+/// However, traction has no solution at these points, because friction would rotate the contact
+/// angle at the screw to 90.05 and 92.0 deg.
 #[test]
 fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
@@ -332,10 +334,10 @@ proptest! {
             let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.point.drive.relative_speed();
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
-            // Friction always costs power.
+            // Friction always causes a power loss.
             prop_assert!((torque - ideal) * speed > 0.0);
-            // The residual of the root is 1e-10, and the error of the power balance is relative to
-            // the input power.
+            // The residual of the equations is 1e-10, and the error of the power balance is divided
+            // by the input power.
             prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
             prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }
@@ -350,7 +352,7 @@ proptest! {
         let drive = bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed };
         let turned = with(driven, |screw| screw.point.drive = drive);
         let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
-        // The ratio of inertia force to friction force is at most 2e-6 here.
+        // The ratio of inertia force to friction force is at most 2e-6 for these screws.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
     }
 }
