@@ -94,7 +94,7 @@ impl WithSimd for Points {
 }
 
 #[test]
-fn lane_formulas_match_scalar_formulas() {
+fn simd_formulas_match_scalar_formulas() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
     for round in 0..500 {
         let mut points = Points {

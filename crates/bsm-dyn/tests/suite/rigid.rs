@@ -232,7 +232,7 @@ fn points_without_a_solution_report_the_correct_reason() {
 /// If friction holds the load against back-driving, the efficiency of the closed form is negative,
 /// and the full equations have no root because the ball would roll on the nut.
 #[test]
-fn screw_that_locks_against_its_load_has_no_root() {
+fn self_locking_screw_under_a_back_driving_load_has_no_root() {
     let case = OperatingPoint {
         contact_angle: 70.0_f64.to_radians(),
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },

@@ -90,7 +90,7 @@ struct Tally {
 }
 
 /// Runs random searches at an equal number of points with and without a solution.
-fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
+fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
@@ -126,7 +126,7 @@ fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
 /// a root.
 #[test]
 fn random_starts_find_no_root_where_there_is_no_solution() {
-    let tally = search_points(12, 12, 100);
+    let tally = compare_with_random_searches(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
 }
@@ -134,7 +134,7 @@ fn random_starts_find_no_root_where_there_is_no_solution() {
 #[test]
 #[ignore = "takes minutes: 1000 points with 1000 starting values each"]
 fn thousands_of_random_starts_find_no_root_where_there_is_no_solution() {
-    let tally = search_points(2026, 500, 1000);
+    let tally = compare_with_random_searches(2026, 500, 1000);
     println!(
         "{} no_solution, {} refuted, {} of {} seen",
         tally.no_solution,

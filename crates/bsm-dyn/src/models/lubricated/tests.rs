@@ -120,7 +120,7 @@ fn intermediate_results_match_an_independent_solution() {
 /// Compares the torque of the feed drive with the printed digits of an independent table. The
 /// speeds cover lubrication regimes from boundary friction to a full film.
 #[test]
-fn torque_over_speed_matches_an_independent_table() {
+fn torque_as_a_function_of_speed_matches_an_independent_table() {
     let rows = [
         (10.0, 26.224, 0.97104, 0.057, 0.1137, 0.78, 0.02, 0.0045),
         (100.0, 26.118, 0.97501, 0.27, 0.0953, 6.40, 0.44, 0.0038),
@@ -149,7 +149,7 @@ fn torque_over_speed_matches_an_independent_table() {
 /// The 5 % and 95 % quantiles of the relative power loss match the quantiles of a second set of
 /// random draws.
 #[test]
-fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
+fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
     let mut work = ModelWorkspace::default();
     for (rpm, axial, low, high) in [
         (100.0, 8000.0, 0.81, 1.26),
@@ -173,7 +173,7 @@ fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
 /// shear stress. For these points, an independent program solved the full model with 25, 40 and 30
 /// draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
 #[test]
-fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
+fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
     let mut work = ModelWorkspace::default();
     let vg_32 = Lubricant {
         oil: Oil { viscosities: Oil::of_grade(32.0).unwrap(), ..vg_68().oil },
@@ -308,7 +308,7 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
 /// Compares the model that has a single friction coefficient per contact with the model that
 /// evaluates the friction law at each point of the contact.
 #[test]
-fn one_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
+fn single_friction_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
     let mut off = [const { Vec::new() }; 2];
     for _ in 0..400 {

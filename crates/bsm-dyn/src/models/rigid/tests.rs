@@ -176,7 +176,7 @@ fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
 
 /// At the tested points, the inertia forces exceed the friction forces.
 #[test]
-fn random_starts_find_no_second_root_where_it_is_excluded() {
+fn random_starts_find_no_second_root_if_the_limits_exclude_it() {
     const POINTS: usize = 30;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
@@ -201,14 +201,14 @@ fn random_starts_find_no_second_root_where_it_is_excluded() {
 /// If the limits exclude a second root, there is no second root on the branch. This applies to
 /// practical and to extreme points.
 #[test]
-fn branch_has_no_second_root_where_it_is_excluded() {
+fn branch_has_no_second_root_if_the_limits_exclude_it() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
 /// Prints the numbers of second roots that are cited in `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
-fn branch_has_no_second_root_where_it_is_excluded_at_many_points() {
+fn branch_has_no_second_root_if_the_limits_exclude_it_at_many_points() {
     count_second_roots([100_000, 100_000]);
 }
 
@@ -265,7 +265,7 @@ fn count_second_roots(counts: [usize; 2]) {
 }
 
 /// Returns an operating point with large inertia whose efficiency jumps at a certain contact angle.
-fn point_near_a_step(contact_angle_deg: f64) -> OperatingPoint {
+fn point_near_a_jump(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
     OperatingPoint {
         helix: Helix {
@@ -295,7 +295,7 @@ fn count_balanced_roots(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallR
 fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
-        let solution = Rigid { point: point_near_a_step(angle) }.solve_with_branch(work);
+        let solution = Rigid { point: point_near_a_jump(angle) }.solve_with_branch(work);
         let solved = solution.answer.expect("a root");
         let alternatives = solved.alternatives.expect("a branch");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)

@@ -196,7 +196,7 @@ const ACCURACIES: [f64; 3] = [1e-4, 1e-6, 1e-8];
 
 /// Returns the number of practical points with a solution. For each accuracy, also returns the
 /// number of points whose error exceeds the error bound, and the largest error of the efficiency.
-fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
+fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(seed));
     let (mut answered, mut broken, mut largest) = (0, [0; 3], [0.0_f64; 3]);
     for _ in 0..points {
@@ -222,7 +222,7 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
 /// accuracy is below 1e-7.
 #[test]
 fn error_bound_covers_the_quadrature_error() {
-    let (points, broken, largest) = stated_errors(1994, 1000);
+    let (points, broken, largest) = count_violated_error_bounds(1994, 1000);
     assert!(points > 900);
     // At the coarsest accuracy, a quadrature with eight nodes is compared with a quadrature with
     // six nodes. In rare cases, the two have similar errors, and the error bound is too small.
@@ -235,7 +235,7 @@ fn error_bound_covers_the_quadrature_error() {
 #[test]
 #[ignore = "minutes"]
 fn error_bound_covers_the_quadrature_error_at_many_points() {
-    let (points, broken, largest) = stated_errors(2026, 100_000);
+    let (points, broken, largest) = count_violated_error_bounds(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
     assert!(largest[2] <= 1e-7, "{largest:?}");

@@ -64,7 +64,7 @@ fn traction_converges_for_random_screws() {
 }
 
 #[test]
-fn elastic_converges_where_it_has_a_root() {
+fn elastic_model_converges_if_a_root_exists() {
     let mut work = ElasticWorkspace::default();
     let tally = campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
     println!("{tally:?}");

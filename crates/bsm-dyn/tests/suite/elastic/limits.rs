@@ -35,7 +35,7 @@ fn solve_elastic(screw: ElasticPoint) -> SteadyState {
 /// At small inertia, the efficiency of the elastic model equals the closed form at the loaded
 /// contact angle, with a tolerance of 2e-5.
 #[test]
-fn elastic_equals_the_closed_form_at_the_loaded_angle() {
+fn elastic_model_equals_the_closed_form_at_the_loaded_contact_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
         let o = solve_elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
@@ -198,7 +198,7 @@ fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
 /// If the branch of roots that begins at small inertia ends in a fold, another root may exist
 /// further along the curve. Above the largest inertia on the curve, there is no root.
 #[test]
-fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
+fn no_solution_exists_above_the_largest_inertia_on_the_curve() {
     let mut work = ElasticWorkspace::default();
     let (mut roots, mut most) = (0, 0.0);
     for step in 0..200 {
@@ -325,7 +325,7 @@ proptest! {
     /// back-drives the screw. The models `traction` and `elastic` satisfy the power balance in both
     /// cases.
     #[test]
-    fn friction_costs_power_and_power_balance_holds(
+    fn friction_causes_a_power_loss_and_power_balance_holds(
         lead in 2.0..30.0_f64, beta in 35.0..55.0_f64, rpm in 100.0..3000.0_f64,
         axial in 20.0..3000.0_f64, back in any::<bool>(),
     ) {
