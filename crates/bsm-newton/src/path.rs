@@ -42,7 +42,7 @@ pub trait Homotopy<const N: usize, const M: usize> {
     /// Returns [`EvalError`] if `z` is outside the domain of the equations.
     fn residual(&self, z: &[f64; M]) -> Result<[f64; N], EvalError>;
 
-    /// Returns the residual at `z` and the rows of its Jacobian.
+    /// Returns the residual and the rows of the Jacobian at `z`.
     ///
     /// # Errors
     ///

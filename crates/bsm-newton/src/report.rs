@@ -23,7 +23,8 @@ pub enum Termination {
     NotFinite,
     /// A scaling factor is zero, negative or not finite, so no step was taken.
     BadScale,
-    /// The model cannot be evaluated at the starting point, or cannot be linearized at an iterate.
+    /// The model cannot be evaluated at the starting point, or it cannot be linearized at an
+    /// iterate.
     OutsideDomain,
 }
 

@@ -108,7 +108,7 @@ impl<D: Scalar> Angles<D> {
     ///
     /// Source: Lin, Velinsky and Ravani (1994), Equation 13.
     pub fn screw_slip_angle(&self, direction: Direction) -> D {
-        // ψ_B = atan(tanα / cosβ), rotated by π if the load drives        (C5)
+        // ψ_B = atan(tanα / cosβ), rotated by π for back-driving          (C5)
         let forward = self.lead.tan().atan2(self.contact.cos());
         match direction {
             Direction::RotaryToLinear => forward,
@@ -290,7 +290,7 @@ impl<D: Real> Sines<D> {
     where
         D: Real,
     {
-        // ψ_B = atan(tanα / cosβ), rotated by π if the load drives        (C5)
+        // ψ_B = atan(tanα / cosβ), rotated by π for back-driving          (C5)
         let forward = self.tan_a().atan2(self.cos_b);
         // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
         let turned = forward - PI;

@@ -355,8 +355,8 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    /// Values, the terms of the derivatives (if requested), and the derivatives with respect to the
-    /// film thickness (for a lubricant).
+    /// Sums of force, moment and power, terms of their derivatives (if requested), and derivatives
+    /// with respect to the film thickness (for a lubricant).
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],

@@ -261,7 +261,7 @@ impl Quadrature {
     /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
-        // sufficient number of nodes at η: m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)
+        // The sufficient number of nodes at η is m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)
         let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
             if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }

@@ -186,8 +186,8 @@ mod tests {
         let torque = solution.solved().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;
         for value in [torque, load].into_iter().flatten() {
-            // Here the friction is one rounding error away from the limit, so torque and load are
-            // large but finite.
+            // The friction coefficient is one rounding error away from the limit of self-locking,
+            // so torque and load are large but finite.
             assert!(value.is_finite() && value > 0.0, "{solution:?}");
         }
     }
@@ -198,10 +198,11 @@ mod tests {
     fn slip_across_the_groove_costs_less_power_than_slip_along_it() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
-        // Hand calculation with six digits: (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 −
-        // 0.707107)).
+        // Hand calculation with six digits for slip across the groove: (0.707107 − 0.0530330) /
+        // (0.707107 + 0.075 (0.1 − 0.707107)).
         assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
-        // Hand calculation: (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
+        // Hand calculation for slip along the groove: (0.707107 − 0.0132245) / (0.707107 + 0.075 ×
+        // 0.929289 / 0.176327).
         assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
     }
 

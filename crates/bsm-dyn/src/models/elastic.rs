@@ -151,8 +151,8 @@ impl GrossSlip {
         self.steps
     }
 
-    /// Returns a root on the curve of force balance that serves as a starting value. Usually this
-    /// is the first root.
+    /// Returns a root that serves as a starting value. Usually, this is the first root on the curve
+    /// of force balance.
     ///
     /// # Errors
     ///
@@ -163,7 +163,7 @@ impl GrossSlip {
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
-    /// Returns the first root on the curve of force balance.
+    /// Returns the first root on the curve of states whose forces balance.
     ///
     /// # Errors
     ///
@@ -178,7 +178,8 @@ impl GrossSlip {
 /// Unknowns at a root, total number of Newton steps, and residual.
 type ElasticRoot = ([f64; BALL], usize, f64);
 
-/// Returns the first root on the curve of force balance, expressed in the unknowns (S1).
+/// Returns the first root on the curve of states whose forces balance, expressed in the unknowns
+/// (S1).
 ///
 /// # Errors
 ///

@@ -203,8 +203,8 @@ mod tests {
         ] {
             let (loads, angles) = state(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();
-            // Here the permanent approach is 1e-5 times the elastic approach. It is 1e-8 times the
-            // distance between the arc centers, which determines the contact angles.
+            // In this test, the permanent approach is 1e-5 times the elastic approach. It is 1e-8
+            // times the distance between the arc centers, which determines the contact angles.
             for i in 0..2 {
                 assert!(deformed.permanent[i] < 2e-5 * deformed.elastic[i], "{deformed:?}");
                 assert_relative_eq!(deformed.loads[i], loads[i], max_relative = 1e-7);

@@ -81,8 +81,8 @@ impl<D: Real> TwoContacts<D> {
     /// \tan\rho = \frac{f_r}{r_b\sin\beta}
     /// ```
     ///
-    /// with the upper sign and `$\epsilon = 0$` if the screw rotates, and the lower sign and
-    /// `$\epsilon = 2\cos\beta$` if the nut rotates.
+    /// The upper sign and `$\epsilon = 0$` apply if the screw rotates. The lower sign and
+    /// `$\epsilon = 2\cos\beta$` apply if the nut rotates.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
     #[inline(always)]
@@ -97,7 +97,7 @@ impl<D: Real> TwoContacts<D> {
         -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
     }
 
-    /// Returns the efficiency in the direction of the drive.
+    /// Returns the efficiency for driving or back-driving.
     ///
     /// * `back`: true if the load back-drives the screw.
     #[inline(always)]
@@ -117,7 +117,8 @@ impl<D: Real> TwoContacts<D> {
 }
 
 impl<D: Scalar> QuasiStatic<D> {
-    /// Creates the two contacts, with the sign of friction for the direction of the drive.
+    /// Creates the two contacts. The signs of the friction terms depend on the direction of power
+    /// flow.
     fn contacts(&self) -> TwoContacts<D> {
         let sign = self.direction.sign();
         TwoContacts {
@@ -129,8 +130,8 @@ impl<D: Scalar> QuasiStatic<D> {
         }
     }
 
-    /// Returns the efficiency in the direction of the drive. Back-driving reverses the sign of
-    /// every friction term.
+    /// Returns the efficiency for the given direction of power flow. Back-driving reverses the sign
+    /// of every friction term.
     pub fn efficiency(&self) -> D {
         self.contacts().efficiency(self.direction.is_back())
     }

@@ -98,7 +98,7 @@ impl RollingBall {
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, NoAnswer> {
-        // The first attempt is Newton's method from equal contact angles.
+        // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
         if direct.found {
             let control = if direct.by_nut { Control::Nut } else { Control::Screw };
@@ -106,8 +106,8 @@ impl RollingBall {
             return Ok(Self { is_unique: direct.unique, ..ball });
         }
 
-        // If the first attempt fails, the first root is found by bracketing, either for the given
-        // raceway or for both raceways.
+        // If Newton's method fails from equal contact angles, the first root is found by
+        // bracketing, either for the given raceway or for both raceways.
         match control {
             Some(raceway) => Self::controlled(contacts, raceway, newton),
             None => Self::selected(contacts, newton),

@@ -38,11 +38,12 @@ pub struct Rigid<D = f64> {
 /// A root of the rigid equations in the unknowns (R2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidRoot {
-    /// Ratio of the load at A to the axial load per ball `$Q_A/F_a$`.
+    /// Ratio `$Q_A/F_a$` of the load at A (loaded flank of the nut) to the axial load per ball.
     pub nut_load: f64,
-    /// Ratio of the load at A' to the axial load per ball `$Q_{A'}/F_a$`.
+    /// Ratio `$Q_{A'}/F_a$` of the load at A' (unloaded flank of the nut) to the axial load per
+    /// ball.
     pub unloaded_flank_load: f64,
-    /// Ratio of the load at B to the axial load per ball `$Q_B/F_a$`.
+    /// Ratio `$Q_B/F_a$` of the load at B (loaded flank of the screw) to the axial load per ball.
     pub screw_load: f64,
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub p: f64,

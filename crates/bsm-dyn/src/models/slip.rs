@@ -27,7 +27,7 @@ pub struct SteadyBall<D> {
     pub motion: Motion<D>,
 }
 
-/// A contact of the ball, given by its location and contact angle.
+/// A contact of the ball, given by its flank and its contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSite<D> {
     /// Flank on which the contact lies: nut, unloaded flank of the nut, or screw.

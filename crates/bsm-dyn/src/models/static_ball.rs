@@ -181,7 +181,7 @@ mod tests {
             let ball = screw.pressed_ball().unwrap();
             let lead = screw.point.helix.lead_angle;
             let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
-            // The residual of the static balance of the rolling ball is 1e-13.
+            // The static balance of the rolling ball is solved to a residual of 1e-13.
             let nut = solved.ball.nut;
             assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);
             assert_relative_eq!(pressing.load, nut.load.unwrap(), max_relative = 1e-12);
@@ -195,7 +195,7 @@ mod tests {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
-        // If the ball is oversize by the same amount, the gap is closed.
+        // A ball whose radius is 1 µm larger has no gap and carries a load.
         assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
         assert!(ball.under(-1.0, 0.1).is_err());
     }

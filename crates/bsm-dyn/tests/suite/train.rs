@@ -167,7 +167,7 @@ fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
-/// The reference table lists load, screw speed, compliance at these fractions of `f Q`, and
+/// The reference table lists load, screw speed, compliance at several fractions of `f Q`, and
 /// increase of the power loss at `f Q`.
 #[test]
 fn compliances_match_the_reference_table() {

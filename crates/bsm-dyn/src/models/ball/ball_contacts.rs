@@ -200,7 +200,7 @@ impl<D: Real> LoadedContact<D> {
     /// cotangent of the contact angle, for a contact without friction. The derivative is positive.
     #[inline(always)]
     pub fn radial_slope(&self) -> D {
-        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
+        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ because δ ~ Q^{2/3}
         self.sin.square() * self.sin * self.length
             + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
     }

@@ -1,4 +1,4 @@
-//! A ball between elastic raceways: inputs, scaled units, and the state for given loads and tilt.
+//! A ball between elastic raceways: inputs, scaled units, and contacts under given loads.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
 
@@ -172,7 +172,7 @@ pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [M
 pub(crate) struct BallLoads<D> {
     /// Normal loads at nut and screw.
     pub(crate) loads: [D; 2],
-    /// Half the difference of the contact angles \[rad\].
+    /// Half the difference between the contact angles at screw and nut \[rad\].
     pub(crate) tilt: D,
     /// Contact angles at nut and screw \[rad\].
     pub(crate) angles: [D; 2],
@@ -202,15 +202,15 @@ impl<P: Scalar> ElasticContacts<P> {
         self.scaled.inertia_ratio()
     }
 
-    /// Returns the approaches, divided by the ball radius, from the loads, divided by the axial
-    /// load (P2).
+    /// Returns the elastic approaches, divided by the ball radius, for given loads, divided by the
+    /// axial load (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the approach at nut (0) or screw (1), divided by the ball radius, from the load,
-    /// divided by the axial load (P2).
+    /// Returns the elastic approach at nut (0) or screw (1), divided by the ball radius, for a
+    /// given load, divided by the axial load (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }

@@ -391,7 +391,7 @@ impl<P: Real> Gap<P> {
             weight: (modulus * radius.square()).recip(),
             heat: heat.powf(0.62),
             film: radius * stiffening * shape * lubricant.film_factor * 2.69,
-            // B^{1/4} k of M                                              (Y17)
+            // B^{1/4} k in M                                              (Y17)
             elastic: (log_inlet * 0.25).exp() * flatness,
             // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
             rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,

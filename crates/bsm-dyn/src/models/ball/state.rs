@@ -23,9 +23,9 @@ pub struct BallState<F = f64> {
     pub unloaded: Option<ContactState<F>>,
     /// Displacement of the nut along the screw axis \[m\] (J15); `None` for rigid contacts.
     pub axial_displacement: Option<F>,
-    /// Axial play of one nut \[m\] below which friction presses the ball onto a far flank (AC7).
-    /// The value is zero if friction presses the ball onto no far flank even without play, and
-    /// `None` if the force balance of the model does not include friction across the grooves.
+    /// Axial play of one nut \[m\] below which friction presses the ball against a far flank (AC7).
+    /// The value is zero if friction does not press the ball against a far flank even without play,
+    /// and `None` if the force balance of the model does not include friction across the grooves.
     pub threshold_play: Option<F>,
 }
 
@@ -251,7 +251,7 @@ pub fn friction_angle<F: Real>([across, along]: [F; 2]) -> F {
 /// * `back`: true if the load back-drives the screw.
 /// * `bound`: error bound of the efficiency.
 fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
-    // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
+    // P_f/P_out = 1/η − 1 for driving, P_f/P_in = 1 − η for back-driving:
     // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
     let least = if back { 1.0 } else { (efficiency - bound).max(0.0) };
     bound / (least * (1.0 - efficiency).abs())
@@ -277,7 +277,7 @@ pub struct Alternatives {
 }
 
 impl<F: Real> SteadyState<F> {
-    /// Creates a steady state that consists only of the state of the ball and the transmission.
+    /// Creates a steady state that contains only the state of the ball and the transmission.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
         Self {
@@ -411,7 +411,7 @@ named! {
     pub enum SlipRegime {
         /// The ball rolls on both raceways.
         Rolling = "rolling",
-        /// The ball is between rolling and gross skid.
+        /// The ball is in a state between rolling and gross skid.
         PartialSkid = "partial skid",
         /// Friction is nearly saturated at both contacts.
         GrossSkid = "gross skid",

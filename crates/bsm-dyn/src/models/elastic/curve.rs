@@ -50,7 +50,7 @@ pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
-    // The first attempt is Newton's method from the beginning of the curve.
+    // First, Newton's method is started from the beginning of the curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
@@ -58,7 +58,7 @@ pub(super) fn root(
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
-    // The second attempt is continuation along the curve.
+    // If Newton's method fails, the root is found by continuation along the curve.
     let (root, sign) = SlidingCurve::of(contacts, &mut steps)?.root()?;
     Ok((ball.unknowns(&root, sign), steps))
 }
@@ -169,7 +169,8 @@ impl<'a> SlidingCurve<'a> {
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
-                // Beyond these limits, friction would act in the direction of the slip.
+                // The continuation ends at the limits of x_A and x_B, beyond which friction would
+                // act in the direction of the slip.
                 let [log, nut, screw, _] = *z;
                 root.is_none()
                     && refined

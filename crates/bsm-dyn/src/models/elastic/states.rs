@@ -13,7 +13,7 @@ use crate::models::ball::{ElasticContacts, ScaledBall};
 /// speed). Arrays with two elements contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
-    /// Friction coefficient with the sign of the speed, `$F = f\,\mathrm{sign} W$`.
+    /// Friction coefficient with the sign of the relative speed, `$F = f\,\mathrm{sign} W$`.
     pub friction: P,
     /// Sine of the lead angle, `$\sin\alpha$`.
     pub sin: P,

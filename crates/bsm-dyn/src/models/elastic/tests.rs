@@ -1,4 +1,4 @@
-//! Tests the elastic model: compares the roots on the curve of force balance with the seven
+//! Tests of the elastic model: the roots on the curve of force balance are compared with the seven
 //! equations, with limiting cases, and with searches from many starting values.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -24,11 +24,12 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     let (circling, slip, noise) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
     let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
-    // The slip direction is (R12) plus random noise.
+    // The slip direction is the direction of (R12) plus random noise.
     let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
-    // The precession rate is either a few W, or the rate for a random centrifugal force.
+    // The precession rate is either a few times the relative speed W, or the rate that corresponds
+    // to a random centrifugal force.
     let rate = if rng.random_bool(0.5) {
         rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {
@@ -63,8 +64,9 @@ fn root_from_random_starts(
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
         // With the weights of the starting value, any state with P → 0 or P → ∞ would look like a
-        // root. Therefore, each residual is compared with a force at the final state: moments with
-        // friction, and the moment about the mean normal with inertia.
+        // root. Therefore, the residuals are compared with the forces at the final state: the
+        // moments with the friction force, and the moment about the mean normal with the inertia
+        // force.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force = load
@@ -72,7 +74,8 @@ fn root_from_random_starts(
         let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
             && (residual[MOMENT[1]] * weights(contacts, &y)[MOMENT[1]]).abs() < 1e-6;
-        // Slips below the rounding error of the moment about N (R23) have no defined direction.
+        // If the slip is smaller than the rounding error of the moment about N (R23), its direction
+        // is undefined.
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         let resolved =
             contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
@@ -80,7 +83,7 @@ fn root_from_random_starts(
     })
 }
 
-/// Comparison of random searches with the results of the model.
+/// Counts that compare random searches with the results of the model.
 #[derive(Debug, Default)]
 struct Tally {
     no_solution: usize,
@@ -97,7 +100,7 @@ fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tall
     while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
-        // If the inertia is even smaller, the random search cannot resolve the roots.
+        // The random search cannot resolve the roots of balls with very small inertia.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
             continue;
         }

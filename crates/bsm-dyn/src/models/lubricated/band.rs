@@ -45,7 +45,7 @@ const UNCERTAIN: [(f64, f64); 12] = [
     (0.85, 1.15),
     (0.9, 1.1),
     (0.3, 3.4),
-    // Offsets of the temperature [K] and of the conformity.
+    // Offsets of the oil temperature [K] and of the conformity.
     (-5.0, 5.0),
     (-0.005, 0.005),
 ];

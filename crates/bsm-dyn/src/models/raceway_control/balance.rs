@@ -114,7 +114,7 @@ impl Balance<'_> {
     /// terms.
     pub(super) fn weights(&self) -> [f64; STATIC] {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
-        // The limits keep the weights within the range of double precision.
+        // Clamping keeps the weights within the range of double precision.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
     }
@@ -129,7 +129,7 @@ impl Balance<'_> {
         &self,
         newton: &mut Workspace<STATIC>,
     ) -> Result<StaticRoot, NoAnswer> {
-        // The first attempt is Newton's method from equal contact angles.
+        // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
         if direct.found {
             return Ok(StaticRoot::from(&direct));
@@ -211,8 +211,8 @@ impl Balance<'_> {
     fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
-        // The residual goal is the rounding error of the lengths, because the displacement is a
-        // difference of lengths.
+        // The residual goal is the rounding error of the lengths, because the axial displacement is
+        // calculated as a difference of lengths.
         let options = Options {
             convergence: Convergence {
                 residual_goal: 3e-15,

@@ -1,5 +1,5 @@
-//! Direct solve of the raceway-control model (static balance, controlling raceway and rolling
-//! motion) for one point or for several points side by side.
+//! Direct solution of the raceway-control model by Newton's method (static balance, controlling
+//! raceway and rolling motion) for one point or for several points side by side.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
 
@@ -98,14 +98,16 @@ impl<F: Real> RollingRoot<F> {
             found = found & (!close | other.has_ended & is_first & selects_nut);
         }
 
-        // Where the screw controls, Newton's method continues with screw control.
+        // For points at which the screw is the controlling raceway, Newton's method continues with
+        // screw control.
         let balance = StaticBalance { by_nut, ..nut };
         at.has_ended = by_nut | !found;
         balance.iterate(&mut at);
         found = found & at.has_ended & (is_screw_unique | by_nut | balance.is_first(at.x));
         let unique = is_screw_unique & (is_nut_unique | !by_nut);
 
-        // Criterion (W7) must select the same raceway when it is evaluated for the result.
+        // The result is valid only if criterion (W7), evaluated for this result, selects the same
+        // raceway.
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
         let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));

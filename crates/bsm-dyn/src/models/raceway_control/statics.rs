@@ -51,7 +51,7 @@ pub(super) struct StaticBalance<P: Real> {
     pub(super) lever: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// Radial distance of the groove arc centers `$A_2$`.
+    /// Radial distance `$A_2$` between the groove arc centers.
     pub(super) radial_distance: P,
     /// Distances `$l_0$` between arc center and ball center, and approaches under a normal load
     /// that equals the axial load per ball, at nut and screw.

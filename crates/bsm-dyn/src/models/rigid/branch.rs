@@ -152,7 +152,7 @@ impl<'a> Branch<'a> {
     fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
         let from_ground = ball.nut_speed.abs() < FAST_NUT;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
-        // This is the slip e₁ p of (R27).
+        // The variable `rolling` is the slip e₁ p of (R27).
         let rolling = ball.sines.sin_a * ball.arc * ball.per_h * first.precession.abs();
         let slip_unit = if first.slip > MIN_CLEAR_SLIP * rolling { SLIP_UNIT } else { rolling };
         Self { ball, unit: RigidEquations { ball: unit, from_ground }, slip_unit }

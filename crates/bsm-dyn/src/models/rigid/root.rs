@@ -129,7 +129,8 @@ fn first_on(
     let (first, others) = branch.motions.split_first()?;
     let first = match refined(ball, first, work) {
         Ok(first) if first.motion.is_admissible() => first,
-        // Newton's method converged to a different root.
+        // If the refined motion is not admissible, Newton's method has converged to a different
+        // root.
         Ok(_) => return Some(Err(NoAnswer::LOST)),
         Err(none) => return Some(Err(none)),
     };

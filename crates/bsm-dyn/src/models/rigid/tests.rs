@@ -230,7 +230,7 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
             let friction = case.friction();
-            // If inertia is smaller, rounding errors of the loads exceed the inertia forces.
+            // At very small inertia, rounding errors of the loads exceed the inertia forces.
             if start.inertia_scale < 1e-3 * friction {
                 continue;
             }

@@ -82,7 +82,8 @@ proptest! {
         }
     }
 
-    /// The spin is the sum of the orbit spin and the rotation relative to the traveling triad.
+    /// The spin is the sum of its orbital component and the rotation relative to the traveling
+    /// triad.
     #[test]
     fn spin_is_the_sum_of_orbital_spin_and_rotation_relative_to_the_triad(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
@@ -148,7 +149,7 @@ fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
     assert_relative_eq!(ball(rolling, 0.2).ball_slip(), 0.6, max_relative = 1e-14);
 }
 
-/// In contrast to the spin, the published spin slip depends on the direction of the drive and does
+/// In contrast to the spin, the published spin slip depends on the direction of rotation and does
 /// not vanish at the controlling raceway.
 #[test]
 fn published_spin_slip_differs_from_the_spin() {

@@ -221,7 +221,7 @@ impl SlipBall<'_> {
         // At this precession rate, the inertia forces are small compared with load and friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
-        // This is the upper limit of the precession rate of a ball.
+        // No ball has a precession rate above twice the sum of relative speed and nut speed.
         let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);

@@ -144,7 +144,7 @@ fn a_scaled_screw_has_the_same_motion() {
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
         (solve_elastic(screw), solve_elastic(large)),
     ] {
-        // In scaled units, the results differ only by rounding errors.
+        // The results in scaled units differ only by rounding errors.
         assert_relative_eq!(
             one.transmission.efficiency,
             other.transmission.efficiency,

@@ -113,7 +113,7 @@ proptest! {
                     prop_assert!(residual.abs() <= 1e-6 * size, "{residual}");
                 }
                 if let Some((beyond, _)) = crossed {
-                    // The dense search cannot resolve two roots within one step.
+                    // If there are two roots within one step, the dense search may miss both.
                     prop_assert!(angle <= beyond + step, "{angle} {beyond}");
                 }
             }
