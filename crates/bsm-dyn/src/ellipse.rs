@@ -453,7 +453,6 @@ mod tests {
 
     /// If all points have the same slip, the friction force is f Q and acts against the slip, and
     /// the friction power is f Q multiplied by the slip speed.
-    /// |v|.
     #[test]
     fn uniform_slip_gives_coulomb_friction() {
         let (ellipse, quadrature) = ellipse();

@@ -217,7 +217,7 @@ impl Quadrature {
     /// is zero if the poles are so close that integration along lines is more efficient.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         let pole_distance = slip.poles().map(|Pole { at, width }| {
-            // |z − 1| + |z + 1| = 2 cosh η of a pole z
+            // |z − 1| + |z + 1| = 2 cosh η for a pole z
             let square = width * width;
             0.5 * (((at - 1.0).powi(2) + square).sqrt() + ((at + 1.0).powi(2) + square).sqrt())
         });

@@ -57,8 +57,8 @@ struct GrossSlipState<D> {
     wrench: [Wrench<D>; 2],
 }
 
-/// The seven equations of a ball with saturated friction at both contacts. The unknowns are `$Q_A/F_a,\; \nu,\; Q_B/F_a,\;
-/// p,\; \lambda,\; \theta,\; s$` (S1).
+/// The seven equations of a ball with saturated friction at both contacts. The unknowns are
+/// `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$` (S1).
 struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {

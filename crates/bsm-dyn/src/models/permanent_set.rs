@@ -25,8 +25,8 @@ pub struct PermanentSet {
     pub permanent: [f64; 2],
 }
 
-/// Ratio of maximum pressure to yield strength (dimensionless) at which steel first yields below the surface (M4). It is 1.60
-/// for a circular contact and up to 1.79 for an elongated contact.
+/// Ratio of maximum pressure to yield strength (dimensionless) at which steel first yields below
+/// the surface (M4). It is 1.60 for a circular contact and up to 1.79 for an elongated contact.
 ///
 /// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
 const FIRST_YIELD: f64 = 1.60;

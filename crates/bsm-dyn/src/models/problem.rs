@@ -35,7 +35,8 @@ pub enum Problem<D = f64> {
     GothicArch(GothicBall<D>),
     /// Inputs of the model `auto`, which chooses the model automatically.
     Auto(Auto<D>),
-    /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
+    /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or
+    /// [`Model::Traction`](crate::Model::Traction) with a lubricant.
     Lubricated(LubricatedBall<D>),
     /// Inputs of a lubricated model for gothic arches with a given axial play.
     LubricatedArch(LubricatedArch<D>),

@@ -190,7 +190,8 @@ impl<D: Real> LoadedContact<D> {
         Self { cot, ..Self::of(stiffness, length * axial, (sin, cot * sin)) }
     }
 
-    /// Returns the radial component `$l\cos\beta$` of the distance from the arc center to the ball center.
+    /// Returns the radial component `$l\cos\beta$` of the distance from the arc center to the ball
+    /// center.
     #[inline(always)]
     pub fn radial_component(&self) -> D {
         self.length * self.cos
@@ -282,7 +283,8 @@ impl<F: Real> BallContacts<F> {
         self.scaled.arc.constant(x)
     }
 
-    /// Returns the contact at the nut (0) or the screw (1) from its load and the sine and cosine of its contact angle.
+    /// Returns the contact at the nut (0) or the screw (1) from its load and the sine and cosine of
+    /// its contact angle.
     #[inline(always)]
     pub fn loaded(&self, i: usize, load: F, angle: (F, F)) -> LoadedContact<F> {
         let GrooveContact { offset, hertz, .. } = self.pressed[i];

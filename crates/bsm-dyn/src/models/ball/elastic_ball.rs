@@ -215,7 +215,8 @@ impl<P: Scalar> ElasticContacts<P> {
         load.cbrt().square() * self.scaled.approaches[i]
     }
 
-    /// Calculates both contacts and the displacement from two loads and a tilt (P2), (P3), (J7), (J8).
+    /// Calculates both contacts and the displacement from two loads and a tilt (P2), (P3), (J7),
+    /// (J8).
     ///
     /// # Errors
     ///

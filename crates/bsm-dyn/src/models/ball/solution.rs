@@ -34,7 +34,8 @@ impl Solution {
         self.answer.as_ref().err().map(NoAnswer::reason)
     }
 
-    /// Returns the evidence that no solution exists; `None` unless the status is [`Status::NoSolution`].
+    /// Returns the evidence that no solution exists; `None` unless the status is
+    /// [`Status::NoSolution`].
     pub fn evidence(&self) -> Option<Evidence> {
         self.answer.as_ref().err()?.evidence()
     }

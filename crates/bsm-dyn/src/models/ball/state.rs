@@ -12,7 +12,8 @@ use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
 /// State of the ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallState<F = f64> {
-    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; `None` if the model does not determine the motion.
+    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; `None` if the model does
+    /// not determine the motion.
     pub motion: Option<Motion<F>>,
     /// Contact with the loaded flank of the nut.
     pub nut: ContactState<F>,
@@ -102,14 +103,16 @@ pub struct Transmission<F: Real = f64> {
     pub screw_torque: Option<F>,
     /// Input, output and dissipated powers \[W\]; `None` if the speed is not given.
     pub power: Option<Power<F>>,
-    /// Relative error of the power balance (B10); `None` if the model does not calculate the friction power separately.
+    /// Relative error of the power balance (B10); `None` if the model does not calculate the
+    /// friction power separately.
     pub power_balance: Option<F>,
 }
 
 /// Dimensionless numbers that distinguish rolling balls from skidding balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkidNumbers<F = f64> {
-    /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without friction.
+    /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without
+    /// friction.
     pub skid_number: Option<F>,
     /// Ratio of the slip across the grooves due to the lead to the slip due to spin (W10); `None`
     /// without spin.

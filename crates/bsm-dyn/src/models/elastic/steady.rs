@@ -501,7 +501,8 @@ where
 }
 
 impl<F: Real> SlidingRoot<F> {
-    /// Returns the angular velocity relative to the nut, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
+    /// Returns the angular velocity relative to the nut, divided by `$W$`, in the Frenet-Serret
+    /// triad `$(t, n, b)$`.
     #[inline(always)]
     pub fn rotation(&self) -> [F; 3] {
         let Self { ball, at, rate, tilt: (s, c), .. } = self;

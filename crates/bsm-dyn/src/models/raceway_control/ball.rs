@@ -52,7 +52,8 @@ impl<F: Real> RacewayBall<F> {
     /// screw. The moment at the nut is multiplied by the cosine of the difference between the
     /// contact angles (W7). The nut is the controlling raceway if the excess is positive.
     ///
-    /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
+    /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway
+    /// control.
     #[inline(always)]
     pub(super) fn nut_excess(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let [(nut_axis, _), (screw_axis, _)] = self.scaled.semi_axes;

@@ -237,7 +237,8 @@ impl<F: Real> StaticBalance<F> {
                 break;
             }
             let screw = self.closed_to(BOUND_CLOSURE_TOL, bound) - unloaded * BOUND_CLOSURE_TOL;
-            // |P| is larger for a smaller cotangent, which is limited for a bound beyond the flanks.
+            // A smaller cotangent gives a larger |P|. A lower limit keeps the cotangent positive if
+            // the bound is beyond the flanks.
             let at = [bound, screw.larger(unloaded * f64::EPSILON)];
             unique = unique | self.is_first(at);
             // c ← μ cosα (P(c)/W)²                                        (W18)
@@ -327,7 +328,8 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
             ],
             unloaded_cot: lane,
         };
-        // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|), so that no root is beyond the square of this limit.
+        // The ratio |P|/W is at most max(|1 + ω|, |ω − (r_b/d) cosα|), so no root has a difference
+        // of the cotangents above μ cosα times the square of this maximum.
         let fastest = (one.nut_speed + 1.0).abs().max((one.nut_speed - one.lever).abs());
         let mut rates = [0.0; N];
         for first in (0..N).step_by(Lane::<S>::LEN) {

@@ -8,7 +8,8 @@ use bsm_kin::{Real, RealOver};
 use crate::contact::{Sines, ideal_torque};
 use crate::models::ball::{BALL, is_in_range};
 
-/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$` (along the helix).
+/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$`
+/// (along the helix).
 pub type Plane<D> = [D; 2];
 
 /// An operating point in scaled units: ball radius, axial load per ball and relative speed `$W$`
@@ -178,7 +179,8 @@ impl<P: Real> RigidBall<P> {
         ]
     }
 
-    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
+    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N,
+    /// e_x)$`, and axial load.
     #[inline(always)]
     pub fn residual<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
         self.residual_under(m, m.rate.constant(1.0))
@@ -225,7 +227,8 @@ impl<P: Real> RigidBall<P> {
         ideal_torque(one, self.radius, self.sines.tan_a())
     }
 
-    /// Returns the angular velocity of the ball, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
+    /// Returns the angular velocity of the ball, divided by `$W$`, in the Frenet-Serret triad `$(t,
+    /// n, b)$`.
     #[inline(always)]
     pub fn angular_velocity<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;

@@ -30,7 +30,8 @@ pub(super) struct RigidEquations<P> {
     pub(super) from_ground: bool,
 }
 
-/// The seven unknowns of the rigid model (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
+/// The seven unknowns of the rigid model (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\;
+/// \lambda,\; \theta,\; s$`.
 pub type Unknowns<D> = SVector<D, BALL>;
 
 impl<P: Scalar> RigidEquations<P> {
@@ -60,7 +61,8 @@ impl<P: Scalar> RigidEquations<P> {
         Ok(motion)
     }
 
-    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
+    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N,
+    /// e_x)$`, and axial load.
     ///
     /// # Errors
     ///

@@ -1,7 +1,8 @@
 //! Search for a root at an operating point by direct sweeps and by continuation. If no root exists,
 //! the search determines the reason.
 //!
-//! Theory: `docs/theory/04-rigid.md`, sections on existence, direct sweeps and continuation in inertia.
+//! Theory: `docs/theory/04-rigid.md`, sections on existence, direct sweeps and continuation in
+//! inertia.
 
 use std::iter::successors;
 

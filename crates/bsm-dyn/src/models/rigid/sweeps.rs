@@ -1,4 +1,5 @@
-//! Fixed-point iteration from the first-order solution to the root, for one point or for several points side by side.
+//! Fixed-point iteration from the first-order solution to the root, for one point or for several
+//! points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 

@@ -1,6 +1,7 @@
 //! Starting values for models of a ball with two elastic contacts.
 //!
-//! Theory: `docs/theory/07-raceway-control.md`, equation (W12), with the geometry (J7) of chapter 06.
+//! Theory: `docs/theory/07-raceway-control.md`, equation (W12), with the geometry (J7) of chapter
+//! 06.
 
 use std::f64::consts::PI;
 
