@@ -147,11 +147,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::extreme::of_a_nut;
+    use crate::extreme::nut_operating_point;
     use crate::model::{RacewayControl, RacewayWorkspace};
 
     fn screw(axial: f64, speed: f64) -> ElasticPoint {
-        of_a_nut(axial, 98.0, speed)
+        nut_operating_point(axial, 98.0, speed)
     }
 
     /// The reference values are all digits of an independent solution for a nut with 98 equally

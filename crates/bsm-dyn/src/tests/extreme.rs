@@ -65,7 +65,7 @@ pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
 
 /// Returns the screw of a 40 mm x 10 mm nut with 6.35 mm balls, for which independent reference
 /// solutions exist. The speed is in rad/s.
-pub(crate) fn of_a_nut(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
+pub(crate) fn nut_operating_point(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
     let radius = 20.668e-3;
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
     ElasticPoint {

@@ -281,7 +281,7 @@ fn efficiency_at_extreme_inertia_equals_the_large_inertia_limit() {
     }
 }
 
-fn case() -> impl Strategy<Value = OperatingPoint> {
+fn random_case() -> impl Strategy<Value = OperatingPoint> {
     (
         (8.0..45.0_f64, 30.0..70.0_f64, 0.01..0.1_f64, 0.07..0.2_f64),
         (50.0..6000.0_f64, 20.0..3000.0_f64, any::<bool>(), any::<bool>()),
@@ -308,7 +308,7 @@ proptest! {
     /// Whenever the model converges, the root satisfies the power balance and the residual is
     /// small.
     #[test]
-    fn every_root_satisfies_the_power_balance(case in case()) {
+    fn every_root_satisfies_the_power_balance(case in random_case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
@@ -323,7 +323,7 @@ proptest! {
     /// A screw of different size, density and load but with the same inertia ratio has the same
     /// efficiency and load ratios.
     #[test]
-    fn scaled_screws_have_equal_solutions(case in case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
+    fn scaled_screws_have_equal_solutions(case in random_case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
         let scaled = OperatingPoint { helix: Helix { radius: case.helix.radius * length, ..case.helix }, ball: Ball {
                 radius: case.ball.radius * length,
                 mass: case.ball.mass * force / length,
@@ -342,7 +342,7 @@ proptest! {
 
     /// Z balls under Z times the load have the same motion as one ball, and Z times the torque.
     #[test]
-    fn torque_scales_with_load_and_number_of_balls(case in case(), balls in 2_u8..80) {
+    fn torque_scales_with_load_and_number_of_balls(case in random_case(), balls in 2_u8..80) {
         let z = f64::from(balls);
         let many = OperatingPoint { load: Load { axial: case.load.axial * z, balls: z }, ..case };
         let mut work = RigidWorkspace::default();

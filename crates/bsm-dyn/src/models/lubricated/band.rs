@@ -107,7 +107,7 @@ impl LubricatedBall {
         lubricant.boundary_friction *= factor(0);
         let film = factor(6);
         lubricant.film_factor *= factor(4) * film;
-        // The uncertainty of the film formula must not change the rolling force.
+        // The rolling force must not depend on the uncertainty factor of the film thickness.
         lubricant.rolling_factor *= factor(1) / film;
         // A larger exponent in the formula of the asperity load share has the same effect as
         // smoother surfaces.

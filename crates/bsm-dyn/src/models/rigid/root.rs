@@ -262,7 +262,7 @@ fn margin_error(ball: &RigidBall<f64>, first: &FirstOrder, error: f64) -> f64 {
     error * first.precession.abs() * ball.sines.tan_a()
 }
 
-/// Returns both sides of Equation 16 of Lin et al., the condition of self-locking.
+/// Returns both sides of Equation 16 of Lin et al., the condition for self-locking.
 fn locking_terms(ball: &RigidBall<f64>) -> (f64, f64) {
     (ball.sines.sin_b, ball.friction() * ball.sines.slip_factor())
 }

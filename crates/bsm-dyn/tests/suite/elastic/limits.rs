@@ -11,7 +11,7 @@ use bsm_dyn::{
 };
 use proptest::prelude::*;
 
-fn numbers(solution: Solution) -> SteadyState {
+fn expect_solution(solution: Solution) -> SteadyState {
     solution.answer.expect("a solution")
 }
 
@@ -19,17 +19,17 @@ fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
     with(screw, |screw| screw.point.friction = Coulomb(friction))
 }
 
-fn onset(solution: &Solution) -> Option<f64> {
+fn onset_number(solution: &Solution) -> Option<f64> {
     solution.solved()?.skid?.onset_number()
 }
 
 fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
     let case = Traction { at: screw, accuracy, creep };
-    numbers(case.solve(&mut TractionWorkspace::default()))
+    expect_solution(case.solve(&mut TractionWorkspace::default()))
 }
 
 fn solve_elastic(screw: ElasticPoint) -> SteadyState {
-    numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
+    expect_solution(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
 /// At small inertia, the efficiency of the elastic model equals the closed form at the loaded
@@ -58,7 +58,7 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
     };
     for screw in real_screws(31).filter(calm).take(400) {
         let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
-        if onset(&rolling).is_some_and(|s| s < 0.03) {
+        if onset_number(&rolling).is_some_and(|s| s < 0.03) {
             tried += 1;
             let o = traction(screw, 1e-8, 1e-4);
             let difference = rolling.efficiency().expect("a root") - o.transmission.efficiency;
@@ -78,7 +78,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
     let mut tried = 0;
     for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
         let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
-        if onset(&rolling).is_some_and(|s| s > 3.0) {
+        if onset_number(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
             let difference = solve_elastic(screw).transmission.efficiency
                 - traction(screw, 1e-8, 1e-4).transmission.efficiency;
@@ -246,9 +246,9 @@ fn negligible_friction_is_treated_as_zero() {
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
-    // Without friction, the skid number is undefined and not infinite.
+    // Without friction, the skid number must be `None`, not infinite.
     let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
-    let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
+    let o = expect_solution(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
 }
