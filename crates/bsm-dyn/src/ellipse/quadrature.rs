@@ -119,7 +119,7 @@ impl Gauss {
     /// Returns a rule with the same number of nodes, which are concentrated at both ends of the
     /// interval.
     fn graded(&self) -> Self {
-        // The nodes are mapped by x² (3 − 2x), and the weights are multiplied by the slope 6x (1 − x)
+        // The nodes are mapped by x² (3 − 2x). The weights are multiplied by the slope 6x (1 − x)
         // of this function.
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
         let weights = self.abscissae.iter().zip(&self.weights);
