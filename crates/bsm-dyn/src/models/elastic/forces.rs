@@ -116,8 +116,8 @@ impl SlidingBall<f64> {
             f_tol: START_RESIDUAL_TOL,
             ..Bracket::new(COTANGENT_RANGE.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
         };
-        // The root of the residual of (S20) is sought as a function of the logarithm of the
-        // cotangent. The residual is infinite if friction holds the load.
+        // The residual of (S20) is evaluated as a function of the logarithm of the cotangent. It is
+        // infinite if friction holds the load.
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();

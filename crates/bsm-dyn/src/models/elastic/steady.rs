@@ -458,8 +458,8 @@ where
     }
 }
 
-/// Equations (S14) and (S20). A third equation is (S27) for a steady motion, or a fixed value of
-/// `$q$`.
+/// Equations (S14) and (S20), together with a third equation: (S27) for a steady motion, or a given
+/// value of `$q$`.
 struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.

@@ -247,7 +247,7 @@ impl<F: Real> StaticBalance<F> {
         unique
     }
 
-    /// Returns true if (W15) excludes that another root on the flanks has a smaller difference
+    /// Returns true if (W15) proves that no other root on the flanks has a smaller difference
     /// between the contact angles.
     #[inline(always)]
     pub(super) fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {

@@ -150,7 +150,8 @@ fn scan_finds_no_second_root_below_the_inertia_limit() {
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
         let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
-        // If the inertia is smaller, it has no significant effect on the contact angles.
+        // Very small inertia has no significant effect on the contact angles, so such points are
+        // skipped.
         if contacts.inertia_ratio() < 1e-2 {
             continue;
         }
