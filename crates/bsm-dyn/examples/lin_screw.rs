@@ -1,7 +1,7 @@
 //! Solves the rigid model for Lin's screw, and shows why there is no solution at a small lead
 //! angle.
 //!
-//!     cargo run -p bsm-dyn --example lin_screw
+//! Run the example with `cargo run -p bsm-dyn --example lin_screw`.
 #![expect(clippy::print_stdout, reason = "the result of an example")]
 
 use std::f64::consts::PI;

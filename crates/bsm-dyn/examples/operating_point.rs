@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
     };
     let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
 
-    // One workspace can be reused for all points that a thread solves.
+    // One [`ModelWorkspace`] can be reused for all points that a thread solves.
     let mut workspace = ModelWorkspace::default();
     for problem in [
         Problem::Rigid(Rigid { point }),

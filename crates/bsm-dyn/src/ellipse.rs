@@ -33,10 +33,10 @@ pub use self::slip::EllipseSlip;
 pub(crate) use self::slip::{slip_scale, surface_drop};
 use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
-/// A loaded contact ellipse on the ball.
+/// A loaded contact ellipse between ball and groove.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ellipse<D, P = f64> {
-    /// Position and normal of the contact.
+    /// Flank and unit vectors of the contact.
     pub contact: Contact<D>,
     /// Normal load `$Q$` \[N\].
     pub load: D,
@@ -51,23 +51,24 @@ pub(crate) struct Ellipse<D, P = f64> {
 /// Returns the radius of the deformed contact surface \[m\] (E2).
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*. The result is the
-/// harmonic mean of the radii of ball and groove.
+/// harmonic mean of the ball radius and the groove radius.
 #[inline(always)]
 pub fn pressed_radius<D: Real>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
 
-/// Friction of a contact, integrated over the ellipse, in contact coordinates.
+/// Friction force and moment of a contact, integrated over the ellipse, in contact coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integral<D> {
-    /// Force along `$t$` and along `$t \times N$`.
+    /// Friction force along `$t$` and along `$t \times N$`.
     pub(crate) force: [D; 2],
-    /// Moment about the ball center, with components along `$t$`, `$N$` and `$t \times N$`.
+    /// Friction moment about the ball center, with components along `$t$`, `$N$` and `$t \times
+    /// N$`.
     pub(crate) moment: [D; 3],
 }
 
-/// Converts a motion relative to the contacting body to contact coordinates.
+/// Converts a motion relative to the nut or the screw to contact coordinates.
 pub(crate) fn contact_motion<D: Scalar>(
     motion: &Motion<D>,
     contact: &Contact<D>,
@@ -82,7 +83,8 @@ pub(crate) fn contact_motion<D: Scalar>(
 }
 
 impl<D: Scalar> Integral<D> {
-    /// Converts the integrated friction to a wrench on the ball.
+    /// Converts the integrated friction from contact coordinates to a force and a moment on the
+    /// ball.
     pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
         let tangent = BallFrame::tangent();
         let across = tangent.cross(&contact.normal);
@@ -95,16 +97,16 @@ impl<D: Scalar> Integral<D> {
 }
 
 impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
-    /// Integrates friction over the ellipse. Returns the wrench on the ball, and the friction power
-    /// (E3) to (E6).
+    /// Integrates friction over the ellipse. Returns the force and the moment on the ball, and the
+    /// friction power (E3) to (E6).
     ///
-    /// * `motion`: motion of the ball relative to the contacting body.
+    /// * `motion`: motion of the ball relative to the nut or the screw.
     /// * `arc_length_per_radian`: length of the helix per radian, `$d$` \[m\].
     /// * `creep`: creep speed `$v_e$` \[m/s\], positive. If the slip speed is below the creep
     ///   speed, friction is nearly proportional to the slip.
     ///
-    /// Source: Coulomb friction over the Hertz ellipse with spin and Heathcote slip, as in Jones
-    /// and Harris.
+    /// Source: Coulomb friction over the Hertz ellipse with spin and Heathcote slip, as in the work
+    /// of Jones and of Harris.
     pub(crate) fn friction<L>(
         &self,
         motion: &Motion<D>,
@@ -121,7 +123,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
-    /// Creates the patch of an ellipse with a given motion.
+    /// Creates the patch for the friction sums from this ellipse and a given motion.
     pub(crate) fn patch(&self, local: &ContactMotion<D>, creep: f64) -> Patch<D> {
         let [t, n, c] = local.omega;
         Patch {
@@ -135,8 +137,8 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
 }
 
 impl<D: Scalar> Patch<D> {
-    /// Integrates friction node by node, with all derivatives. Returns the friction divided by
-    /// `$Q$`, and its power (E3) to (E6).
+    /// Integrates friction node by node, with all derivatives. Returns the friction force and
+    /// moment, divided by `$Q$`, and the friction power (E3) to (E6).
     pub(crate) fn integrate<L: FrictionLaw<D>>(
         &self,
         law: &L,
@@ -171,7 +173,7 @@ impl<D: Scalar> Patch<D> {
         (sum, power)
     }
 
-    /// Returns the patch without derivatives.
+    /// Returns the contact patch without derivatives.
     #[inline(always)]
     fn values(&self) -> Patch {
         Patch {
@@ -189,14 +191,14 @@ impl<D: Scalar> Patch<D> {
     }
 }
 
-/// Scalars, with constants of type `P`, for which friction can be integrated over the contact
+/// Scalar types, with constants of type `P`, for which friction can be integrated over the contact
 /// ellipses.
 ///
 /// The default implementation is [`Patch::integrate`], which is exact but slow. Plain numbers and
 /// jets of numbers use vectorized sums, which are faster.
 pub(crate) trait Integrate<P: Scalar>: Over<P> {
-    /// Returns friction and friction power at two contacts with a constant coefficient, divided by
-    /// `$f Q$`. The vectorized sums do not include the derivatives of the power.
+    /// Returns friction and friction power at two contacts with a constant friction coefficient,
+    /// divided by `$f Q$`. The vectorized sums do not include the derivatives of the power.
     ///
     /// * `alone`: true if only the first contact is calculated.
     fn dry<S: Simd>(
@@ -214,7 +216,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// vectorized sums do not include the derivatives of the power or the derivatives with respect
     /// to the maximum pressure.
     ///
-    /// * `films`: film thicknesses \[m\].
+    /// * `films`: film thicknesses at nut and screw \[m\].
     fn lubricated<S: Simd>(
         _simd: S,
         patches: &[Patch<Self>; 2],
@@ -328,7 +330,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         let points = [patches[0].values(), patches[1].values()];
         let found = sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, [false, alone]);
         let [nut, screw] = &found;
-        // The array is written out, because the compiler would compile a closure for the baseline
+        // The array is written out, because a closure would be compiled for the baseline
         // instruction set.
         [
             (Integral::with_slopes(nut, &patches[0]), nut.power.into()),
@@ -356,15 +358,15 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
     }
 }
 
-/// Returns a jet with the value of `x` and the derivatives of the logarithm of `x`.
+/// Returns a jet that has the value of `x` but the derivatives of the logarithm of `x`.
 #[inline(always)]
 fn logarithmic<const N: usize>(x: Jet<N>) -> Jet<N> {
     x.chain(x.re, x.re.recip())
 }
 
 impl<const N: usize> Integral<Jet<N>> {
-    /// Creates the integral with derivatives, from the derivatives of the sums with respect to the
-    /// motion and to the growth of the ellipse.
+    /// Creates the integral with derivatives. The sums provide the derivatives with respect to the
+    /// motion and to the size of the ellipse.
     #[inline(always)]
     fn with_slopes(sums: &Resultants, patch: &Patch<Jet<N>>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c] = sums.values;
@@ -382,7 +384,8 @@ impl<const N: usize> Integral<Jet<N>> {
         all
     }
 
-    /// Adds the product of slopes and derivatives of an argument.
+    /// Adds the derivatives due to an argument: the given slopes multiplied by the derivatives of
+    /// the argument.
     #[inline(always)]
     fn add_slopes(&mut self, slopes: [f64; SUMS], argument: Jet<N>) {
         let [f_t, f_c, m_t, m_n, m_c] = slopes;
@@ -412,7 +415,8 @@ mod tests {
     use super::kernel::sums_on;
     use super::*;
 
-    /// Returns the friction at two contacts for a constant coefficient, as in [`Integrate::dry`].
+    /// Returns the friction at two contacts for a constant friction coefficient, as in
+    /// [`Integrate::dry`].
     fn dry_friction<P: Scalar, D: Integrate<P>>(
         patches: &[Patch<D>; 2],
         nodes: &[Placement<'_>; 2],
@@ -447,9 +451,8 @@ mod tests {
         (ellipse, Quadrature::of(1e-8))
     }
 
-    /// If all points have the same slip, the friction force is f Q against the slip, and the
-    /// friction power is f Q multiplied by the slip speed.
-    /// |v|.
+    /// If all points have the same slip, the friction force is f Q and acts against the slip, and
+    /// the friction power is f Q multiplied by the slip speed.
     #[test]
     fn uniform_slip_gives_coulomb_friction() {
         let (ellipse, quadrature) = ellipse();
@@ -468,8 +471,8 @@ mod tests {
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let (_, e) = ellip::ellipke(1.0 - 0.04).expect("parameter below 1");
         let expected = 3.0 / 8.0 * 0.08 * 130.0 * 0.5e-3 * e;
-        // At the center, the direction of slip has a singularity, where the quadrature converges
-        // like 1/order³.
+        // At the center, the direction of slip has a singularity, which limits the convergence of
+        // the quadrature to 1/order³.
         let spin_moment = -wrench.moment.dot(&ellipse.contact.normal);
         assert_relative_eq!(spin_moment, expected, max_relative = 1e-4);
         assert_relative_eq!(power, spin_moment * 50.0, max_relative = 1e-10);
@@ -514,7 +517,7 @@ mod tests {
     }
 
     /// Returns a contact in scaled units, with derivatives with respect to the motion and to the
-    /// growth of the ellipse.
+    /// size of the ellipse.
     fn with_slopes(
         [along, w_t, w_n, w_c]: [f64; 4],
         (a, b): (f64, f64),
@@ -539,8 +542,9 @@ mod tests {
     }
 
     proptest! {
-        /// Compares the vectorized sums for an oil with its friction law at equal nodes: values,
-        /// and derivatives with respect to motion, growth and film thickness.
+        /// Compares the vectorized sums for an oil with its friction law, evaluated at the same
+        /// nodes: values, and derivatives with respect to motion, size of the ellipse and film
+        /// thickness.
         #[test]
         fn vectorized_sums_for_an_oil_match_the_friction_law(
             along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
@@ -585,8 +589,8 @@ mod tests {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
-                // The tolerance allows for rounding errors of sums over hundreds of nodes whose
-                // terms have the magnitude of the coefficient.
+                // The tolerance allows for rounding errors of sums over hundreds of nodes, in which
+                // each term has the magnitude of the friction coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
@@ -600,8 +604,9 @@ mod tests {
             }
         }
 
-        /// Compares the vectorized sums with Coulomb friction at equal nodes: values and
-        /// derivatives, with the spin pole inside and outside the ellipse.
+        /// Compares the vectorized sums with Coulomb friction, evaluated at the same nodes: values
+        /// and derivatives, with the spin pole (the point without slip) inside and outside the
+        /// ellipse.
         #[test]
         fn vectorized_sums_match_coulomb_friction(
             digits in 2.0..9.0_f64, along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
@@ -633,7 +638,7 @@ mod tests {
             }
         }
 
-        /// The sums are bit-identical on all instruction sets.
+        /// The friction sums are bit-identical on all instruction sets.
         #[test]
         fn friction_sums_are_bit_identical_on_every_instruction_set(
             motion in proptest::array::uniform4(-1.0..1.0_f64), b in 0.01..0.3_f64,
@@ -653,7 +658,8 @@ mod tests {
 
     /// For random contacts, the quadrature errors are within the stated limits. The reference
     /// values come from two finer quadratures that agree. The semi-axes and slips of the contacts
-    /// vary over orders of magnitude, and many contacts have the spin pole inside the ellipse.
+    /// vary over orders of magnitude, and in many contacts, the spin pole (the point without slip)
+    /// is inside the ellipse.
     #[test]
     fn quadrature_errors_at_random_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -694,8 +700,9 @@ mod tests {
             })
             .collect();
         println!("{quantiles:?}");
-        // The limits are 25 % above the observed errors, to allow for other random numbers. The
-        // difference between the two finer quadratures is much smaller than these errors.
+        // The limits are 25 % above the observed errors, which leaves a margin for other random
+        // numbers. The difference between the two finer quadratures is much smaller than these
+        // errors.
         for ([_, most, worst], limits) in
             quantiles.iter().zip([[6e-3, 1e-2], [1.2e-5, 5e-5], [1.5e-6, 2.5e-6], [1e-9, 1e-8]])
         {
@@ -748,7 +755,8 @@ mod tests {
             [50, 90, 100].map(|share| errors[(errors.len() * share / 100).min(errors.len() - 1)])
         });
         println!("{quantiles:?}");
-        // The limits are two to three times the observed errors, to allow for other random numbers.
+        // The limits are two to three times the observed errors, which leaves a margin for other
+        // random numbers.
         for (found, limits) in quantiles.iter().zip([
             [4e-4, 1e-2, 7e-2],
             [6e-6, 5e-5, 2e-3],

@@ -78,8 +78,8 @@ pub mod lubrication {
     pub use crate::models::{LubricatedArch, LubricatedBall, LubricatedModel};
 }
 
-/// The models of a ball, each with its inputs and its workspace. A [`Problem`] selects one of the
-/// models at run time.
+/// The models of a ball, each with its inputs and its reusable buffers. A [`Problem`] selects one
+/// of the models at run time.
 pub mod model {
     pub use crate::contact::centrifugal_force;
     pub use crate::models::{
@@ -110,7 +110,7 @@ pub mod solution {
     };
 }
 
-/// Balls that push each other in a ball train, and their way into the ball return.
+/// Balls in a ball train that push against each other, and their motion into the ball return.
 pub mod train {
     pub use crate::contact::{
         EntryStep, Wedge, apex_thrust, impact_force, linear_impact_force, step_thrust,
@@ -119,9 +119,8 @@ pub mod train {
     pub use crate::models::{TrainBall, TrainMotion};
 }
 
-/// Equations of the models for kernels that solve many points at once, and for benchmarks and
-/// validation. They are not part of the API, because a different implementation would not have
-/// them.
+/// Equations of the models for numerical kernels that solve many points at once, and for benchmarks
+/// and validation. They are not part of the public API, because they depend on the implementation.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};

@@ -1,4 +1,5 @@
-//! The models, ordered by increasing number of inputs, and their shared code.
+//! The models of the ball screw, ordered by increasing number of inputs, and the code that they
+//! have in common.
 
 mod auto;
 mod ball;

@@ -23,7 +23,7 @@ macro_rules! named {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            /// Returns the variant with the given name, or `None` if there is no such variant.
+            /// Returns the variant with the given name, or `None` if no variant has this name.
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|variant| variant.name() == name)
             }
@@ -52,18 +52,18 @@ pub enum DrivenPart {
     Nut,
 }
 
-/// Direction of the drive: the side (rotary or linear) that drives the other side.
+/// Direction of the power flow: the side (rotary or linear) that drives the other side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// The drive moves against the axial load, `$W > 0$`.
+    /// The drive moves the load, `$W > 0$`.
     RotaryToLinear,
-    /// The load drives (back-driving), `$W < 0$`.
+    /// The load drives the screw or the nut (back-driving), `$W < 0$`.
     LinearToRotary,
 }
 
 impl Direction {
-    /// Returns the direction of the relative speed `$W = \Omega_s - \Omega_n$`, or `None` if it is
-    /// 0 or NaN.
+    /// Returns the direction of the power flow for a relative speed `$W = \Omega_s - \Omega_n$`, or
+    /// `None` if the speed is 0 or NaN.
     pub fn of(relative_speed: f64) -> Option<Self> {
         if relative_speed > 0.0 {
             Some(Self::RotaryToLinear)
@@ -74,7 +74,7 @@ impl Direction {
         }
     }
 
-    /// Returns the sign of the relative speed.
+    /// Returns the sign of the relative speed, 1 or -1.
     pub fn sign(self) -> f64 {
         match self {
             Self::RotaryToLinear => 1.0,
@@ -92,18 +92,18 @@ named! {
     /// Status of a solve.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Status {
-        /// The solve converged, and the outputs are the solution.
+        /// The solve converged, and the outputs are valid.
         Converged = "converged",
         /// No solution exists; [`Evidence`] states how certain this is.
         NoSolution = "no_solution",
-        /// The iteration found no solution, but a solution is not excluded.
+        /// The solver found no solution, but a solution may exist.
         NotConverged = "not_converged",
         /// The model does not accept these inputs.
         InvalidInput = "invalid_input",
     }
 }
 
-/// Reason why there is no solution.
+/// Reason why a model has no solution.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
@@ -114,32 +114,32 @@ pub enum Reason {
         /// Friction term `$f D$`, which is at least `$\sin\beta$`.
         friction_term: f64,
     },
-    /// The quasi-static force balance requires a normal load that is not positive, because friction
-    /// holds any axial load.
+    /// The quasi-static force balance requires a normal load that is zero or negative, because
+    /// friction holds any axial load.
     FrictionHoldsLoad {
         /// Ratio of the normal load to the axial load per ball.
         load_ratio: f64,
     },
-    /// With saturated friction, the slip at contact A would have to be negative. The ball rolls on
-    /// the nut instead, which these equations do not cover.
+    /// With saturated friction, the slip at contact A (loaded flank of the nut) would have to be
+    /// negative. The ball rolls on the nut instead, which these equations do not cover.
     NutContactWouldRoll {
-        /// Slip speed at contact A along its friction direction, divided by `$r_b|W|$`; not
-        /// positive.
+        /// Slip speed at contact A along its friction direction, divided by `$r_b|W|$`; zero or
+        /// negative.
         slip: f64,
-        /// True if `slip` satisfies the equations continued beyond rolling; false if it is the
-        /// first-order value.
+        /// True if `slip` satisfies the equations, which were continued beyond rolling; false if it
+        /// is the first-order value.
         exact: bool,
     },
-    /// Contact A' on the unloaded flank would have to act in tension.
+    /// The contact on the unloaded flank of the nut (A') would have to act in tension.
     UnloadedFlankWouldPull {
-        /// Load ratio `$Q_{A'}/F_a$`, not positive.
+        /// Load ratio `$Q_{A'}/F_a$`; zero or negative.
         load_ratio: f64,
     },
     /// A loaded contact would have to act in tension.
     LoadedContactWouldPull {
-        /// Load ratio `$Q_A/F_a$`.
+        /// Load ratio `$Q_A/F_a$` at the nut.
         nut_load_ratio: f64,
-        /// Load ratio `$Q_B/F_a$`.
+        /// Load ratio `$Q_B/F_a$` at the screw.
         screw_load_ratio: f64,
     },
     /// The branch of steady motions that begins without inertia does not reach the inertia ratio of
@@ -152,8 +152,8 @@ pub enum Reason {
         nearest: f64,
     },
     /// A contact angle is not between 0 and 90 degrees. With the status `no_solution`, the angles
-    /// belong to the first root, or to the end of a path without a root that has both angles in
-    /// this range; no other root is known.
+    /// are those of the first root, or those at the end of a path on which no root has both angles
+    /// in this range; no other root is known.
     BallLeavesFlank {
         /// Contact angle at the nut \[rad\].
         nut: f64,
@@ -165,14 +165,15 @@ pub enum Reason {
     FlanksCannotHold {
         /// The controlling raceway.
         control: Control,
-        /// Ratio of the centrifugal force that the flanks can hold to the axial load, at a contact
-        /// angle of 90 degrees at the screw.
+        /// Ratio of the centrifugal force that the flanks can hold to the axial load. The force is
+        /// evaluated at a contact angle of 90 degrees at the screw.
         held: f64,
-        /// Ratio of the actual centrifugal force to the axial load in the same state.
+        /// Ratio of the actual centrifugal force to the axial load, also at a contact angle of 90
+        /// degrees at the screw.
         centrifugal: f64,
     },
-    /// Wherever the forces are in equilibrium with saturated friction, the slip would have the
-    /// direction of friction instead of the opposite direction.
+    /// Wherever the forces are in equilibrium with saturated friction, friction would act in the
+    /// direction of the slip instead of against it.
     SlipAlongFriction {
         /// Slip speed at the nut without inertia, divided by `$r_b|W|$`.
         slip: f64,
@@ -182,12 +183,12 @@ pub enum Reason {
     NoSkidAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia: f64,
-        /// Smallest inertia ratio at which the ball slides.
+        /// Smallest inertia ratio at which the ball slides on both flanks.
         least: f64,
-        /// Largest inertia ratio at which the ball slides.
+        /// Largest inertia ratio at which the ball slides on both flanks.
         most: f64,
     },
-    /// The search failed: no root was found, and no root is excluded.
+    /// The search failed: it found no root, but could not exclude that a root exists.
     SearchLost,
     /// The curvatures of ball and groove do not result in a contact ellipse with its long axis
     /// across the groove.
@@ -203,7 +204,7 @@ pub enum Reason {
     /// The inertia ratio `$m r_m W^2/F_a$` is below 1e-100 or above 1e28, so the forces cannot be
     /// balanced in double precision.
     InertiaOutOfRange {
-        /// Value of the inertia ratio.
+        /// Inertia ratio at the operating point.
         inertia_ratio: f64,
     },
     /// Without friction (`$f = 0$`), the rotation of the ball is undetermined.
@@ -212,19 +213,20 @@ pub enum Reason {
     NoRelativeSpeed,
     /// The model is valid if either the screw or the nut rotates, but not if both rotate.
     DualDrive,
-    /// Because of rounding errors, the root violates the power balance.
+    /// The root violates the power balance because of rounding errors.
     PowerDoesNotBalance {
         /// Relative error of the power balance.
         imbalance: f64,
     },
-    /// At all temperatures up to a limit, the losses exceed the heat that the lubricant transfers to its surroundings.
+    /// At all temperatures up to a limit, the power losses exceed the heat that the lubricant
+    /// transfers to its surroundings.
     LubricantRunsAway {
-        /// Maximum temperature of the search \[K\].
+        /// Maximum temperature that the search considered \[K\].
         hottest: f64,
     },
-    /// The model equations cannot be evaluated at a required point.
+    /// The model equations cannot be evaluated at a point where their values are needed.
     Refused {
-        /// Quantity, value and requirement that was not met.
+        /// Quantity with its value, and the requirement that it violates.
         error: EvalError,
     },
     /// The Jacobian is singular at the root, so the root has no derivatives with respect to the
@@ -232,7 +234,7 @@ pub enum Reason {
     SingularRoot,
     /// Newton's method did not converge.
     Newton {
-        /// Reason why the iteration ended.
+        /// Reason why Newton's method ended.
         status: Termination,
         /// Scaled residual at the end of the iteration.
         residual: f64,
@@ -255,7 +257,7 @@ impl fmt::Display for Reason {
             ),
             Self::NutContactWouldRoll { slip, .. } => write!(
                 f,
-                "the ball would roll on the nut: its slip speed there would be {slip:.3e} times r_b W"
+                "the ball would roll on the nut: the slip speed there would be {slip:.3e} times ball radius times relative speed"
             ),
             Self::UnloadedFlankWouldPull { load_ratio } => write!(
                 f,
@@ -285,15 +287,15 @@ impl fmt::Display for Reason {
             ),
             Self::SlipAlongFriction { slip } => write!(
                 f,
-                "wherever the forces balance, the slip would have the direction of friction; at the nut, the slip speed \
-                 would be {slip:.3e} times r_b W"
+                "wherever the forces balance, friction would act in the direction of slip instead of against it; the slip \
+                 speed at the nut would be {slip:.3e} times ball radius times relative speed"
             ),
             Self::NoSkidAtInertia { inertia, least, most } => write!(
                 f,
                 "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
                  {inertia:.3e}"
             ),
-            Self::SearchLost => write!(f, "all strategies failed to find or exclude a root"),
+            Self::SearchLost => write!(f, "the search neither found a root nor excluded one"),
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
                 f,
                 "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
@@ -320,7 +322,7 @@ impl fmt::Display for Reason {
             Self::LubricantRunsAway { hottest } => {
                 write!(
                     f,
-                    "the lubricant heats up to more than {hottest:.1} K, because the losses always exceed the cooling"
+                    "the lubricant heats up to more than {hottest:.1} K, because the power losses exceed the cooling at every temperature"
                 )
             }
             Self::Refused { error } => error.fmt(f),
@@ -340,7 +342,7 @@ impl fmt::Display for Reason {
 impl Error for Reason {}
 
 impl From<Report> for Reason {
-    /// Describes why a Newton solve did not converge.
+    /// Converts the report of a Newton solve that did not converge.
     fn from(report: Report) -> Self {
         Self::Newton {
             status: report.status,
@@ -355,13 +357,14 @@ impl From<Report> for Reason {
 pub enum Evidence {
     /// Proof from the equations of the model, up to rounding errors.
     Proof,
-    /// A limit that was determined by tests at many points excludes a solution. The limit is the
-    /// error of the first-order solution, or the range in which several solutions exist.
+    /// A limit that was determined by tests at many points excludes a solution. This limit is
+    /// either the error of the first-order solution or the boundary of the range in which several
+    /// solutions exist.
     Bound,
-    /// The curve of states that begins without inertia was followed to its end. Two solutions
-    /// within one step, and solutions on other curves, may have been missed.
+    /// The curve of states that begins without inertia was followed to its end. The search may have
+    /// missed two solutions within one step, and solutions on other curves.
     Traced {
-        /// Longest step length, in the unit of the curve.
+        /// Longest step length along the curve, in scaled units.
         resolution: f64,
     },
 }
@@ -370,7 +373,7 @@ impl Evidence {
     /// Names that are used in files, starting with the strongest evidence.
     pub const NAMES: [&str; 3] = ["proof", "bound", "traced"];
 
-    /// Returns the index in [`Self::NAMES`]; 0 is the strongest evidence.
+    /// Returns the index of this evidence in [`Self::NAMES`]; 0 is the strongest evidence.
     pub fn rank(self) -> u8 {
         match self {
             Self::Proof => 0,
@@ -400,7 +403,7 @@ impl fmt::Display for Evidence {
     }
 }
 
-/// The reason why a model has no solution.
+/// Status and reason if a model has no solution, with the evidence that no solution exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoAnswer {
     status: Status,
@@ -421,16 +424,15 @@ impl fmt::Display for NoAnswer {
 impl Error for NoAnswer {}
 
 impl NoAnswer {
-    /// A failed search: no root was found, and no root is excluded.
+    /// Outcome of a failed search: no root was found, but a root may exist.
     pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
-    /// Creates the outcome that no solution exists, with the evidence.
+    /// Creates the outcome that no solution exists, together with the evidence for this.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    /// Creates the outcome that the iteration found no solution, but that a solution is not
-    /// excluded.
+    /// Creates the outcome that the solver found no solution, although a solution may exist.
     pub(crate) const fn not_converged(reason: Reason) -> Self {
         Self { status: Status::NotConverged, reason, evidence: None }
     }
@@ -450,7 +452,7 @@ impl NoAnswer {
         &self.reason
     }
 
-    /// Returns the evidence that no solution exists, if there is any.
+    /// Returns the evidence that no solution exists; `None` if there is no such evidence.
     pub fn evidence(&self) -> Option<Evidence> {
         self.evidence
     }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::{BallFrame, Scalar};
 
-/// Position of a contact between ball and groove.
+/// Groove flank on which a contact lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {
     /// A: loaded flank of the nut groove.
@@ -20,7 +20,7 @@ pub enum Site {
 /// Unit vectors at one contact, with components in the triad of a [`BallFrame`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact<D> {
-    /// Position of the contact.
+    /// Groove flank on which the contact lies.
     pub site: Site,
     /// Unit normal `$N$`, pointing from the raceway into the ball.
     pub normal: Vector3<D>,
@@ -41,8 +41,8 @@ impl<D: Scalar> Contact<D> {
     /// \end{aligned}
     /// ```
     ///
-    /// with components in `(t, n, b)`. In a rotated triad, the angles are measured from its second
-    /// axis.
+    /// The equations give the components in the triad `(t, n, b)`. In a rotated triad, contact
+    /// angles are measured from its second axis.
     pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
         let angle = if site == Site::NutUnloaded { -contact_angle } else { contact_angle };
         Self::tilted(site, angle - frame.rotation_angle)

@@ -1,5 +1,6 @@
-//! Numbers or lanes with `N` partial derivatives. They provide derivatives with respect to seven
-//! unknowns for the Jacobian of a ball, and with respect to one to three variables for lanes.
+//! Dual numbers for automatic differentiation: numbers or SIMD vectors with `N` partial
+//! derivatives. The Jacobian of a ball needs the derivatives with respect to seven unknowns, and
+//! formulas for SIMD vectors need those with respect to one to three variables.
 //!
 //! The crate num-dual is more general, and the tests compare this module with it. For the seven
 //! equations of a ball, num-dual is slower (benchmark: `cargo bench -p bsm-benches --
@@ -49,8 +50,7 @@ impl<const N: usize, F: Real> Jet<N, F> {
         Self { re, eps: parts!(self.eps, N, i, self.eps[i] * slope) }
     }
 
-    /// Returns the jet with value `re` whose derivatives are `a` times those of `self` plus `b`
-    /// times those of `other`.
+    /// Returns the jet with value `re` and derivatives `a * self.eps + b * other.eps`.
     #[inline(always)]
     fn combine(self, a: F, other: Self, b: F, re: F) -> Self {
         Self { re, eps: parts!(self.eps, N, i, a * self.eps[i] + b * other.eps[i]) }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::{BallFrame, Contact, Real, RealOver, Scalar, Site};
 
-/// Rotational speeds of screw and nut about the screw axis.
+/// Angular speeds of screw and nut about the screw axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<D> {
     /// Screw speed `$\Omega_s$` \[rad/s\].
@@ -18,8 +18,8 @@ pub struct Drive<D> {
 impl<D: Real> Drive<D> {
     /// Returns the relative speed `$W = \Omega_s - \Omega_n$` \[rad/s\].
     ///
-    /// If the relative speed is positive, the drive moves against the axial load (rotary to
-    /// linear). If it is negative, the load back-drives the screw (linear to rotary).
+    /// If the relative speed is positive, the drive moves the axial load (rotary to linear). If it
+    /// is negative, the load back-drives the screw (linear to rotary).
     #[inline(always)]
     pub fn relative_speed(&self) -> D {
         self.screw_speed - self.nut_speed
@@ -30,7 +30,7 @@ impl<D: Real> Drive<D> {
 /// axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion<D> {
-    /// Precession `$P$` of the ball center about the screw axis \[rad/s\].
+    /// Precession rate `$P$` of the ball center about the screw axis \[rad/s\].
     pub precession: D,
     /// Angular velocity `$\omega$` of the ball \[rad/s\], with components in the triad of a
     /// [`BallFrame`].
@@ -38,7 +38,7 @@ pub struct Motion<D> {
 }
 
 impl<D> Motion<D> {
-    /// Creates a motion from the precession and the components of the angular velocity.
+    /// Creates a motion from the precession rate and the components of the angular velocity.
     #[inline(always)]
     pub fn new(precession: D, [t, n, b]: [D; 3]) -> Self {
         Self { precession, omega: Vector3::new(t, n, b) }

@@ -1,4 +1,5 @@
-//! Operations for formulas that apply to one point or to many points at once.
+//! Arithmetic interface for formulas that are evaluated either for one point or for many points at
+//! once.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -9,10 +10,11 @@ use crate::root::cube_root;
 
 /// Number type for formulas that are evaluated for a single point, with or without derivatives, or
 /// for several points side by side. It is implemented by every [`Scalar`](crate::Scalar) and by the
-/// lanes of `bsm-simd`. Comparisons consider only the values and ignore derivatives.
+/// SIMD vectors (`Lane`) of the crate `bsm-simd`. Comparisons consider only the values and ignore
+/// derivatives.
 ///
-/// Functions that are generic over this trait must be `#[inline(always)]`, because the code for a
-/// lane uses the instruction set of its caller only if it is inlined.
+/// Functions that are generic over this trait must be `#[inline(always)]`, because the code for
+/// SIMD vectors uses the instruction set of its caller only if it is inlined.
 pub trait Real:
     Copy
     + Neg<Output = Self>
@@ -25,7 +27,7 @@ pub trait Real:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
-    /// Type of a truth value per point.
+    /// Type of a mask, which contains one truth value per point.
     type Mask: Copy
         + Debug
         + PartialEq
@@ -42,7 +44,7 @@ pub trait Real:
     /// Returns the square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Returns the cube root. The numbers in a lane must be positive and normal.
+    /// Returns the cube root. All numbers in a SIMD vector must be positive and normal.
     #[must_use]
     fn cbrt(self) -> Self;
     /// Returns the reciprocal.
@@ -51,14 +53,14 @@ pub trait Real:
     /// Returns the exponential function.
     #[must_use]
     fn exp(self) -> Self;
-    /// Returns the natural logarithm. The numbers in a lane must be positive and normal.
+    /// Returns the natural logarithm. All numbers in a SIMD vector must be positive and normal.
     #[must_use]
     fn ln(self) -> Self;
     /// Returns the inverse hyperbolic sine.
     #[must_use]
     fn asinh(self) -> Self;
-    /// Returns the number raised to a constant power. The numbers in a lane must be positive and
-    /// normal.
+    /// Returns the number raised to a constant power. All numbers in a SIMD vector must be positive
+    /// and normal.
     #[must_use]
     fn powf(self, exponent: f64) -> Self;
 
@@ -109,14 +111,14 @@ pub trait Real:
         self * self
     }
 
-    /// Returns `self × b + c`. Lanes round the result only once.
+    /// Returns `self × b + c`. For SIMD vectors, this is a fused operation, which rounds only once.
     #[inline(always)]
     #[must_use]
     fn mul_add(self, b: Self, c: Self) -> Self {
         self * b + c
     }
 
-    /// Returns `c − self × b`. Lanes round the result only once.
+    /// Returns `c − self × b`. For SIMD vectors, this is a fused operation, which rounds only once.
     #[inline(always)]
     #[must_use]
     fn neg_mul_add(self, b: Self, c: Self) -> Self {
@@ -124,8 +126,8 @@ pub trait Real:
     }
 }
 
-/// A [`Real`] that can be combined with constants of type `P`. Both types are numbers or lanes,
-/// with or without derivatives.
+/// A [`Real`] that supports arithmetic with constants of type `P`. Both types are single numbers or
+/// SIMD vectors, with or without derivatives.
 pub trait RealOver<P>:
     Real + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
 {
@@ -205,9 +207,10 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Real for T {
     }
 }
 
-/// Evaluates an expression for each of a few indices without using a closure or a loop. A closure
-/// would not be inlined if the instruction sets differ. Kernels would contain thousands of short
-/// loops, which the compiler takes minutes to unroll.
+/// Evaluates an expression for each of a few indices without a closure or a loop. A closure is not
+/// inlined into a function that is compiled for another instruction set. With loops, each numerical
+/// kernel would contain thousands of short loops, and the compiler would take minutes to unroll
+/// them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! parts {

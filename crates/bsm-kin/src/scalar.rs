@@ -1,5 +1,5 @@
-//! Scalar type over which every formula is generic. Only this file uses the traits of the
-//! dual-number crate.
+//! Scalar type over which every formula is generic. Only this file uses the traits of the crate
+//! num-dual.
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_dual::{DualNum, DualNumCopy};
@@ -46,8 +46,8 @@ pub trait Scalar:
     }
 }
 
-/// A scalar that can be combined with constants of type `P`. For example, a jet can be combined
-/// with numbers, or with constants that are themselves jets.
+/// A scalar that supports arithmetic with constants of type `P`. For example, the constants in a
+/// formula for jets can be plain numbers or other jets.
 pub trait Over<P>: Scalar + RealOver<P> + From<P> {}
 
 impl<P, D: Scalar + RealOver<P> + From<P>> Over<P> for D {}

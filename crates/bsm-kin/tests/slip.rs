@@ -29,14 +29,14 @@ fn slip_components(
     (v.dot(&contact.transverse), v.dot(&BallFrame::tangent()))
 }
 
-/// The expected components are Eqs 7-8 of Lin et al. for a nut at rest.
+/// The expected components are Equations 7 and 8 of Lin et al. for a nut at rest.
 #[test]
 fn slip_matches_the_published_components() {
     let (alpha, beta, r_m, r_b) = (0.1745_f64, 0.81_f64, 24.3e-3, 4.37e-3);
     let helix = Helix { radius: r_m, lead_angle: alpha };
     let drive = Drive { screw_speed: 209.4, nut_speed: 0.0 };
     let (rate, wt, wn, wb) = (-118.0, 37.0, -411.0, 93.0);
-    // Lin et al. write the precession as theta_dot + Omega.
+    // Lin et al. write the precession rate as theta_dot + Omega.
     let motion = Motion { precession: rate + drive.screw_speed, omega: Vector3::new(wt, wn, wb) };
     let d = r_m / alpha.cos();
     let omega = drive.screw_speed;
@@ -52,7 +52,7 @@ fn slip_matches_the_published_components() {
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 
-/// A ball that moves rigidly with a body does not slip on this body, whatever the helix.
+/// A ball that moves rigidly with a body does not slip on this body, for any helix.
 #[test]
 fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     let helix = Helix { radius: 20e-3, lead_angle: 0.2 };

@@ -122,7 +122,7 @@ impl Bracket {
     /// Zero and NaN count as values without a sign, so they end the search.
     ///
     /// * `begin`: first point and its function value.
-    /// * `places`: points that follow, in order.
+    /// * `places`: the points that follow, in order of evaluation.
     ///
     /// # Errors
     ///
@@ -268,7 +268,7 @@ fn interpolated_fraction((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(
     if fraction.is_finite() { fraction } else { 0.5 }
 }
 
-/// Detects that a size has not been halved within a given number of steps.
+/// Detects that an interval has not been halved within a given number of steps.
 struct StallDetector {
     patience: u32,
     size: f64,

@@ -1,5 +1,5 @@
-//! Natural parameter continuation, which follows a root while a parameter changes. It helps if no
-//! good starting point is available.
+//! Natural parameter continuation, which follows a root while a parameter changes. It is useful if
+//! no good starting point is available for the final parameter.
 
 /// Step lengths of a natural parameter continuation, in the unit of the parameter.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +50,8 @@ pub fn follow<const N: usize>(
             (at, *y, arrived) = (next, guess, last);
             length *= 1.5;
         } else {
-            // If the failed step was the last step, its length was the remaining distance.
+            // The last step is shortened to the remaining distance, which may be less than
+            // `length`.
             length = 0.5 * length.min((end - at).abs());
             if length < control.shortest {
                 return Err(Some(at));
@@ -78,7 +79,8 @@ mod tests {
         assert!(!root(1e6, &mut [1.0]));
         let control = Continuation { first: 1.0, shortest: 1e-3 };
         assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
-        // The tolerance of `root` is 1e-9 of x. Divided by 2 y, this is less than 1e-6.
+        // The function `root` permits an error of 1e-9 x in y². The error in y is therefore 1e-9
+        // x/(2 y), which is less than 1e-6.
         assert!((y[0] - 1e3).abs() <= 1e-6);
     }
 

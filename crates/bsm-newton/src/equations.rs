@@ -1,4 +1,4 @@
-//! Interface between models and the solver.
+//! Interface between physical models and the Newton solver.
 
 use std::array::from_fn;
 
@@ -54,9 +54,9 @@ pub trait Equations<const N: usize> {
         from_fn(|i| x[i] + lambda * dx[i])
     }
 
-    /// Returns the fraction of the Newton step `dx` to try first, in (0, 1].
+    /// Returns the fraction of the Newton step `dx` that is tried first, in (0, 1].
     ///
-    /// Defaults to 1.
+    /// The default implementation returns 1, which is the full step.
     fn max_step_length(&self, _x: &[f64; N], _dx: &[f64; N]) -> f64 {
         1.0
     }

@@ -9,7 +9,7 @@ use crate::{Equations, NoSlopes, Singular, Workspace};
 /// F(x(p), p) = 0 \quad\Rightarrow\quad J\,\frac{dx}{dp} = -\frac{\partial F}{\partial p}
 /// ```
 ///
-/// * `f_scale`: reciprocals of the typical sizes of the equations, as in
+/// * `f_scale`: reciprocals of the typical magnitudes of the residuals, as in
 ///   [`Scales::f`](crate::Scales::f).
 /// * `columns`: `$\partial F/\partial p$` at the root on entry, `$dx/dp$` on return, one column per
 ///   parameter `$p$`.

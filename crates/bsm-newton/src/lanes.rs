@@ -1,4 +1,4 @@
-//! Newton's method for one point or for several points side by side in SIMD lanes.
+//! Newton's method for one point or for several points side by side in a SIMD vector.
 
 use bsm_kin::Real;
 
@@ -17,7 +17,7 @@ pub trait LaneEquations<F: Real, const N: usize> {
 pub struct LaneStep<F: Real, const N: usize> {
     /// Newton step of each point, `$-J^{-1} F$`.
     pub step: [F; N],
-    /// Length of the Newton step, scaled by the sizes of the unknowns.
+    /// Length of the Newton step, scaled by the typical magnitudes of the unknowns.
     pub length: F,
     /// Mask that is true for points at which the equations are defined.
     pub is_defined: F::Mask,
@@ -45,7 +45,8 @@ impl<F: Real, const N: usize> LaneIterate<F, N> {
     }
 }
 
-/// Settings of the lane-wise Newton iteration. Lengths are scaled by the sizes of the unknowns.
+/// Settings of Newton's method for several points side by side. Lengths are scaled by the typical
+/// magnitudes of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaneNewton {
     /// Step length below which the iteration ends.
@@ -57,8 +58,8 @@ pub struct LaneNewton {
 }
 
 impl LaneNewton {
-    /// Iterates each point until its step is short or not finite, or until the maximum number of
-    /// steps has been taken.
+    /// Iterates each point until its Newton step is short or not finite, or until the maximum
+    /// number of steps has been taken.
     ///
     /// If the equations are not defined at a new point, half of the last step is undone.
     #[inline(always)]

@@ -5,14 +5,15 @@
 //!   the step length, and [`JacobianUpdate`] decides when the Jacobian is evaluated.
 //! * [`Dense`], [`BorderedMatrix`]: dense matrices, and block tridiagonal matrices with a border.
 //! * [`Bracket`]: root of a function of one variable between two points with opposite signs.
-//! * [`LaneNewton`]: Newton's method for several points side by side.
+//! * [`LaneNewton`]: Newton's method for several points side by side in SIMD vectors.
 //! * [`implicit_slopes`]: derivatives of a root with respect to parameters.
 //! * [`follow`], [`trace`]: natural parameter continuation, and pseudo-arclength continuation
 //!   through folds.
 //!
-//! Problem ([`Equations`]), algorithm ([`solve`]), memory ([`Workspace`]), policies ([`Options`])
+//! Problem ([`Equations`]), algorithm ([`solve`]), buffers ([`Workspace`]), policies ([`Options`])
 //! and result ([`Outcome`]) are separate types. The crate prints nothing, does not allocate memory
-//! during an iteration, and returns every outcome as data. No other crate depends directly on faer.
+//! during an iteration, and reports every failure in its return value. No other crate depends
+//! directly on faer.
 //!
 //! Theory: `docs/theory/05-newton.md`, (N1) to (N15).
 //!

@@ -127,15 +127,15 @@ pub enum JacobianUpdate {
     /// for models that calculate both at once and rarely reject a trial point.
     EveryTrial {
         /// Scaled residual below which the chord method is used. Trial points are then evaluated
-        /// without the Jacobian, and steps use the latest factors as long as each step reduces the
-        /// residual to one tenth. Zero disables the chord method.
+        /// without the Jacobian, and steps use the latest LU factors as long as each step reduces
+        /// the residual to one tenth. Zero disables the chord method.
         chord_below: f64,
     },
 }
 
 impl JacobianUpdate {
-    /// Maximum ratio of the residuals after and before a step for which the next step may reuse the
-    /// factors.
+    /// Maximum ratio of the residual after a step to the residual before it for which the next step
+    /// may reuse the LU factors.
     const MAX_CHORD_RATIO: f64 = 0.1;
 
     /// Returns true if the Jacobian is evaluated together with the residual at the starting point.
@@ -152,7 +152,7 @@ impl JacobianUpdate {
         }
     }
 
-    /// Returns true if the next step may use the factors from an earlier point.
+    /// Returns true if the next step may use the LU factors from an earlier point.
     pub(crate) fn keeps_factors(self, residual: f64, previous: Option<f64>) -> bool {
         self != Self::EveryStep
             && previous.is_some_and(|previous| residual <= Self::MAX_CHORD_RATIO * previous)
@@ -161,9 +161,9 @@ impl JacobianUpdate {
 
 /// Diagonals of the scaling matrices `$D_x$` and `$D_F$`.
 ///
-/// `x[j]` is the reciprocal of the typical size of unknown `j`, and `f[i]` is the reciprocal of the
-/// typical size of equation `i`. The scales give equal weight to unknowns and equations with
-/// different units.
+/// `x[j]` is the reciprocal of the typical magnitude of unknown `j`, and `f[i]` is the reciprocal
+/// of the typical magnitude of residual `i`. The scales give equal weight to unknowns and equations
+/// with different units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scales<'a, V> {
     /// Diagonal of the scaling matrix `$D_x$`, positive.

@@ -18,7 +18,7 @@ use crate::{
 /// The orientation is consistent along the whole curve, including folds, and does not depend on the
 /// planes. The length is arbitrary.
 ///
-/// * `f_scale`: reciprocals of the typical sizes of the equations, as in
+/// * `f_scale`: reciprocals of the typical magnitudes of the residuals, as in
 ///   [`Scales::f`](crate::Scales::f).
 ///
 /// Returns `None` if the equations cannot be evaluated at `z`, or if the Jacobian is singular
@@ -42,21 +42,21 @@ pub trait Homotopy<const N: usize, const M: usize> {
     /// Returns [`EvalError`] if `z` is outside the domain of the equations.
     fn residual(&self, z: &[f64; M]) -> Result<[f64; N], EvalError>;
 
-    /// Returns the residual at `z` and the rows of its Jacobian.
+    /// Returns the residual and the rows of the Jacobian at `z`.
     ///
     /// # Errors
     ///
     /// Returns the same errors as [`residual`](Self::residual).
     fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
 
-    /// Returns the weights of the equations near `z`, which are the reciprocals of their typical
-    /// sizes. All weights default to 1.
+    /// Returns the weights of the equations near `z`, which are the reciprocals of the typical
+    /// magnitudes of their residuals. All weights default to 1.
     fn weights(&self, _z: &[f64; M]) -> [f64; N] {
         [1.0; N]
     }
 
-    /// Returns the typical sizes of the unknowns near `z`. A step of length one along an unknown
-    /// changes it by its typical size.
+    /// Returns the typical magnitudes of the unknowns near `z`. A step of length 1 along an unknown
+    /// changes it by its typical magnitude.
     fn sizes(&self, z: &[f64; M]) -> [f64; M] {
         z.map(|z| 1.0 + z.abs())
     }
@@ -73,8 +73,8 @@ pub struct Seed<const M: usize> {
     pub towards: [f64; M],
 }
 
-/// Step lengths, tolerances and limits of a continuation. Lengths are scaled by the typical sizes
-/// of the unknowns.
+/// Step lengths, tolerances and limits of a continuation. Lengths are scaled by the typical
+/// magnitudes of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
     /// Length of the first step, positive. Defaults to 0.1.
@@ -83,8 +83,8 @@ pub struct StepControl {
     pub longest: f64,
     /// Minimum step length. The path is lost if a shorter step would be needed. Defaults to 1e-7.
     pub shortest: f64,
-    /// Step length below which a step is accepted even if it may hide a pair of crossings. Defaults
-    /// to 1e-3.
+    /// Step length below which a step is accepted even if it may hide a pair of sign changes.
+    /// Defaults to 1e-3.
     pub pair_resolution: f64,
     /// Maximum number of points on the path. Defaults to 1000.
     pub max_points: usize,
@@ -135,9 +135,9 @@ pub enum PathEnd {
     Ended,
     /// The path reached the maximum number of points.
     MaxPoints,
-    /// No step of at least the minimum length led to another point of the curve.
+    /// No step of at least the minimum length led to another point on the curve.
     Lost,
-    /// No point of the curve was found near the seed.
+    /// No point on the curve was found near the seed.
     NoCurve,
 }
 
@@ -152,14 +152,14 @@ pub struct Trace<const M: usize> {
     pub end: PathEnd,
     /// Number of points on the path.
     pub points: usize,
-    /// Number of accepted steps that may hide a pair of crossings (N14). If it is zero, the values
-    /// and slopes of the event functions give no indication of a missed pair.
+    /// Number of accepted steps that may hide a pair of sign changes (N14). If it is zero, the
+    /// values and slopes of the event functions give no indication of a missed pair.
     pub unresolved: usize,
     /// Total number of Newton steps in all corrections.
     pub steps: usize,
 }
 
-/// Minimum cosine of the angle between the tangents at both ends of a step, and of the angle
+/// Minimum cosine of the angle between the tangents at the two ends of a step, and of the angle
 /// between the step and its initial tangent. This limit prevents steps from jumping to another
 /// curve.
 const MIN_COSINE: f64 = 0.9;
@@ -171,7 +171,7 @@ const SAFETY: f64 = 2.0;
 /// Maximum number of Newton steps in a correction.
 const MAX_CORRECTOR_STEPS: usize = 10;
 
-/// Maximum number of Newton steps in a correction for which the step length is increased.
+/// Largest number of Newton steps in a correction after which the step length is still increased.
 const MAX_EASY_STEPS: usize = 4;
 
 /// Follows a curve from a seed, through folds, and locates the points at which event functions
@@ -267,8 +267,8 @@ where
         self.trace
     }
 
-    /// Returns the first point of the path and the orientation of the path relative to (N8), which
-    /// is 1 or -1.
+    /// Returns the first point of the path and the orientation of the path relative to the
+    /// direction of (N8), which is 1 or -1.
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
         let sizes = self.homotopy.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
@@ -457,7 +457,7 @@ fn passes<const M: usize, const K: usize>(
     near && ahead(&at.z) < 0.0 && ahead(&next.z) >= 0.0
 }
 
-/// Scales a direction to unit length, measured in the typical sizes of the unknowns.
+/// Scales a direction to unit length, measured in the typical magnitudes of the unknowns.
 fn unit<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     let length = distance(direction, &[0.0; M], sizes);
     direction.map(|d| d / length)

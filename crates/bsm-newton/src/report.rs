@@ -11,20 +11,20 @@ use crate::Options;
 pub enum Termination {
     /// The scaled residual does not exceed `residual_tol` (N1).
     Converged,
-    /// The maximum number of steps was taken.
+    /// The iteration ended because it reached the maximum number of steps.
     MaxSteps,
     /// No tested step length decreased the residual sufficiently (N5).
     LineSearchFailed,
-    /// The step is less than 1e-15 of the typical sizes of the unknowns, but the residual exceeds
-    /// its tolerance (N3).
+    /// The scaled step is less than 1e-15, but the residual exceeds its tolerance (N3).
     Stalled,
     /// The Jacobian is singular to working precision, or not finite.
     SingularJacobian,
     /// The residual is NaN or infinite.
     NotFinite,
-    /// A scale is zero, negative or not finite, so no step was taken.
+    /// A scaling factor is zero, negative or not finite, so no step was taken.
     BadScale,
-    /// The model cannot be evaluated at the starting point, or cannot be linearized at an iterate.
+    /// The model cannot be evaluated at the starting point, or it cannot be linearized at an
+    /// iterate.
     OutsideDomain,
 }
 
@@ -38,7 +38,7 @@ impl Termination {
             Self::Stalled => "the steps became too small",
             Self::SingularJacobian => "the Jacobian is singular",
             Self::NotFinite => "the residual is not finite",
-            Self::BadScale => "a scale is not positive and finite",
+            Self::BadScale => "a scaling factor is not positive and finite",
             Self::OutsideDomain => "the model cannot be evaluated",
         }
     }
@@ -86,7 +86,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Creates an empty report with reserved memory for all steps, so that the iteration does not
+    /// Creates an empty report with enough capacity for all steps, so that the iteration does not
     /// allocate memory.
     pub(crate) fn new(options: &Options) -> Self {
         Self {

@@ -10,7 +10,7 @@ use crate::{
 /// Scaled size of a Newton step below which the iteration has stalled (N3) (dimensionless).
 const STEP_TOL: f64 = 1e-15;
 
-/// Reusable memory for solving systems of `N` equations.
+/// Reusable buffers for solving systems of `N` equations.
 #[derive(Debug, Clone)]
 pub struct Workspace<const N: usize> {
     /// Weights of the equations in the latest solve.
@@ -26,7 +26,7 @@ enum Content {
     Stale,
     /// The matrix contains the Jacobian at the last iterate or trial point.
     Jacobian,
-    /// The matrix contains the factors of the latest Jacobian or of an earlier one.
+    /// The matrix contains the LU factors of the latest Jacobian or of an earlier one.
     Factors,
 }
 
@@ -87,7 +87,7 @@ impl<const N: usize> Workspace<N> {
 
     /// Stores the Jacobian at `x` and returns the residual.
     ///
-    /// * `f_scale`: reciprocals of the typical sizes of the equations, as in [`Scales::f`].
+    /// * `f_scale`: reciprocals of the typical magnitudes of the residuals, as in [`Scales::f`].
     ///
     /// # Errors
     ///
@@ -114,8 +114,8 @@ type Evaluated<const N: usize, E> = ([f64; N], <E as Equations<N>>::Details);
 pub struct Outcome<const N: usize, E: Equations<N> + ?Sized> {
     /// Status, cost and steps of the iteration.
     pub report: Report,
-    /// Residual and [details](Equations::Details) at the returned point. `None` if the scales are
-    /// invalid, or if the equations could not be evaluated at the starting point.
+    /// Residual and [details](Equations::Details) at the returned point. `None` if the scaling
+    /// factors are invalid, or if the equations could not be evaluated at the starting point.
     pub last: Option<([f64; N], E::Details)>,
     /// [Slopes](Equations::Slopes) at the point of the last Jacobian; `None` if no Jacobian was
     /// evaluated.
@@ -137,7 +137,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
 /// ```
 ///
 /// * `x`: initial guess on entry, and best iterate on return.
-/// * `scales`: reciprocals of the typical sizes of unknowns and equations.
+/// * `scales`: reciprocals of the typical magnitudes of the unknowns and of the residuals.
 ///
 /// If the iteration does not converge, the [`Report`] states the reason. The only memory allocation
 /// is for the list of steps in the report, before the first step.
@@ -173,7 +173,7 @@ struct Newton<'a, const N: usize, E: Equations<N> + ?Sized> {
 }
 
 impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
-    /// Checks the scales and evaluates the equations at the starting point.
+    /// Checks the scaling factors and evaluates the equations at the starting point.
     fn start(
         &mut self,
         x: &[f64; N],
@@ -194,7 +194,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
 
     /// Takes Newton steps until a policy ends the iteration.
     ///
-    /// Returns the status, and the equations at the last iterate.
+    /// Returns the status, together with the residual and details at the last iterate.
     fn iterate(
         &mut self,
         x: &mut [f64; N],
@@ -275,8 +275,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
     }
 
     /// Returns the largest step length `$\lambda = 2^{-m} \lambda_0$` that decreases the residual
-    /// sufficiently, with the trial point and the equations at this point. Returns `None` if there
-    /// is no such step length.
+    /// sufficiently, with the trial point and the residual and details at this point. Returns
+    /// `None` if there is no such step length.
     ///
     /// The step is also halved if the model cannot be evaluated at a trial point.
     fn backtrack(

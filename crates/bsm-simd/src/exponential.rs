@@ -1,4 +1,4 @@
-//! Exponential function, natural logarithm and inverse hyperbolic sine for lanes.
+//! Exponential function, natural logarithm and inverse hyperbolic sine for SIMD vectors.
 //!
 //! No library provides these functions for vectors whose width is selected at run time.
 
@@ -12,8 +12,8 @@ use crate::polynomial::polynomial;
 /// The number `$2^{52}$`, for which the unit in the last place is 1.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
-/// Constant that rounds to an integer when it is added. The integer is then in the low bits of the
-/// sum.
+/// Constant whose addition rounds a number to an integer. The low bits of the sum then contain this
+/// integer.
 const WHOLE: f64 = 1.5 * TWO_TO_52;
 
 /// High part of `$\ln 2$`, rounded to 33 bits so that multiples by small integers are exact.
@@ -129,8 +129,7 @@ mod tests {
     by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {
-        /// The results match the standard library, whose relative error is at most one unit of
-        /// 1.1e-16.
+        /// The results match the standard library, whose relative error is at most 1.1e-16.
         #[test]
         fn exponentials_and_logarithms_match_the_standard_library(
             x in proptest::array::uniform8(-700.0..700.0_f64),

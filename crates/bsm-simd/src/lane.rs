@@ -1,12 +1,12 @@
-//! Lanes, which are vectors of numbers as wide as the instruction set permits.
+//! SIMD vectors that are as wide as the instruction set permits.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use bsm_kin::{Jet, Real, parts};
 use pulp::Simd;
 
-/// A lane with one number for each of several points. It consists of `N` vectors of the instruction
-/// set, so that the processor can work on one vector while it waits for another.
+/// A vector with one number for each of several points. It consists of `N` SIMD vectors of the
+/// instruction set, so that the processor can work on one of them while it waits for another.
 #[derive(Clone, Copy)]
 pub struct Lane<S: Simd, const N: usize = 1> {
     simd: S,
@@ -21,22 +21,22 @@ pub struct Mask<S: Simd, const N: usize = 1> {
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Number of elements in a lane.
+    /// Number of elements in a [`Lane`].
     pub const LEN: usize = N * S::F64_LANES;
 
-    /// Creates a lane in which all numbers are equal to `x`.
+    /// Creates a [`Lane`] in which all numbers are equal to `x`.
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
         Self { simd, x: [simd.splat_f64s(x); N] }
     }
 
-    /// Creates a lane from vectors of the instruction set.
+    /// Creates a [`Lane`] from SIMD vectors of the instruction set.
     #[inline(always)]
     pub fn of(simd: S, x: [S::f64s; N]) -> Self {
         Self { simd, x }
     }
 
-    /// Loads the first numbers of a slice into a lane. If the slice is too short, the remaining
+    /// Loads the first numbers of a slice into a [`Lane`]. If the slice is too short, the remaining
     /// numbers are zero.
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
@@ -74,14 +74,15 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         }
     }
 
-    /// Returns a lane of the same width in which all numbers are equal to `x`.
+    /// Returns a [`Lane`] of the same width in which all numbers are equal to `x`.
     #[inline(always)]
     #[must_use]
     pub fn constant(self, x: f64) -> Self {
         Self::splat(self.simd, x)
     }
 
-    /// Loads the first numbers of a slice into a lane of the same width, like [`load`](Self::load).
+    /// Loads the first numbers of a slice into a [`Lane`] of the same width, like
+    /// [`load`](Self::load).
     #[inline(always)]
     #[must_use]
     pub fn like(self, from: &[f64]) -> Self {
@@ -94,7 +95,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         pulp::bytemuck::cast_slice(&self.x)
     }
 
-    /// Applies a scalar function to each number, one after another.
+    /// Applies a scalar function to each number of the vector.
     #[inline(always)]
     #[must_use]
     pub fn each(mut self, f: impl Fn(f64) -> f64) -> Self {
@@ -105,8 +106,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self
     }
 
-    /// Applies a scalar function to each pair of corresponding numbers of two lanes, one after
-    /// another.
+    /// Applies a scalar function to each pair of corresponding numbers in two vectors.
     #[inline(always)]
     #[must_use]
     pub fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
@@ -147,8 +147,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(self.x, N, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
-    /// Returns the sum of all numbers. The second half of the vectors is repeatedly added to the
-    /// first half until only one vector remains.
+    /// Returns the sum of all numbers. The second half of the SIMD vectors is repeatedly added to
+    /// the first half until only one vector remains.
     #[inline(always)]
     pub fn sum(mut self) -> f64 {
         let mut parts = N;
@@ -171,14 +171,14 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(self.x, N, i, simd.and_f64s(size, self.x[i])), ..self }
     }
 
-    /// Returns the larger number of each pair of corresponding numbers in two lanes.
+    /// Returns the larger number of each pair of corresponding numbers.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         self.lt(other).select(other, self)
     }
 
-    /// Returns the smaller number of each pair of corresponding numbers in two lanes.
+    /// Returns the smaller number of each pair of corresponding numbers.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
@@ -212,15 +212,15 @@ impl<S: Simd, const N: usize> Lane<S, N> {
 }
 
 impl<S: Simd, const N: usize> Mask<S, N> {
-    /// Returns a lane with the numbers of `yes` where the mask is true, and of `no` where it is
-    /// false.
+    /// Returns a [`Lane`] with the numbers of `yes` where the mask is true and the numbers of `no`
+    /// where it is false.
     #[inline(always)]
     pub fn select(self, yes: Lane<S, N>, no: Lane<S, N>) -> Lane<S, N> {
         let simd = self.simd;
         Lane { x: parts!(no.x, N, i, simd.select_f64s(self.m[i], yes.x[i], no.x[i])), ..yes }
     }
 
-    /// Returns a lane with 1 where the mask is true and 0 where it is false.
+    /// Returns a [`Lane`] that contains 1 where the mask is true and 0 where it is false.
     #[inline(always)]
     pub fn to_numbers(self) -> Lane<S, N> {
         let one = Lane::splat(self.simd, 1.0);
@@ -253,7 +253,7 @@ impl<S: Simd, const N: usize> PartialEq for Mask<S, N> {
     }
 }
 
-/// Implements trait methods by forwarding to inherent methods of the lane with the same names.
+/// Implements trait methods by forwarding to the inherent methods of [`Lane`] with the same names.
 macro_rules! own_methods {
     ($($name:ident($($x:ident: $kind:ty),*) -> $out:ty;)*) => {$(
         #[inline(always)]
@@ -413,7 +413,7 @@ mod tests {
     use crate::BLOCK;
     use crate::tests::by_lanes;
 
-    /// Evaluates an expression that uses all operations.
+    /// Evaluates an expression that uses all operations of [`Real`].
     #[inline(always)]
     fn everything<D: RealOver<P>, P>(x: D, y: D, p: P) -> D
     where
@@ -436,7 +436,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn lanes_with_derivatives_match_jets(
+        fn simd_jets_match_scalar_jets(
             x in proptest::array::uniform8(-2.0..2.0_f64), y in proptest::array::uniform8(0.1..2.0_f64),
         ) {
             let found = Arch::new().dispatch(Both { x, y });

@@ -1,10 +1,10 @@
-//! Arithmetic on several numbers at once, with the widest instruction set of the machine. The crate
-//! supports AVX-512, AVX2, vector instructions of other processors, and portable scalar code. The
-//! instruction set is selected at run time.
+//! Arithmetic on several numbers at once, with the widest SIMD instruction set of the machine. The
+//! crate supports AVX-512, AVX2, vector instructions of other processors, and portable scalar code.
+//! The instruction set is selected at run time.
 //!
 //! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
 //! which they are written, and are fused only where the code requests it. The results are therefore
-//! identical for every instruction set and every position in a lane.
+//! identical for every instruction set and every position in a SIMD vector.
 
 mod exponential;
 mod lane;
@@ -34,8 +34,9 @@ pub fn name(arch: Arch) -> &'static str {
     }
 }
 
-/// Runs code for a few numbers on vectors of half the width, if the instruction set has them. With
-/// the widest vectors, square roots and divisions take twice as long.
+/// Runs code that processes only a few numbers. On processors with AVX-512, the code uses AVX2
+/// vectors of half the width, because square roots and divisions take twice as long with the widest
+/// vectors.
 #[inline(always)]
 pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]

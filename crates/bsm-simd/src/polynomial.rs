@@ -1,11 +1,11 @@
-//! Evaluation of polynomials for lanes.
+//! Evaluation of polynomials for SIMD vectors.
 
 use pulp::Simd;
 
 use crate::Lane;
 
-/// Evaluates a polynomial. Even and odd powers are summed separately, which halves the length of
-/// the dependency chain.
+/// Evaluates a polynomial. The even and odd powers are summed separately, which halves the length
+/// of the dependency chain.
 ///
 /// * `coefficients`: at least two coefficients in the order of increasing powers.
 #[inline(always)]
@@ -13,7 +13,7 @@ pub fn polynomial<S: Simd, const N: usize, const M: usize>(
     coefficients: &[f64; M],
     x: Lane<S, N>,
 ) -> Lane<S, N> {
-    const { assert!(M >= 2, "an even and an odd power") };
+    const { assert!(M >= 2, "a polynomial needs at least two coefficients") };
     let square = x * x;
     let mut sums = [coefficients[M - 1], coefficients[M - 2]].map(|c| x.constant(c));
     for (i, c) in coefficients.iter().rev().enumerate().skip(2) {

@@ -44,7 +44,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self.inverse_root_from(self.each(inverse_root_guess))
     }
 
-    /// Improves an approximation `r` of `$x^{-1/2}$` by one step.
+    /// Refines an approximation `r` of `$x^{-1/2}$` once.
     #[inline(always)]
     fn inverse_root_from(self, r: Self) -> Self {
         let e = (self * r).neg_mul_add(r, self.constant(1.0));
@@ -100,8 +100,8 @@ mod tests {
     by_lanes!(InverseRoots { x } -> 2: [x.recip_sqrt(), x.rough_recip_sqrt()]);
 
     proptest! {
-        /// The results match the standard library to three units in the last place, plus one unit
-        /// for each of the two rounding errors of the standard library.
+        /// The results differ from those of the standard library by at most three units in the last
+        /// place, plus one unit for each of the two rounding errors of the standard library.
         #[test]
         fn inverse_roots_have_the_stated_accuracy(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -115,8 +115,8 @@ mod tests {
             }
         }
 
-        /// The results match the standard library, whose error is at most one unit in the last
-        /// place, to four units.
+        /// The results differ by at most four units in the last place from those of the standard
+        /// library, whose error is at most one unit.
         #[test]
         fn cube_roots_match_the_standard_library(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -140,9 +140,10 @@ mod tests {
         }
     }
 
-    /// Invalid numbers at some positions of a lane do not affect the results at other positions.
+    /// Invalid numbers at some positions of a SIMD vector do not affect the results at other
+    /// positions.
     #[test]
-    fn invalid_numbers_do_not_affect_other_positions_of_a_lane() {
+    fn invalid_numbers_do_not_affect_other_positions_of_a_vector() {
         let x = [-1.0, f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MIN, -f64::NAN, 8.0];
         let [roots] = Arch::new().dispatch(CubeRoot { x });
         assert!((roots[7] - 2.0).abs() <= 1e-15, "{roots:?}");

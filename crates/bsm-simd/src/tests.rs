@@ -1,7 +1,7 @@
-//! Macro for tests that evaluates formulas of lanes on blocks of numbers.
+//! Test macro that evaluates formulas for SIMD vectors on blocks of numbers.
 
-/// Defines a type with one block of numbers per variable. Dispatching it to an instruction set
-/// returns one block of numbers per result.
+/// Defines a type that contains one block of numbers per variable. Dispatching a value of this type
+/// to an instruction set evaluates the formulas and returns one block of numbers per formula.
 macro_rules! by_lanes {
     ($name:ident { $($x:ident),+ } -> $count:literal: $values:expr) => {
         struct $name {

@@ -1,4 +1,4 @@
-//! Sine and cosine of angles in the first quadrant for lanes.
+//! Sine and cosine of angles in the first quadrant for SIMD vectors.
 //!
 //! No library provides these functions for vectors whose width is selected at run time.
 
@@ -68,8 +68,8 @@ mod tests {
     }
 
     proptest! {
-        /// The results match the standard library, whose error is at most half a unit in the last
-        /// place, to one and a half units.
+        /// The results differ by at most 1.5 units in the last place from those of the standard
+        /// library, whose error is at most half a unit.
         #[test]
         fn sines_and_cosines_match_the_standard_library(
             angles in proptest::array::uniform8(0.0..=FRAC_PI_2),

@@ -9,17 +9,18 @@ use bsm_kin::{Real, Scalar};
 
 use crate::outcome::Direction;
 
-/// Lead angle and contact angle of a screw whose two loaded contacts have equal angles.
+/// Lead angle and contact angle of a screw. The contact angles at nut and screw are equal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angles<D> {
     /// Lead angle `$\alpha$` \[rad\], in (0, π/2).
     pub lead: D,
-    /// Contact angle `$\beta$` \[rad\], in (0, π/2); 0 is radial.
+    /// Contact angle `$\beta$` \[rad\], in (0, π/2). A contact angle of 0 corresponds to a radial
+    /// contact normal.
     pub contact: D,
 }
 
 impl<D: Scalar> Angles<D> {
-    /// Returns the sines and cosines of both angles.
+    /// Returns the sines and cosines of lead angle and contact angle.
     pub fn sines(&self) -> Sines<D> {
         let (sin_a, cos_a) = self.lead.sin_cos();
         let (sin_b, cos_b) = self.contact.sin_cos();
@@ -42,9 +43,9 @@ impl<D: Scalar> Angles<D> {
     /// * `friction`: friction coefficient `$f \ge 0$`.
     ///
     /// Assumes: equal contact angles, saturated friction, and inertia forces that are small
-    /// compared with the load. Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs
-    /// 14 and 17. Difference from the source: the square root ends before `$+ f\sin\beta$`, see
-    /// `docs/theory/errata.md`.
+    /// compared with the load. Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994),
+    /// Equations 14 and 17. Difference from the source: the square root ends before `$+
+    /// f\sin\beta$`; see `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
         self.sines().efficiency(direction.is_back(), friction)
     }
@@ -56,15 +57,15 @@ impl<D: Scalar> Angles<D> {
     ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
     /// ```
     ///
-    /// and its reciprocal if the load back-drives the screw.
+    /// If the load back-drives the screw, the efficiency is the reciprocal of this ratio.
     ///
     /// * `friction`: friction coefficient `$f \ge 0$`.
     /// * `size_ratio`: ratio of ball radius to pitch circle radius `$r_b/r_m$`.
     /// * `slip_angle`: slip angle at the screw `$\psi_B$` \[rad\]. The slip angle at the nut
     ///   differs by π.
     ///
-    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eq 11.
-    /// Difference from the source: the sign of friction in the numerator, see `docs/theory/errata.md`.
+    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Equation 11. Difference
+    /// from the source: the sign of friction in the numerator; see `docs/theory/errata.md`.
     pub fn efficiency_at(
         &self,
         direction: Direction,
@@ -80,7 +81,7 @@ impl<D: Scalar> Angles<D> {
     }
 
     /// Returns the axial force and the torque of a ball for a given slip direction at the screw
-    /// (C17), (C18). Both are divided by their values without friction for equal normal loads.
+    /// (C17), (C18). Both are divided by their values without friction at the same normal loads.
     pub fn transmitted_at(&self, friction: D, size_ratio: D, slip_angle: D) -> (D, D) {
         let sines @ Sines { sin_b, cos_b, .. } = self.sines();
         let (sin, cos) = slip_angle.sin_cos();
@@ -93,10 +94,11 @@ impl<D: Scalar> Angles<D> {
         (force / sin_b, torque / sin_b)
     }
 
-    /// Returns the normal load of either loaded contact divided by the axial load per ball (C4).
+    /// Returns the ratio of the normal load, which is equal at both contacts, to the axial load per
+    /// ball (C4).
     ///
-    /// The result is negative if `$\sin\beta < f D$` and the drive works against the load. In this
-    /// case, no load satisfies the force balance.
+    /// The result is negative if `$\sin\beta < f D$` and the drive moves the load. In this case, no
+    /// normal load satisfies the force balance.
     pub fn load_ratio(&self, direction: Direction, friction: D) -> D {
         self.sines().load_ratio(direction.is_back(), friction)
     }
@@ -104,9 +106,9 @@ impl<D: Scalar> Angles<D> {
     /// Returns the slip angle at the screw `$\psi_B$` \[rad\]. The slip angle at the nut is
     /// `$\psi_A = \psi_B + \pi$`.
     ///
-    /// Source: Lin, Velinsky and Ravani, Eq 13.
+    /// Source: Lin, Velinsky and Ravani (1994), Equation 13.
     pub fn screw_slip_angle(&self, direction: Direction) -> D {
-        // ψ_B = atan(tanα / cosβ), rotated by π if the load drives        (C5)
+        // ψ_B = atan(tanα / cosβ), rotated by π for back-driving          (C5)
         let forward = self.lead.tan().atan2(self.contact.cos());
         match direction {
             Direction::RotaryToLinear => forward,
@@ -118,7 +120,7 @@ impl<D: Scalar> Angles<D> {
 impl Angles<f64> {
     /// Returns true if the screw is self-locking in this direction (C6), (C7).
     ///
-    /// Source: Lin, Velinsky and Ravani, Eqs 16 and 19.
+    /// Source: Lin, Velinsky and Ravani (1994), Equations 16 and 19.
     pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
         self.sines().self_locking(direction.is_back(), friction)
     }
@@ -168,7 +170,7 @@ impl Angles<f64> {
     }
 }
 
-/// Contact angle that gives the best efficiency.
+/// Contact angle with the best efficiency, and this efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
     /// Optimal contact angle `$\beta^*$` \[rad\].
@@ -186,11 +188,11 @@ impl Optimum {
     /// \eta^* = \big(\sqrt{1+f^2} - f\big)^2
     /// ```
     ///
-    /// where the upper sign is for rotary to linear. Returns `None` if the lead angle is too large:
-    /// `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
+    /// The upper sign applies to conversion from rotary to linear motion. Returns `None` if the
+    /// lead angle is too large: `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
     ///
-    /// Source: roots of Eqs 15 and 18 of Lin, Velinsky and Ravani; the closed form was derived for
-    /// this project.
+    /// Source: roots of Equations 15 and 18 of Lin, Velinsky and Ravani (1994); the closed form was
+    /// derived for this project.
     pub fn of(direction: Direction, lead_angle: f64, friction: f64) -> Option<Self> {
         // sinβ* = √y* / cosα                                              (C9)
         let sine = Self::constant(direction, friction) / lead_angle.cos();
@@ -203,23 +205,24 @@ impl Optimum {
     /// Returns the lead angle \[rad\] for which a given contact angle \[rad\] gives the best
     /// efficiency (C19), or `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
     ///
-    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations". For linear to
-    /// rotary, this is the largest contact angle with the lead angle of Eq 18.
+    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations". For conversion from
+    /// linear to rotary motion, this is the largest contact angle with the lead angle of Equation
+    /// 18.
     pub fn lead_angle(direction: Direction, contact_angle: f64, friction: f64) -> Option<f64> {
         // cosα* = √y* / sinβ                                              (C19)
         let cosine = Self::constant(direction, friction) / contact_angle.sin();
         (cosine <= 1.0).then(|| cosine.acos())
     }
 
-    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, which does not
-    /// depend on the lead angle.
+    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the best efficiency, which
+    /// does not depend on the lead angle.
     pub fn constant(direction: Direction, friction: f64) -> f64 {
         // y* = (1 ± f/√(1+f²))/2                                          (C8)
         (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()
     }
 
-    /// Returns the best efficiency over all contact angles, which does not depend on the direction
-    /// of the drive.
+    /// Returns the best efficiency over all contact angles. It is equal for driving and
+    /// back-driving.
     pub fn best_efficiency(friction: f64) -> f64 {
         // η* = (√(1+f²) − f)² = 1/(√(1+f²) + f)²                          (C10)
         (friction.hypot(1.0) + friction).powi(-2)
@@ -239,7 +242,7 @@ pub struct Sines<D> {
     pub cos_b: D,
 }
 
-/// In all methods, `back` is true if the load back-drives the screw, and `friction` is the
+/// In all methods, `back` is true if the load back-drives the screw, and `friction` is the friction
 /// coefficient `$f \ge 0$`.
 impl<D: Real> Sines<D> {
     /// Returns the tangent of the lead angle, `$\tan\alpha$`.
@@ -263,7 +266,7 @@ impl<D: Real> Sines<D> {
         [D::select(back, d, s), D::select(back, s, d)]
     }
 
-    /// Returns the efficiency, see [`Angles::efficiency`] (C2), (C3).
+    /// Returns the efficiency (C2), (C3); see [`Angles::efficiency`].
     #[inline(always)]
     pub fn efficiency(&self, back: D::Mask, friction: D) -> D {
         // η = 1 − f / {cos²α sinβ (D + f sinβ)}                           (C2)
@@ -272,7 +275,7 @@ impl<D: Real> Sines<D> {
         -(friction / (self.cos_a.square() * outer * (inner + friction * outer))) + 1.0
     }
 
-    /// Returns the normal load divided by the axial load per ball, see [`Angles::load_ratio`] (C4).
+    /// Returns the ratio of normal load to axial load per ball (C4); see [`Angles::load_ratio`].
     #[inline(always)]
     pub fn load_ratio(&self, back: D::Mask, friction: D) -> D {
         let signed = D::select(back, -friction, friction);
@@ -280,21 +283,21 @@ impl<D: Real> Sines<D> {
         (self.cos_a * (self.sin_b - signed * self.slip_factor())).recip()
     }
 
-    /// Returns the directions of friction on the ball at nut and screw \[rad\], see
-    /// [`Angles::screw_slip_angle`] (C5), (C11).
+    /// Returns the directions of the friction force on the ball at nut and screw \[rad\] (C5),
+    /// (C11); see [`Angles::screw_slip_angle`].
     #[inline(always)]
     pub fn slip_angles(&self, back: D::Mask) -> [D; 2]
     where
         D: Real,
     {
-        // ψ_B = atan(tanα / cosβ), rotated by π if the load drives        (C5)
+        // ψ_B = atan(tanα / cosβ), rotated by π for back-driving          (C5)
         let forward = self.tan_a().atan2(self.cos_b);
         // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
         let turned = forward - PI;
         [D::select(back, forward, turned), D::select(back, turned, forward)]
     }
 
-    /// Returns true if the screw is self-locking, see [`Angles::self_locking`] (C6), (C7).
+    /// Returns true if the screw is self-locking (C6), (C7); see [`Angles::self_locking`].
     #[inline(always)]
     pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
     where

@@ -1,4 +1,4 @@
-//! Force and moment balance of the ball in steady motion, and the torque and power that it
+//! Force and moment balance of the ball in steady motion, and the torque and power that the ball
 //! transmits.
 //!
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
@@ -10,17 +10,17 @@ use bsm_kin::{BallFrame, Motion, Real, RealOver, Scalar};
 use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
-/// Maximum relative error of the power balance (B10) of a result. An exact root has only rounding
-/// errors. A larger error means that rounding errors have corrupted the result, which happens if
-/// the inertia forces exceed the load by many orders of magnitude.
+/// Maximum relative error of the power balance (B10) of a result. For an exact root, only rounding
+/// errors remain. A larger error means that rounding errors have corrupted the result, which
+/// happens if the inertia forces exceed the load by many orders of magnitude.
 pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
-/// Error for a ball that does not orbit. For such a ball, the spin moment would be an additional
-/// unknown.
+/// Error that is returned if the ball does not orbit. For such a ball, the spin moment would be an
+/// additional unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     quantity: "ratio of precession rate P to relative speed W",
     value: 0.0,
-    requirement: "not zero, because a ball that does not orbit has no gyroscopic moment",
+    requirement: "must not be zero, because a ball that does not orbit has no gyroscopic moment",
 };
 
 /// A solid ball of uniform density.
@@ -40,15 +40,15 @@ impl<D: Real> Ball<D> {
         Self { radius, mass: radius.square() * radius * (4.0 / 3.0 * PI) * density }
     }
 
-    /// Returns the moment of inertia about a diameter \[kg·m²\] (B2).
+    /// Returns the moment of inertia of the ball about a diameter \[kg·m²\] (B2).
     #[inline(always)]
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
         self.mass * self.radius.square() * 0.4
     }
 
-    /// Returns the scaled mass, with lengths divided by the ball radius, forces by the axial load
-    /// per ball and speeds by the relative speed `$W$` (R1).
+    /// Returns the mass of the ball in scaled units. Lengths are divided by the ball radius, forces
+    /// by the axial load per ball, and speeds by the relative speed `$W$` (R1).
     #[inline(always)]
     pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
         // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
@@ -59,15 +59,15 @@ impl<D: Real> Ball<D> {
 /// Force and moment that act on the ball; the moment is about the ball center.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench<D> {
-    /// Force \[N\].
+    /// Force on the ball \[N\].
     pub force: Vector3<D>,
     /// Moment about the ball center \[N·m\].
     pub moment: Vector3<D>,
 }
 
 impl<D: Scalar> Wrench<D> {
-    /// Creates the wrench of the normal load `$Q$` along `normal` and of friction. Both forces act
-    /// at `point`, relative to the ball center (B3).
+    /// Creates the wrench of a contact: the normal load `$Q$` along `normal`, and the friction
+    /// force. Both act at `point`, which is given relative to the ball center (B3).
     pub fn at_contact(
         normal: &Vector3<D>,
         point: &Vector3<D>,
@@ -78,7 +78,7 @@ impl<D: Scalar> Wrench<D> {
         Self { force: normal * load + friction, moment: point.cross(friction) }
     }
 
-    /// Creates a zero wrench.
+    /// Creates a wrench whose force and moment are zero.
     pub(crate) fn zero() -> Self {
         let zero = Vector3::repeat(D::from(0.0));
         Self { force: zero, moment: zero }
@@ -101,8 +101,8 @@ impl<D: Scalar> Add for Wrench<D> {
     }
 }
 
-/// Returns the residuals of the Newton-Euler equations, which are zero for a steady motion (B4),
-/// (B5).
+/// Returns the residuals of the Newton-Euler equations of the ball, which are zero for a steady
+/// motion (B4), (B5).
 ///
 /// ```math
 /// \sum F_c = m\,r_m P^2 n, \qquad \sum M_c = P\,k \times (I\,\omega)
@@ -112,7 +112,7 @@ impl<D: Scalar> Add for Wrench<D> {
 /// * `pitch_radius`: pitch circle radius `$r_m$` \[m\].
 /// * `motion`: absolute motion of the ball.
 ///
-/// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 5a-f.
+/// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Equations 5a to 5f.
 pub(crate) fn newton_euler<D: Scalar>(
     contacts: &Wrench<D>,
     ball: &Ball<D>,
@@ -132,7 +132,7 @@ pub(crate) fn newton_euler<D: Scalar>(
 /// Returns the axial force of the nut on the ball \[N\]. In steady motion, it equals the axial load
 /// per ball (B6).
 ///
-/// Source: Lin, Velinsky and Ravani, Eq 9, force equation.
+/// Source: Lin, Velinsky and Ravani, Equation 9 (force equation).
 pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D {
     // F_a = (Σ_nut F_c)·k                                                 (B6)
     nut_force.dot(&frame.k)
@@ -144,7 +144,7 @@ pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D
 /// The torque on the screw maintains the motion. The torque on the nut is equal and opposite,
 /// because the net moment on a ball in steady motion about the axis is zero.
 ///
-/// Source: Lin, Velinsky and Ravani, Eq 9, moment equation.
+/// Source: Lin, Velinsky and Ravani, Equation 9 (moment equation).
 pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
     // T = [(−r_m n) × F + M]·k                                            (B7)
     (contact.moment - frame.n.cross(&contact.force) * pitch_radius).dot(&frame.k)
@@ -153,7 +153,7 @@ pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &Ba
 /// Returns the [`torque`] due to normal load and friction at the screw for a ball of radius one
 /// (B7).
 ///
-/// * `load`: normal load, together with the friction forces across and along the groove.
+/// * `load`: normal load, followed by the friction forces across and along the groove.
 /// * `lead`, `angle`: sines and cosines of lead angle and contact angle.
 /// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
 #[inline(always)]
@@ -173,7 +173,7 @@ pub(crate) fn friction_torque<P: Real, D: RealOver<P>>(
 pub struct Load<D = f64> {
     /// Axial load on the nut for all balls together \[N\], positive.
     pub axial: D,
-    /// Number of loaded balls `$Z \ge 1$`. The balls share the load equally.
+    /// Number of loaded balls `$Z \ge 1$`. All balls carry equal loads.
     pub balls: D,
 }
 
@@ -185,8 +185,8 @@ impl<D: Real> Load<D> {
     }
 }
 
-/// Returns the efficiency for a torque on the screw. `ideal` is the torque that a screw without
-/// friction requires or provides (B8).
+/// Returns the efficiency for a given torque on the screw (B8). `ideal` is the torque of the screw
+/// without friction.
 ///
 /// A negative efficiency means that the screw is self-locking in this direction.
 ///
@@ -197,7 +197,8 @@ pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
-/// Returns the torque on the screw for a given efficiency, the inverse of [`efficiency`] (B8).
+/// Returns the torque on the screw for a given efficiency, which is the inverse of [`efficiency`]
+/// (B8).
 ///
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
@@ -215,17 +216,17 @@ pub fn ideal_torque<F: Real>(axial_load: F, pitch_radius: F, tan_lead_angle: F) 
 /// Input power, output power and power loss \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Power<F = f64> {
-    /// Input power.
+    /// Power that is supplied at the driving side.
     pub input: F,
-    /// Output power; negative if both sides must be driven.
+    /// Power at the driven side; negative if power must be supplied at both sides.
     pub output: F,
-    /// Power loss, `input` minus `output`.
+    /// Power loss, which is `input` minus `output`.
     pub dissipated: F,
 }
 
 impl<F: Real> Power<F> {
-    /// Returns the powers for the torque on the screw \[N·m\], the torque of the frictionless screw
-    /// \[N·m\] and the relative speed \[rad/s\].
+    /// Returns the powers that belong to a torque on the screw \[N·m\], the torque of the
+    /// frictionless screw \[N·m\] and the relative speed \[rad/s\].
     #[inline(always)]
     pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
@@ -245,8 +246,8 @@ impl<F: Real> Power<F> {
     /// ```
     ///
     /// `friction` is the sum of the friction powers of all contacts \[W\]. An exact root satisfies
-    /// the power balance identically, so this error checks kinematics and force balance against
-    /// each other.
+    /// the power balance identically, so this error reveals inconsistencies between kinematics and
+    /// force balance.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
         // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
@@ -261,7 +262,8 @@ mod tests {
 
     use super::*;
 
-    /// For frictionless contacts at rest, the torque equals the ideal torque for any contact angle.
+    /// For frictionless contacts at rest, the torque equals the torque of the ideal screw for any
+    /// contact angle.
     #[test]
     fn torque_without_friction_is_the_ideal_torque() {
         let (alpha, beta, r_m, r_b) = (0.21_f64, 0.83_f64, 17e-3, 2.5e-3);

@@ -17,15 +17,15 @@ use super::transition::Transition;
 /// sums over an ellipse are valid only for a constant [`Coulomb`] coefficient. They take this
 /// coefficient instead of a friction law.
 pub trait FrictionLaw<D> {
-    /// Returns the friction coefficient at a point.
+    /// Returns the friction coefficient at a point of the contact.
     ///
     /// * `pressure`: pressure divided by the maximum pressure in the contact, from 0 to 1.
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 
-    /// Returns the transition of the coefficient along a line across a contact ellipse, at which
-    /// its slope changes. Returns `None` if the coefficient depends neither on pressure nor on
-    /// speed; the integration then needs fewer nodes.
+    /// Returns the transition along a line across a contact ellipse at which the slope of the
+    /// friction coefficient changes. Returns `None` if the coefficient depends neither on pressure
+    /// nor on speed; the integration then needs fewer nodes.
     fn bend(&self) -> Option<Transition> {
         Some(Transition::SMOOTH)
     }
@@ -53,11 +53,12 @@ impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
 ///
 /// * `law`: friction law, which is evaluated at the maximum pressure.
 /// * `normal_load`: normal load `$Q$` \[N\].
-/// * `slip`: tangential velocity `$v$` of the ball surface relative to the contacting body \[m/s\].
+/// * `slip`: tangential velocity `$v$` of the ball surface relative to the nut or the screw
+///   \[m/s\].
 ///
 /// # Errors
 ///
-/// [`EvalError`] if the slip vanishes, because the direction of friction is then undefined.
+/// Returns [`EvalError`] if the slip vanishes, because the direction of friction is then undefined.
 pub(crate) fn friction_force<D: Scalar>(
     law: &impl FrictionLaw<D>,
     normal_load: D,
@@ -68,8 +69,8 @@ pub(crate) fn friction_force<D: Scalar>(
     Ok(against(slip, friction * normal_load / speed))
 }
 
-/// Returns the slip speed after checking that it is positive and finite. Otherwise, friction has no
-/// direction.
+/// Returns the slip speed after checking that it is positive and finite. For other values, the
+/// direction of friction is undefined.
 pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     if speed.re() > 0.0 && speed.re().is_finite() {
         return Ok(speed);
@@ -77,18 +78,19 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     Err(EvalError {
         quantity: "slip speed at a contact",
         value: speed.re(),
-        requirement: "positive and finite; otherwise friction has no direction",
+        requirement: "must be positive and finite; otherwise the direction of friction is undefined",
     })
 }
 
-/// Returns the friction force that opposes a slip, for a given ratio of friction to slip speed
-/// \[N\] (F1).
+/// Returns the friction force \[N\] that opposes a slip (F1). The argument `size` is the friction
+/// force divided by the slip speed.
 pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
     // F = −f Q v/|v|                                                      (F1)
     slip * -size
 }
 
-/// Returns the absolute value; the derivatives are multiplied by the sign of the value.
+/// Returns the absolute value of a number with derivatives. The derivatives are multiplied by the
+/// sign of the number.
 pub(crate) fn magnitude<D: Scalar>(x: D) -> D {
     if x.re() < 0.0 { -x } else { x }
 }

@@ -10,7 +10,7 @@ use bsm_simd::{Arch, BLOCK, Lane, Simd, WithSimd};
 
 use crate::outcome::Reason;
 
-/// Elastic constants of a body.
+/// Elastic constants of the material of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material<D = f64> {
     /// Young's modulus \[Pa\], positive.
@@ -34,7 +34,7 @@ impl<D: Real> Material<D> {
     }
 }
 
-/// A groove that is in contact with the ball.
+/// A groove of the nut or the screw in which the ball runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Groove<D = f64> {
     /// Body that contains the groove.
@@ -52,7 +52,7 @@ pub enum Raceway {
     Screw,
 }
 
-/// Relative curvatures of a contact \[1/m\].
+/// Relative curvatures of ball and groove at a contact \[1/m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvatures<D = f64> {
     /// Relative curvature along the track `$\rho_t$`.
@@ -71,8 +71,8 @@ impl<D: Real> Curvatures<D> {
 }
 
 impl Curvatures {
-    /// Returns the permanent approach that remains after a load \[m\] (H12). It adds to the elastic
-    /// approach.
+    /// Returns the permanent approach \[m\] that remains after a load (H12). Under load, it is
+    /// added to the elastic approach.
     ///
     /// * `load`: normal load `$Q$` \[N\].
     /// * `ball_radius`: ball radius `$r_b$` \[m\].
@@ -134,7 +134,7 @@ impl<D: Scalar> Groove<D> {
     /// * `lead_angle`, `contact_angle`: lead angle `$\alpha$` and unloaded contact angle
     ///   `$\beta_0$` \[rad\].
     ///
-    /// Difference from bearing formulas: these formulas treat the helix as a circle and
+    /// Difference from bearing formulas: bearing formulas treat the helix as a circle and
     /// overestimate its curvature by the factor `$1/\cos^2\alpha$`.
     pub fn curvatures(
         &self,
@@ -147,15 +147,15 @@ impl<D: Scalar> Groove<D> {
     }
 }
 
-/// An elliptical Hertz contact: quantities that do not depend on the load.
+/// Quantities of an elliptical Hertz contact that do not depend on the load.
 ///
 /// Source: Johnson, *Contact Mechanics*, §4.2, with complete elliptic integrals instead of
 /// empirical formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz<D = f64> {
-    /// Ratio of the semi-axes `$1/\kappa = b/a \le 1$`. The long semi-axis is across the groove.
+    /// Ratio of the semi-axes `$1/\kappa = b/a \le 1$`. The longer semi-axis is across the groove.
     pub flatness: D,
-    /// Semi-axis across the groove divided by the cube root of the load \[m/N^(1/3)\].
+    /// Semi-axis across the groove, divided by the cube root of the load \[m/N^(1/3)\].
     pub semi_axis: D,
     /// Approach under unit load: the factor `$c$` in `$\delta = c\,Q^{2/3}$` \[m/N^(2/3)\].
     pub compliance: D,
@@ -179,7 +179,7 @@ impl<D: Real> Hertz<D> {
 }
 
 impl<D: Scalar> Hertz<D> {
-    /// Creates the contact for given curvatures and contact modulus \[Pa\] (H7) to (H9).
+    /// Creates the contact from the curvatures and the contact modulus \[Pa\] (H7) to (H9).
     ///
     /// ```math
     /// \frac{\rho_t}{\rho_x} = \frac{\kappa^2 E - K}{K - E}, \qquad
@@ -189,20 +189,19 @@ impl<D: Scalar> Hertz<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`. Otherwise, the ellipse
-    /// would be longer along the groove than across it, or the surfaces would conform without a
-    /// gap.
+    /// Returns [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`. Otherwise, the
+    /// ellipse would be longer along the groove than across it, or the surfaces would conform
+    /// without a gap.
     pub fn of(curvatures: &Curvatures<D>, modulus: D) -> Result<Self, Reason> {
         let [hertz] = Self::side_by_side(&[*curvatures], modulus)?;
         Ok(hertz)
     }
 
-    /// Creates several contacts. Calculating them together takes only as long as calculating one
-    /// contact.
+    /// Creates several contacts together, which takes only as long as creating one contact.
     ///
     /// # Errors
     ///
-    /// Returns the error of [`Self::of`] for the first contact that has an error.
+    /// Returns the error of [`Self::of`] for the first contact that cannot be created.
     pub fn side_by_side<const N: usize>(
         curvatures: &[Curvatures<D>; N],
         modulus: D,
@@ -242,7 +241,7 @@ impl<D: Scalar> Hertz<D> {
     }
 }
 
-/// Returns the maximum pressure in an ellipse with given semi-axes under a load (H10).
+/// Returns the maximum pressure under a load in a contact ellipse with given semi-axes (H10).
 #[inline(always)]
 pub(crate) fn max_pressure<F: Real>(load: F, (a, b): (F, F)) -> F {
     // p_max = 3 Q / (2 π a b)                                             (H10)
@@ -259,7 +258,7 @@ impl Hertz {
 /// Shape of a contact ellipse, calculated as the root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axes<D> {
-    /// Ratio of the semi-axes `$q = 1/\kappa$`.
+    /// Ratio of the semi-axes `$q = 1/\kappa = b/a$`.
     flatness: D,
     /// Complete elliptic integral of the first kind `$K(m)$`.
     k: D,
@@ -276,12 +275,14 @@ struct Iterations {
     agm_steps: usize,
 }
 
-/// Iterations for curvature ratios up to [`Axes::PRACTICE`]. The errors of the starting value and
-/// after each Newton step are at most 0.3, 4e-3, 2e-7 and the rounding error. For `$\kappa \le
-/// 700$`, the errors of the arithmetic-geometric means are below rounding errors.
+/// Numbers of iterations for curvature ratios up to [`Axes::PRACTICE`]. The error of the starting
+/// value is at most 0.3, and the errors after the three Newton steps are at most 4e-3, 2e-7 and the
+/// rounding error. For `$\kappa \le 700$`, the errors of the arithmetic-geometric means are below
+/// rounding errors.
 const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
-/// Iterations for curvature ratios up to 1e30, which no groove in double precision exceeds.
+/// Numbers of iterations for curvature ratios up to 1e30, which no groove in double precision
+/// exceeds.
 const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {
@@ -294,7 +295,7 @@ impl<D: Real> Axes<D> {
         Self::solve(target, PRACTICE).0
     }
 
-    /// Solves (H7). Also returns the equation evaluated at the root.
+    /// Solves (H7) for a curvature ratio. Also returns the equation evaluated at the root.
     #[inline(always)]
     fn solve(target: D, effort: Iterations) -> (Self, CurvatureEquation<D>) {
         // Starting value: κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
@@ -303,8 +304,8 @@ impl<D: Real> Axes<D> {
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
             let [found, wanted] = [at.below(), target * q.square() * at.above()];
-            // Newton's method is applied to the logarithms of both sides. ln x is approximated by 2
-            // (x−1)/(x+1), and the step uses the inverse of this approximation.
+            // Newton's method is applied to the logarithms of both sides. The logarithm ln x is
+            // approximated by 2 (x−1)/(x+1), and the step uses the inverse of this approximation.
             let up = (found - wanted) * (at.above() * at.below());
             let down = (found + wanted) * at.slope();
             q = q * ((down + up) / (down - up));
@@ -371,7 +372,7 @@ impl<const N: usize> WithSimd for SideBySide<N> {
 #[derive(Debug, Clone, Copy)]
 struct CurvatureEquation<D> {
     k: D,
-    /// Half of the elliptic parameter, `$m/2$`.
+    /// Half of the parameter of the elliptic integrals, `$m/2$`.
     half: D,
     /// Terms `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
     r: D,
@@ -400,13 +401,13 @@ impl<D: Real> CurvatureEquation<D> {
         Self { k: q.constant(0.5 * PI) / a, half, r: w * half, w }
     }
 
-    /// Returns the factor `$1 + r$` of (H7).
+    /// Returns the factor `$1 + r$` in (H7).
     #[inline(always)]
     fn above(&self) -> D {
         self.r + 1.0
     }
 
-    /// Returns the factor `$1 - r$` of (H7).
+    /// Returns the factor `$1 - r$` in (H7).
     #[inline(always)]
     fn below(&self) -> D {
         -self.r + 1.0
@@ -445,15 +446,15 @@ mod tests {
         Hertz::of(&curvatures, contact_modulus(&STEEL, &STEEL)).unwrap()
     }
 
-    /// The constants of Lin's screw with conformities of 0.53 agree with independent values that
-    /// have eight to eleven digits.
+    /// The constants of Lin's screw with conformities of 0.53 agree with independent values, which
+    /// are given with eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
         let nut = lin(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The reference states 1.88829920e-5, which differs from its own ratio a/κ by a relative
-        // 2e-8.
+        // The reference states 1.88829920e-5, which deviates from the reference ratio a/κ by a
+        // relative 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin(Raceway::Screw);
@@ -463,8 +464,8 @@ mod tests {
         assert_relative_eq!(screw.stiffness(), 2.356_080_636_3e10, max_relative = 1e-10);
     }
 
-    /// Hand calculation in millimeters: for ρ_t = 0.25, ρ_x = 0.02 and a load of 3 kN on a ball of
-    /// 8 mm, the permanent approach is 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
+    /// Hand calculation in millimeters: for ρ_t = 0.25 1/mm, ρ_x = 0.02 1/mm and a load of 3 kN on
+    /// an 8 mm ball, the permanent approach is 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
     fn permanent_approach_matches_a_hand_calculation() {
         let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
@@ -491,7 +492,7 @@ mod tests {
         assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
     }
 
-    /// For zero lead angle, the curvatures equal the curvatures of a ball bearing.
+    /// For zero lead angle, the curvatures equal those of a ball bearing.
     #[test]
     fn curvatures_at_zero_lead_match_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);
@@ -514,8 +515,8 @@ mod tests {
         }
     }
 
-    /// Curvature ratios with 1/κ, K(m) and E(m), calculated by mpmath with sixty digits and
-    /// Newton's method for (H7).
+    /// Curvature ratios with 1/κ, K(m) and E(m). The values were calculated by solving (H7) with
+    /// Newton's method and sixty digits (mpmath).
     const AXES: [(f64, f64, f64, f64); 11] = [
         (1.000_000_001, 0.999_999_999_333_333_3, 1.570_796_327_318_495_5, 1.570_796_326_271_297_8),
         (1.0001, 0.999_933_338_888_398_2, 1.570_848_684_490_918_4, 1.570_743_971_716_548_8),
@@ -570,8 +571,8 @@ mod tests {
             }
         }
 
-        /// The ellipse satisfies the curvature equation, and load, approach and pressure scale
-        /// correctly.
+        /// The contact ellipse satisfies the curvature equation (H7), and approach and pressure
+        /// scale correctly with the load.
         #[test]
         fn contact_ellipse_satisfies_the_curvature_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
             let transverse = 13.0;

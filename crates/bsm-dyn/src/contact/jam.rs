@@ -1,7 +1,8 @@
-//! Jamming: the wedge between the raceways, drag of the lubricant, and thrust in the ball return.
+//! Jamming of balls: wedge between the raceways, drag of the lubricant, and thrust in the ball
+//! return.
 //!
 //! Theory: `docs/theory/14-jamming.md`, equations (M5) to (M23). The indices `A` and `B` denote nut
-//! and screw; Dong et al. write `o` and `i`.
+//! and screw; Dong et al. write `o` and `i` instead.
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,7 @@ use super::friction::magnitude;
 /// A ball in the wedge between the raceways. The raceways push the ball out of the wedge, and
 /// friction holds it.
 ///
-/// Source: Dong et al. (2020), Eqs 15-17.
+/// Source: Dong et al. (2020), Equations 15 to 17.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wedge<D> {
     /// Normal loads at nut and screw \[N\].
@@ -23,7 +24,7 @@ pub struct Wedge<D> {
     pub slip_angles: [D; 2],
     /// Friction coefficients at nut and screw.
     pub friction: [D; 2],
-    /// Centrifugal force \[N\] (M5).
+    /// Centrifugal force on the ball \[N\] (M5).
     pub centrifugal: D,
 }
 
@@ -34,33 +35,33 @@ impl<D: Scalar> Wedge<D> {
         self.angles[1] - self.angles[0]
     }
 
-    /// Returns the mean of both contact angles \[rad\].
+    /// Returns the mean of the contact angles at nut and screw \[rad\].
     pub fn mean_angle(&self) -> D {
         (self.angles[0] + self.angles[1]) * 0.5
     }
 
-    /// Returns the friction across the grooves at nut and screw \[N\] (M7).
+    /// Returns the friction forces across the grooves at nut and screw \[N\] (M7).
     pub fn across(&self) -> [D; 2] {
         // F_X = f Q |cosψ|                                                (M7)
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
     }
 
-    /// Returns the force that holds the ball in the wedge \[N\], the left side of (M8).
+    /// Returns the force \[N\] that holds the ball in the wedge, which is the left side of (M8).
     pub fn holding(&self) -> D {
         let [a, b] = self.across();
         // (F_XA + F_XB) cos(D/2) + F_c sin β                              (M8)
         (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
     }
 
-    /// Returns the force that pushes the ball out of the wedge \[N\], the right side of (M8). It is
-    /// negative if the wedge opens outward.
+    /// Returns the force \[N\] that pushes the ball out of the wedge, which is the right side of
+    /// (M8). It is negative if the wedge opens outward.
     pub fn expelling(&self) -> D {
         // (Q_A + Q_B) sin(D/2)                                            (M8)
         (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
     }
 
-    /// Returns the friction coefficient above which friction holds the ball, for either direction
-    /// of the pushing force (M9).
+    /// Returns the friction coefficient above which friction holds the ball in the wedge, for
+    /// either direction of the pushing force (M9).
     ///
     /// If there is no slip across the grooves, the result is infinite.
     pub fn critical_friction(&self) -> D {
@@ -72,15 +73,15 @@ impl<D: Scalar> Wedge<D> {
     /// Returns the critical friction coefficients at nut and screw, calculated as printed in the
     /// source (M18).
     ///
-    /// Source: Dong et al. (2020), Eq 16.
+    /// Source: Dong et al. (2020), Equation 16.
     pub fn critical_friction_printed(&self) -> [D; 2] {
         // f ≥ |sinψ| tan(|D|/2)                                           (M18)
         self.slip_angles.map(|psi| magnitude(psi.sin()) * self.critical_friction_simplified())
     }
 
-    /// Returns the critical friction coefficient, simplified with `$\sin\psi = 1$`.
+    /// Returns the critical friction coefficient, simplified by setting `$\sin\psi = 1$`.
     ///
-    /// Source: Dong et al. (2020), Eq 17 without the radical.
+    /// Source: Dong et al. (2020), Equation 17 without the radical.
     pub fn critical_friction_simplified(&self) -> D {
         magnitude((self.opening() * 0.5).tan())
     }
@@ -93,8 +94,8 @@ impl<D: Scalar> Wedge<D> {
         self.critical_friction_simplified() / share
     }
 
-    /// Returns the largest wedge angle at which friction can hold the ball, if all friction acts
-    /// across the grooves \[rad\] (M17).
+    /// Returns the largest wedge angle \[rad\] at which friction can hold the ball if all friction
+    /// acts across the grooves (M17).
     pub fn widest_opening(&self) -> D {
         let ([nut, screw], [q_a, q_b]) = (self.friction, self.loads);
         let mean = screw + (nut - screw) * q_a / (q_a + q_b);
@@ -139,13 +140,14 @@ pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
     4.0 / 3.0 * modulus * ball_radius.sqrt()
 }
 
-/// Returns the impact force of a ball on a contact with a given Hertz stiffness \[N\] (M12), (M13).
+/// Returns the impact force \[N\] of a ball that hits a contact with a given Hertz stiffness (M12),
+/// (M13).
 ///
 /// * `mass`: ball mass \[kg\].
 /// * `speed`: ball speed along the contact normal \[m/s\].
 /// * `stiffness`: Hertz stiffness `$K$` \[N/m^1.5\].
 ///
-/// Source: Dong et al. (2020), Eq 19.
+/// Source: Dong et al. (2020), Equation 19.
 pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     // δ_m = (5 m v² / (4 K))^{2/5}                                        (M12)
     let approach = (1.25 * mass * speed.powi(2) / stiffness).powf(0.4);
@@ -153,22 +155,22 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     1.14 * mass * speed.powi(2) / approach
 }
 
-/// Returns the impact force of a ball on a linear spring \[N\] (M19).
+/// Returns the impact force \[N\] of a ball that hits a linear spring (M19).
 ///
 /// * `mass`: ball mass \[kg\].
 /// * `speed`: ball speed along the contact normal \[m/s\].
 /// * `stiffness`: stiffness of the spring `$k_h$` \[N/m\].
 ///
-/// Source: Dong et al. (2020), Eq 19 as printed.
+/// Source: Dong et al. (2020), Equation 19 as printed.
 pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     // F_m = k_h δ_m = 1.14 m v²/δ_m  ⇒  F_m = v √(1.14 k_h m)             (M19)
     speed * (1.14 * stiffness * mass).sqrt()
 }
 
-/// A ball that enters the ball return over a step. Another ball pushes it from behind, and it
-/// pushes the ball ahead.
+/// A ball that enters the ball return over a step. The ball behind pushes it, and it pushes the
+/// ball ahead.
 ///
-/// Source: Dong et al. (2020), Eq 22.
+/// Source: Dong et al. (2020), Equation 22.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EntryStep {
     /// Height of the step divided by the ball radius.
@@ -199,28 +201,27 @@ impl EntryStep {
     }
 }
 
-/// Returns the thrust on the ball behind, when a ball hits the apex of the return curve \[N\]
-/// (M14).
+/// Returns the thrust \[N\] on the ball behind when a ball hits the apex of the return curve (M14).
 ///
 /// * `impact`: impact force `$F_m$` \[N\].
 /// * `half_angle`: half angle `$\lambda_1$` of the apex \[rad\].
 /// * `friction`: friction coefficient `$f$`.
 ///
-/// Source: Dong et al. (2020), Eq 18.
+/// Source: Dong et al. (2020), Equation 18.
 pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
     let (sin, cos) = half_angle.sin_cos();
     // F_O1 = (F_m/2)(1/sinλ₁ + f/cosλ₁)                                   (M14)
     impact * (sin.recip() + friction / cos) * 0.5
 }
 
-/// Returns the thrust on the ball behind, when a ball hits the step between ball return and screw
-/// \[N\] (M15).
+/// Returns the thrust \[N\] on the ball behind when a ball hits the step between ball return and
+/// screw (M15).
 ///
 /// * `normal`: normal force `$F_N$` of the step \[N\].
 /// * `friction`: friction coefficient `$f > 0$`.
-/// * `return_angle`: angle `$\lambda_3$` \[rad\].
+/// * `return_angle`: angle `$\lambda_3$` by which the track turns at the step \[rad\].
 ///
-/// Source: Dong et al. (2020), Eqs 23-24.
+/// Source: Dong et al. (2020), Equations 23 and 24.
 pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     // F_O1 = 2 F_N / ((f + 1/f) cosλ₃)                                    (M15)
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
@@ -234,7 +235,7 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
 /// * `load`: normal load on one ball \[N\].
 /// * `slip_angle`: slip angle at the contact with the screw \[rad\].
 ///
-/// Source: Dong et al. (2020), Eqs 20-21, applied to the contact at the screw.
+/// Source: Dong et al. (2020), Equations 20 and 21, applied to the contact at the screw.
 pub fn track_friction(balls: f64, friction: f64, load: f64, slip_angle: f64) -> f64 {
     // F_t = Z_t f Q |sinψ|                                                (M16)
     balls * friction * load * slip_angle.sin().abs()
@@ -253,7 +254,8 @@ mod tests {
 
     proptest! {
         /// Both sides of the criterion are forces in the direction in which a ball leaves the
-        /// wedge. Friction with the critical coefficient is just sufficient to hold the ball.
+        /// wedge. Friction with the critical friction coefficient is just sufficient to hold the
+        /// ball.
         #[test]
         fn wedge_criterion_matches_the_force_balance(
             a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
@@ -271,7 +273,7 @@ mod tests {
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
             let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
-            // The tolerance allows for the rounding error of forces of 1 kN.
+            // The tolerance allows for rounding errors of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
             let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
@@ -287,8 +289,8 @@ mod tests {
             prop_assert!((at_nut - at_screw).abs() <= 1e-14);
         }
 
-        /// Eq 24 of Dong et al. is the solution of the two force balances of Eq 23. The unknowns
-        /// are the force of the opposite wall and the thrust.
+        /// Equation 24 of Dong et al. is the solution of the two force balances of Equation 23. The
+        /// unknowns are the force of the opposite wall and the thrust.
         #[test]
         fn step_thrust_satisfies_the_force_balances_of_eq_23_of_dong(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
@@ -304,9 +306,9 @@ mod tests {
             prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
         }
 
-        /// The Hertz contact stores the kinetic energy of the impact. The factor 1.14 applies to a
-        /// half-sine pulse with equal approach and duration; for the maximum Hertz force, the
-        /// factor is 5/4.
+        /// The Hertz contact stores the kinetic energy of the impact. The factor 1.14 in the
+        /// formula applies to a half-sine pulse with the same approach and duration; for the
+        /// maximum Hertz force, the factor is 5/4.
         #[test]
         fn impact_on_a_hertz_contact_conserves_energy(
             mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
@@ -321,7 +323,8 @@ mod tests {
     }
 
     /// Hand calculation: at a 45 degree apex without friction, the thrust is half of the impact
-    /// force multiplied by √2. Friction adds this thrust multiplied by the friction coefficient.
+    /// force multiplied by √2. Friction increases the thrust by this value multiplied by the
+    /// friction coefficient.
     #[test]
     fn apex_thrust_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
@@ -337,8 +340,8 @@ mod tests {
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
     }
 
-    /// For a linear spring, the impact force is proportional to the speed and satisfies Eq 19 with
-    /// the approach of the spring.
+    /// For a linear spring, the impact force is proportional to the speed and satisfies Equation 19
+    /// of Dong et al. with the approach of the spring.
     #[test]
     fn linear_impact_force_satisfies_eq_19_of_dong() {
         let (mass, stiffness) = (1.7e-4, 3e7);
@@ -350,8 +353,9 @@ mod tests {
     }
 
     proptest! {
-        /// The three balances of Eq 22 hold at the moment when the ball lifts off its track. The
-        /// moment balance follows from the two force balances.
+        /// The two force balances and the moment balance of Equation 22 of Dong et al. hold at the
+        /// moment when the ball lifts off its track. The moment balance follows from the force
+        /// balances.
         #[test]
         fn forces_and_moments_balance_at_the_entry_step(
             height in 0.0..0.8_f64, angle in 0.01..1.5_f64, rolling in 0.0..0.05_f64,
@@ -363,7 +367,7 @@ mod tests {
             let normal = angle.sin() / (sin - rolling * cos);
             let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
             // The tolerance is the rounding error multiplied by the condition number, which is
-            // large if the step is nearly too high.
+            // large near the maximum step height.
             prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
             let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
             prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
@@ -383,7 +387,7 @@ mod tests {
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
     }
 
-    /// Hand calculation: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
+    /// Hand calculation of the drag force: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 N.
     #[test]
     fn drag_and_centrifugal_force_match_hand_calculations() {
         let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);

@@ -1,4 +1,4 @@
-//! Jones geometry: dependence of the contact angles on load and position of the ball center.
+//! Jones geometry: contact angles as functions of the loads and the position of the ball center.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J9).
 
@@ -9,9 +9,9 @@ use bsm_newton::EvalError;
 /// angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Jones<D> {
-    /// Distance `$l_{A0}$` at the nut \[m\].
+    /// Distance `$l_{A0}$` between the arc center of the nut groove and the ball center \[m\].
     pub nut_offset: D,
-    /// Distance `$l_{B0}$` at the screw \[m\].
+    /// Distance `$l_{B0}$` between the arc center of the screw groove and the ball center \[m\].
     pub screw_offset: D,
     /// Unloaded contact angle `$\beta_0$` \[rad\].
     pub contact_angle: D,
@@ -23,14 +23,14 @@ impl<D: Scalar> Jones<D> {
     /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
     ///
     /// This is the closed-form inverse of (J1) to (J5). It allows the loads themselves to be
-    /// unknowns, and a tilt of the order of the inertia forces keeps all its digits.
+    /// unknowns, and a tilt of the order of the inertia forces keeps all its significant digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
     /// Bearings*, ASME J. Basic Eng. 82 (1960), applied to the groove arcs of a screw and a nut.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
+    /// Returns [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
     pub(crate) fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -42,7 +42,7 @@ impl<D: Scalar> Jones<D> {
             return Err(EvalError {
                 quantity: "square of the axial distance between the groove arc centers",
                 value: square.re(),
-                requirement: "positive; otherwise no contact angles have this difference",
+                requirement: "must be positive; otherwise no contact angles have the given difference",
             });
         }
         // β = atan2(D, S) + acos(A₂/√(S² + D²))
@@ -55,11 +55,12 @@ impl<D: Scalar> Jones<D> {
     /// Returns the contact angle at the screw \[rad\] and the axial displacement of the nut \[m\]
     /// for two approaches \[m\] and a contact angle at the nut \[rad\] (J9). This function is used
     /// under high centrifugal loads. The contact angle at the nut is then small, and it would lose
-    /// its digits if it were calculated as mean angle minus tilt.
+    /// significant digits if it were calculated as mean angle minus tilt.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no contact angle at the screw corresponds to the contact angle at the nut.
+    /// Returns [`EvalError`] if no contact angle at the screw corresponds to the contact angle at
+    /// the nut.
     pub(crate) fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -70,15 +71,15 @@ impl<D: Scalar> Jones<D> {
             return Err(EvalError {
                 quantity: "cosine of the contact angle at the screw",
                 value: cos.re(),
-                requirement: "between -1 and 1; otherwise the groove arcs do not meet",
+                requirement: "must be between -1 and 1; otherwise the ball cannot touch both grooves",
             });
         }
         let screw_angle = square.sqrt().atan2(cos);
         Ok((screw_angle, self.displacement([l_a, l_b], [nut_angle, screw_angle])))
     }
 
-    /// Returns the displacement of the nut, calculated from the distances between arc centers and
-    /// ball center and from the contact angles.
+    /// Returns the axial displacement of the nut, calculated from the contact angles and from the
+    /// distances between arc centers and ball center.
     fn displacement(&self, lengths: [D; 2], [nut, screw]: [D; 2]) -> D {
         let unloaded = (self.nut_offset + self.screw_offset) * self.contact_angle.sin();
         binormal_displacement(lengths, [nut.sin(), screw.sin()], unloaded)
@@ -139,15 +140,16 @@ mod tests {
     }
 
     proptest! {
-        /// The contact angle at the screw is equal whether it is calculated from the contact angle
-        /// at the nut or from the tilt.
+        /// The contact angle at the screw does not depend on whether it is calculated from the
+        /// contact angle at the nut or from the tilt.
         #[test]
         fn screw_angle_from_nut_angle_agrees_with_screw_angle_from_tilt(
             nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let (opposite, same) = SCREW.opposite([nut, screw], mean - tilt).unwrap();
-            // The tolerance is larger for small angles, because the cosine is flat there.
+            // The tolerance is larger for small angles, because the cosine hardly depends on the
+            // angle there.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
         }
@@ -161,7 +163,7 @@ mod tests {
     }
 
     proptest! {
-        /// The closed-form formula for the difference of the contact angles agrees with the
+        /// The closed-form formula for the difference between the contact angles agrees with the
         /// directly calculated difference.
         #[test]
         fn closed_form_angle_difference_is_correct(
@@ -174,13 +176,13 @@ mod tests {
             // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]      (J6)
             let half = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
             let direct = (0.5 * (b - a)).tan().powi(2);
-            // The numerator is a difference of squared lengths, with a rounding error of 1e-16 of
-            // the squares.
+            // The numerator is a difference of squared lengths, and its rounding error is 1e-16
+            // times the squares.
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 
-        /// The approaches and angles from the closed form agree with the values calculated from the
-        /// position of the ball center between the arcs.
+        /// Approaches and contact angles from the closed form agree with the values calculated from
+        /// the position of the ball center between the groove arcs.
         #[test]
         fn closed_form_inverts_the_groove_geometry(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
@@ -194,8 +196,8 @@ mod tests {
             let center = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
             let ([a, b], approaches) = sides(center, displacement);
-            // The tolerance allows for rounding errors of lengths of 3e-4 m, and of angles
-            // multiplied by their slope of at most 50.
+            // The tolerance allows for rounding errors of lengths of 3e-4 m, and for rounding
+            // errors of angles multiplied by a slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);
             prop_assert!((0.5 * (b - a) - tilt).abs() <= 1e-13);
             prop_assert!((0.5 * (b + a) - mean).abs() <= 1e-13);

@@ -1,4 +1,4 @@
-//! Friction of a lubricant: the oil, the film between ball and raceway, friction at a point,
+//! Friction of a lubricant: oil properties, film between ball and raceway, friction at a point,
 //! rolling resistance, and losses outside the contacts.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
@@ -11,25 +11,26 @@ pub(super) mod oil;
 use self::losses::Losses;
 use self::oil::Oil;
 
-/// A lubricant with the surfaces that it separates and the losses outside the contacts.
+/// A lubricant, the roughness of the surfaces that it separates, and the losses outside the
+/// contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lubricant<D = f64> {
-    /// The oil. For a grease, this is the base oil.
+    /// Properties of the oil. For a grease, these are the properties of the base oil.
     pub oil: Oil<D>,
     /// Lubricant temperature at the inlet of the contacts.
     pub temperature: Temperature<D>,
     /// Friction coefficient of asperity contact `$\mu_b$`, positive.
     pub boundary_friction: D,
-    /// Roughness of the surfaces.
+    /// Roughness of the balls and grooves.
     pub roughness: Roughness<D>,
-    /// Ratio of film thickness to the film thickness with sufficient oil supply `$\varphi_s$`,
+    /// Ratio `$\varphi_s$` of the film thickness to the film thickness with sufficient oil supply,
     /// positive.
     pub film_factor: D,
-    /// Ratio of rolling force to the rolling force with fully flooded inlets `$c_R \ge 0$`.
+    /// Ratio `$c_R \ge 0$` of the rolling force to the rolling force with fully flooded inlets.
     pub rolling_factor: D,
-    /// Fraction of the elastic energy that is lost during rolling (hysteresis) `$c_h \ge 0$`.
+    /// Fraction `$c_h \ge 0$` of the elastic energy that is lost during rolling (hysteresis).
     pub hysteresis_loss: D,
-    /// Losses outside the contacts.
+    /// Parameters of the power losses outside the contacts.
     pub losses: Losses<D>,
 }
 
@@ -39,7 +40,7 @@ impl<D: Copy> Lubricant<D> {
     #[must_use]
     #[expect(
         clippy::manual_map,
-        reason = "a closure would not be compiled for the instruction set"
+        reason = "a closure would not be compiled for the instruction set of its caller"
     )]
     pub fn map<E>(&self, f: impl Fn(D) -> E) -> Lubricant<E> {
         let Self { oil, roughness, losses, .. } = self;

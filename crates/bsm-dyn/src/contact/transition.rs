@@ -1,5 +1,5 @@
-//! Position, along a line across a contact ellipse, at which the slope of the friction coefficient
-//! of an oil changes.
+//! Position on a line across a contact ellipse at which the slope of the friction coefficient of an
+//! oil changes.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y34).
 
@@ -9,25 +9,25 @@ use bsm_simd::{Lane, Simd};
 
 use crate::contact::lubricant::oil::PRESSURE_SLOPE;
 
-/// Minimum argument of the logarithm.
+/// Lower limit of the argument of the logarithm, which prevents a logarithm of zero.
 const TINY: f64 = 1e-300;
 
-/// Transition of the friction coefficient along a line. It occurs at the pressure at which the oil
-/// stiffens.
+/// Transition of the friction coefficient along a line across a contact ellipse. It occurs at the
+/// pressure at which the oil stiffens.
 #[derive(Debug, Clone, Copy)]
 pub struct Transition {
-    /// Twice the argument of (Y11) for a slip speed of one.
+    /// Twice the argument of the inverse hyperbolic sine in (Y11) at a slip speed of one.
     pub(super) shear: f64,
     /// Pressure parameter `$a_p$` divided by the maximum pressure.
     pub(super) scale: f64,
 }
 
 impl Transition {
-    /// Transition for a coefficient that varies slowly with pressure.
+    /// Transition for a friction coefficient that varies slowly with pressure.
     pub(crate) const SMOOTH: Self = Self { shear: 1.0, scale: 1.0 };
 
     /// Returns the pressure at the transition for a given slip speed, and the distance of the
-    /// complex poles from it. Both are divided by the maximum pressure.
+    /// complex poles from this pressure. Both are divided by the maximum pressure.
     ///
     /// * `square`: square of the slip speed.
     #[inline(always)]

@@ -1,4 +1,5 @@
-//! Lines across the contact ellipses at the nodes of the panels, and the nodes along these lines.
+//! Lines across the contact ellipses at the nodes on the long axis, and the nodes along these
+//! lines.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14), (T18), (T19).
 
@@ -8,13 +9,14 @@ use super::panels::{Nodes, Panels};
 use super::placement::{FrozenRule, InnerNodes, Placement};
 use super::slip::{EllipseSlip, half_length};
 
-/// A block of neighboring lines across the ellipse.
+/// A block of neighboring lines across a contact ellipse.
 #[derive(Clone, Copy)]
 pub(super) struct Chords {
-    /// Positions on the long axis, divided by the semi-axis, and fractions of the load.
+    /// Positions of the lines on the long axis, divided by the semi-axis, and the fractions of the
+    /// load on the lines.
     pub(super) xi: Block,
     pub(super) weight: Block,
-    /// Half lengths of the lines, divided by the short semi-axis.
+    /// Half lengths of the lines, divided by the short semi-axis of the ellipse.
     pub(super) half_length: Block,
     pub(super) inner: InnerNodes,
 }
@@ -56,17 +58,18 @@ impl Chords {
     }
 }
 
-/// Accumulates the contributions of lines across ellipses.
+/// Accumulates the contributions of lines across the contact ellipses.
 pub(super) trait AddChords<S: Simd> {
     /// Adds the contributions of a block of lines to the sums of an ellipse.
     fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
-/// Number of blocks of lines that are calculated before any of them is summed. The processor can
-/// then work on some blocks while it waits for others.
+/// Number of blocks of lines that are calculated before the first of them is summed. The processor
+/// can then work on one block while it waits for the results of another.
 const AHEAD: usize = 2;
 
-/// Calls `sums` with the lines across both ellipses. Ellipses with `done` set are skipped.
+/// Calls `sums` with the lines across the ellipses of two contacts. Contacts with `done` set are
+/// skipped.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(
     simd: S,

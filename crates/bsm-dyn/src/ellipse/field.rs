@@ -1,4 +1,4 @@
-//! Slip and friction at single points of a contact ellipse, for plots and tables.
+//! Slip and friction at individual points of a contact ellipse, for plots and tables.
 //!
 //! Coordinates are divided by the semi-axes: `xi` is along `$t \times N$` (across the groove), and
 //! `upsilon` is along `$t$`.
@@ -7,16 +7,17 @@ use super::EllipseSlip;
 use crate::contact::FrictionLaw;
 
 impl EllipseSlip<f64> {
-    /// Returns the slip along and across the groove, in the unit of the speeds.
+    /// Returns the slip along and across the groove at a point, in the unit in which the speeds
+    /// were given.
     pub fn at(&self, xi: f64, upsilon: f64) -> [f64; 2] {
         let (b_0, spin) = (self.across_at(xi, 0.0).0, self.spin_speed);
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         [self.along(xi), -(b_0 + spin * upsilon)]
     }
 
-    /// Returns the friction along and across the groove, divided by the normal pressure. Its
-    /// magnitude equals the friction coefficient if the slip speed is large compared with the creep
-    /// speed.
+    /// Returns the friction stress along and across the groove at a point, divided by the pressure.
+    /// Its magnitude equals the friction coefficient if the slip speed is large compared with the
+    /// creep speed.
     pub fn friction(&self, xi: f64, upsilon: f64, law: &impl FrictionLaw<f64>) -> [f64; 2] {
         let pressure = (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
         let slip = self.at(xi, upsilon);
@@ -36,8 +37,8 @@ impl EllipseSlip<f64> {
     /// pure rolling), in ascending order. There are at most two.
     pub fn rolling_lines(&self) -> Vec<f64> {
         let [q_0, q_1, q_2] = self.longitudinal;
-        // The larger root is calculated without cancellation, and the other root from the product
-        // of both roots.
+        // The root with the larger magnitude is calculated without cancellation. The other root
+        // follows from the product of both roots.
         let sum = -0.5 * (q_1 + (q_1 * q_1 - 4.0 * q_0 * q_2).sqrt().copysign(q_1));
         let mut lines: Vec<_> =
             [q_0 / sum, sum / q_2].into_iter().filter(|xi| xi.abs() < 1.0).collect();
@@ -45,7 +46,7 @@ impl EllipseSlip<f64> {
         lines
     }
 
-    /// Returns the spin poles, which are the points of the ellipse without slip.
+    /// Returns the spin poles, which are the points of the ellipse at which the slip is zero.
     pub fn spin_poles(&self) -> Vec<[f64; 2]> {
         let pole = |xi: f64| {
             let upsilon = -self.across_at(xi, 0.0).0 / self.spin_speed;
@@ -87,7 +88,8 @@ mod tests {
         (ellipse, motion, slip)
     }
 
-    /// The sum over a fine grid equals the friction force from the quadrature.
+    /// The sum of the local friction over a fine grid equals the friction force from the
+    /// quadrature.
     #[test]
     fn local_friction_adds_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;
@@ -105,14 +107,15 @@ mod tests {
         let across = BallFrame::tangent().cross(&ellipse.contact.normal);
         let expected: [f64; 2] = [wrench.force.x, wrench.force.dot(&across)];
         for (sum, expected) in force.into_iter().zip(expected) {
-            // A grid of squares has an error of a few 1e-4 of f Q, because the friction has a kink
-            // at the pole.
+            // Integration over a grid of squares has an error of a few 1e-4 of f Q, because the
+            // friction changes its direction abruptly at the spin pole.
             let error: f64 = sum / load * ellipse.load - expected;
             assert!(error.abs() < 1e-3 * 0.08 * ellipse.load, "{sum} {expected}");
         }
     }
 
-    /// There is no slip at a spin pole, and no slip along the groove on a line of pure rolling.
+    /// At a spin pole, the slip is zero; on a line of pure rolling, the slip along the groove is
+    /// zero.
     #[test]
     fn slip_is_zero_at_spin_poles() {
         let (_, _, slip) = ellipse();

@@ -1,11 +1,11 @@
-//! Friction sums over an ellipse, with derivatives, for several nodes at once.
+//! Friction sums over a contact ellipse, with derivatives, for several nodes at once.
 //!
 //! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate). Tests
 //! compare both implementations.
 
 #![expect(
     clippy::needless_range_loop,
-    reason = "indexes of vectors and matrices, written as in the equations"
+    reason = "indices of vectors and matrices are written as in the equations"
 )]
 
 use bsm_kin::Real;
@@ -19,52 +19,53 @@ use super::placement::Placement;
 use super::slip::{EllipseSlip, FAR_LIMIT, clamp};
 use crate::cost;
 
-/// Data of a contact that the friction sums need, in contact coordinates.
+/// Dimensions and motion of a contact, in contact coordinates, from which friction is integrated.
 #[derive(Debug, Clone, Copy)]
 pub struct Patch<F = f64> {
     /// Semi-axes across and along the groove.
     pub semi_axes: (F, F),
-    /// Radius of the deformed contact surface.
+    /// Radius of the deformed contact surface across the groove.
     pub pressed_radius: F,
     /// Ball radius.
     pub ball_radius: F,
     /// Speed of the ball center along t, and angular velocity about t, N and t × N, relative to the
-    /// contacting body.
+    /// nut or the screw.
     pub motion: [F; MOTION],
     /// Creep speed.
     pub creep: F,
 }
 
-/// Integrated friction of a contact, divided by `$Q$`, or by `$f Q$` for a constant coefficient.
+/// Integrated friction of a contact, divided by `$Q$` or, for a constant friction coefficient, by
+/// `$f Q$`.
 #[derive(Clone, Copy)]
 pub(crate) struct Resultants<F = f64> {
-    /// Force along t and t × N, and moment about t, N and t × N.
+    /// Friction force along t and t × N, and friction moment about t, N and t × N.
     pub(crate) values: [F; SUMS],
-    /// Friction power.
+    /// Friction power of the contact.
     pub(crate) power: F,
     /// Derivatives of force and moment with respect to the motion and to the logarithm of the size
     /// of the ellipse.
     pub(crate) slopes: [[F; SLOPES]; SUMS],
     /// Derivatives of force and moment with respect to the logarithm of the film thickness; zero
-    /// without a film.
+    /// without a lubricant.
     pub(crate) by_film: [F; SUMS],
 }
 
-/// Number of components of the motion.
+/// Number of components of the motion of the ball.
 pub(crate) const MOTION: usize = 4;
 /// Number of sums: the components of force and moment.
 pub(crate) const SUMS: usize = 5;
-/// Number of derivatives: with respect to each component of the motion, and to the common growth of
-/// both semi-axes.
+/// Number of derivatives: with respect to the components of the motion, and with respect to the
+/// size of the ellipse.
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Number of sums: force, moment and power.
+/// Number of sums for force, moment and power.
 pub(super) const VALUES: usize = SUMS + 1;
 /// Number of all sums, including the terms of the derivatives.
 pub(super) const ALL: usize = VALUES + 14;
 
 impl<F: Real> Patch<F> {
-    /// Returns the slip over the ellipse as a function of position.
+    /// Returns the slip over the ellipse as a function of the position.
     #[inline(always)]
     pub fn slip(&self) -> EllipseSlip<F> {
         let ([speed, w_t, w_n, w_c], radii) =
@@ -89,16 +90,17 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
     }
 }
 
-/// Nodes along a block of lines whose spin poles are inside the contact ellipse.
+/// Nodes along a block of lines on which the spin pole (the point without slip) is inside the
+/// contact ellipse.
 pub(super) struct NearPole<S: Simd> {
-    /// Angle and angular width of the spin pole.
+    /// Angular position and angular width of the spin pole.
     at: Lane<S>,
     width: Lane<S>,
     sides: [NearSide<S>; 2],
 }
 
-/// One side of a pole: its length in the variable of the sinh transformation, the exponentials at
-/// its ends, and their reciprocals.
+/// One side of a spin pole: its length in the variable of the sinh transformation, the exponentials
+/// at its ends, and their reciprocals.
 type NearSide<S> = (Lane<S>, [Lane<S>; 2], [Lane<S>; 2]);
 
 impl<S: Simd> NearPole<S> {
@@ -117,7 +119,7 @@ impl<S: Simd> NearPole<S> {
         Self { at, width, sides }
     }
 
-    /// Returns the number of pairs of nodes around a pole.
+    /// Returns the number of pairs of nodes around a spin pole.
     pub(super) fn pairs(rule: &Quadrature) -> usize {
         2 * rule.near.len().div_ceil(2)
     }
@@ -173,8 +175,8 @@ fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
     cos.lt(zero).select(-angle + PI, angle)
 }
 
-/// Sums along a block of lines across the ellipse: J and K of (T21). For a lubricant, the sums also
-/// include the derivatives with respect to the slip across the groove and to the film thickness.
+/// Sums along a block of lines across the ellipse: J and K of (T21). With a lubricant, the sums
+/// also include derivatives with respect to the slip across the groove and to the film thickness.
 #[derive(Clone, Copy)]
 pub(crate) struct Moments<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
 
@@ -196,16 +198,17 @@ impl<S: Simd, const N: usize> Moments<S, N> {
     }
 }
 
-/// A friction law at the points of an ellipse, with `N` kinds of sums along a line.
+/// A friction law that is evaluated at the points of an ellipse. It needs `N` kinds of sums along
+/// each line.
 pub(crate) trait PointLaw<const N: usize>: Copy {
     /// True if the friction coefficient depends on the film thickness.
     const FILM: bool;
 
-    /// Precalculated data of a pressure, from which the friction coefficient is calculated for any
-    /// slip speed.
+    /// Quantities that depend only on the pressure at a node. They are calculated once and then
+    /// used to calculate the friction coefficient for any slip speed.
     type NodePressure<S: Simd>: Copy;
 
-    /// Calculates the data of the pressure at a node.
+    /// Calculates the quantities that depend on the pressure at a node.
     ///
     /// * `pressure`: pressure divided by the maximum pressure in the contact.
     fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::NodePressure<S>;
@@ -226,7 +229,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     /// Returns the sums along a block of lines whose spin poles are outside the ellipse, and the
     /// number of nodes per line.
     ///
-    /// * `inner`: number of nodes along each line for a constant coefficient.
+    /// * `inner`: number of nodes that each line needs for a constant friction coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
@@ -235,12 +238,12 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         line: &Chord<S>,
     ) -> (Moments<S, N>, usize);
 
-    /// Returns J, K, the sums for the slip across the groove, and the sums J for the film
-    /// thickness.
+    /// Returns four sums: J, K, the sums for the slip across the groove, and the sums J for the
+    /// film thickness.
     fn variants<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
-    /// Integrates over the whole ellipse at once if this is more efficient than integration along
-    /// lines. Returns false if lines must be used.
+    /// Integrates friction over the whole ellipse at once if this is more efficient than
+    /// integrating along lines. Returns false if lines must be used.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         _simd: S,
@@ -256,8 +259,8 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
 pub(crate) struct Dry;
 
 impl Dry {
-    /// Adds the contribution of a node. It is accurate to rounding errors or, if `COARSE` is true,
-    /// to the error of an approximate square root.
+    /// Adds the contribution of a node. It is accurate to rounding errors unless `COARSE` is true;
+    /// in this case, an approximate square root limits the accuracy.
     #[inline(always)]
     pub(super) fn add<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         Moments([j, k]): &mut Moments<S, 2>,
@@ -276,7 +279,7 @@ impl Dry {
         }
     }
 
-    /// Adds nodes with equal positions on all lines.
+    /// Adds the contributions of nodes that have the same positions on all lines.
     #[inline(always)]
     fn add_all<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         to: &mut Moments<S, 2>,
@@ -345,24 +348,25 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Accumulates the sums over all lines of both contacts. The terms of the derivatives are
+/// Accumulates the sums over all lines of two contacts. The terms of the derivatives are
 /// accumulated only if `JACOBIAN` is true.
 pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    /// Values, the terms of the derivatives (if requested), and the derivatives with respect to the
-    /// film thickness (for a lubricant).
+    /// Sums of force, moment and power, terms of their derivatives (if requested), and derivatives
+    /// with respect to the film thickness (for a lubricant).
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
-    /// Number of nodes on all lines. Nodes that are processed side by side count as one node.
+    /// Number of nodes on all lines. Nodes that are processed together in one SIMD vector count as
+    /// one node.
     pub(super) count: usize,
 }
 
-/// Sums along a block of lines whose spin poles are inside the ellipse. Such lines are rare, so
-/// their code is separate.
+/// Function object that calculates the sums along a block of lines whose spin poles are inside the
+/// ellipse. Such lines are rare, so their code is separate.
 struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     rule: &'a Quadrature,
@@ -393,11 +397,12 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
     }
 }
 
-/// Reduces blocks to sums. The order of summation does not depend on the vector width.
+/// Adds up the numbers of each block. The order of summation does not depend on the vector width.
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // For every vector width, the number of vectors is chosen so that the lane holds one block.
+        // For every vector width, the number of vectors is chosen so that they hold one block
+        // together.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),
@@ -434,7 +439,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
 }
 
 impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N, JACOBIAN> {
-    /// Adds the sums along a block of lines.
+    /// Adds the sums along a block of lines to the totals.
     #[inline(always)]
     pub(super) fn add_line<S: Simd>(
         &mut self,
@@ -460,10 +465,10 @@ impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N,
     }
 }
 
-/// Calculates the sums for both contacts. The derivatives are calculated only if `JACOBIAN` is
-/// true; otherwise they are zero.
+/// Calculates the friction sums of two contacts. The derivatives are calculated only if `JACOBIAN`
+/// is true; otherwise they are zero.
 ///
-/// * `laws`, `nodes`: friction law and nodes of each contact.
+/// * `laws`, `nodes`: friction law and quadrature nodes of each contact.
 /// * `done`: contacts that are not calculated.
 #[inline(always)]
 pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
@@ -473,8 +478,8 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool
     nodes: &[Placement<'_>; 2],
     done: [bool; 2],
 ) -> [Resultants; 2] {
-    // The sums are compiled as one separate function for one or two contacts, because the code is
-    // long.
+    // The code is long, so it is compiled as a single separate function that is used for one or two
+    // contacts.
     simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done })
 }
 
@@ -532,16 +537,17 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
     }
 }
 
-/// Semi-axes of an ellipse, and the slip over the ellipse.
+/// Semi-axes of an ellipse, and the slip over this ellipse.
 pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
-/// A block of lines across an ellipse.
+/// A block of lines across a contact ellipse.
 pub(crate) struct Chord<S: Simd> {
-    /// Positions on the long axis, fractions of the load, and half lengths of the lines.
+    /// Positions of the lines on the long axis, fractions of the load on the lines, and half
+    /// lengths of the lines.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
     pub(super) half_length: Lane<S>,
-    /// Slip along and across the groove (T13).
+    /// Slip along the groove and slip across the groove (T13).
     pub(super) v_t: Lane<S>,
     pub(super) across: (Lane<S>, Lane<S>),
 }
@@ -564,7 +570,7 @@ impl<S: Simd> Chord<S> {
         self.v_t * self.v_t + slip.creep * slip.creep
     }
 
-    /// Calculates force, moment and power from the sums J (T21).
+    /// Calculates friction force, moment and power from the sums J (T21).
     ///
     /// * `axes`: semi-axes of the ellipse, and the slip.
     #[inline(always)]
@@ -582,9 +588,9 @@ impl<S: Simd> Chord<S> {
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
     }
 
-    /// Calculates the values and, if `JACOBIAN` is true, the terms of the derivatives. The
-    /// arguments are the sums J and K along the lines, and the sums for the slip across the groove
-    /// (T23).
+    /// Calculates friction force, moment and power and, if `JACOBIAN` is true, the terms of their
+    /// derivatives. The arguments are the sums J and K along the lines, and the sums for the slip
+    /// across the groove (T23).
     #[inline(always)]
     pub(super) fn terms<const JACOBIAN: bool>(
         &self,
@@ -619,7 +625,7 @@ impl<S: Simd> Chord<S> {
     }
 }
 
-/// Adds each lane of values to its block of totals, starting at index `at` of the block.
+/// Adds each SIMD vector of values to its block of totals, starting at index `at` of the block.
 #[inline(always)]
 fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
     for (total, value) in totals.iter_mut().zip(values) {
@@ -638,13 +644,14 @@ impl<F: Real> Resultants<F> {
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // Sums of T_v, T_b and C_b, and of their products with h and h²
+        // These are the sums of T_v, T_b and C_b, and of their products with h and h².
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
-        // Sums of T_n, of its product with h, of C_n, of its product with h, and of the moment due
-        // to spin
+        // These are the sums of T_n and C_n, of their products with h, and of the moment due to
+        // spin.
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
         let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
-        // If the ellipse grows, x and Y grow by the same factor, and h changes by dh = 2 (h − r_b).
+        // If the ellipse grows, x and Y grow by the same factor, and the distance h changes by dh =
+        // 2 (h − r_b).
         let (by_t, by_c) = (w_t * 2.0, w_c * 2.0);
         let t_g = w_n * t_n + by_c * (t_vh - r * t_v) + by_t * (t_bh - r * t_b);
         let c_g = w_n * c_n + by_c * (t_bh - r * t_b) + by_t * (c_bh - r * c_b);
@@ -665,7 +672,7 @@ impl<F: Real> Resultants<F> {
     }
 }
 
-/// Returns the sums for one contact. The derivatives are zero unless `JACOBIAN` is true.
+/// Returns the friction sums of one contact. The derivatives are zero unless `JACOBIAN` is true.
 #[cfg(test)]
 pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     arch: Arch,
@@ -677,12 +684,12 @@ pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     sums
 }
 
-/// Returns the friction powers of both contacts with a constant coefficient.
+/// Returns the friction powers of two contacts with a constant friction coefficient.
 pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 2]) -> [f64; 2] {
     arch.dispatch(BothSums::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
 }
 
-/// Arguments of the sums for both contacts or for the first contact alone.
+/// Arguments for calculating the friction sums of both contacts or of the first contact alone.
 struct BothSums<'a, L, const N: usize, const JACOBIAN: bool>(
     &'a [Patch; 2],
     L,

@@ -1,4 +1,4 @@
-//! List of all nodes of the integration over an ellipse.
+//! List of all quadrature nodes of an ellipse.
 
 use bsm_simd::{Arch, Lane, Simd, WithSimd};
 
@@ -11,8 +11,8 @@ use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
 use crate::cost;
 
-/// Returns all nodes with their coordinates, divided by the semi-axes, and their fractions of the
-/// load. The coefficient is constant or has a transition.
+/// Returns all quadrature nodes with their coordinates, divided by the semi-axes, and their
+/// fractions of the load. The friction coefficient is constant or has a transition.
 pub(super) fn nodes(
     point: &Patch,
     nodes: Placement<'_>,
@@ -25,7 +25,7 @@ pub(super) fn nodes(
 
 struct ListNodes<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
 
-/// Collects the nodes on all lines.
+/// Collects the quadrature nodes on all lines across the ellipse.
 struct NodeCollector<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,

@@ -1,4 +1,4 @@
-//! Friction sums over a lubricated ellipse, with derivatives, for several lines at once.
+//! Friction sums over a lubricated contact ellipse, with derivatives, for several lines at once.
 //!
 //! The friction law is the same as in [`MixedFriction`](crate::lubrication::MixedFriction). Tests
 //! compare both implementations. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13)
@@ -15,26 +15,26 @@ use super::quadrature::{MAX_RINGS, part_of_a_node};
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
-/// Argument below which the inverse hyperbolic sine is calculated from its series. The next term of
-/// the series is of the order of rounding errors.
+/// Argument below which the inverse hyperbolic sine is calculated from its power series. The first
+/// omitted term is of the order of rounding errors.
 const SMALL: f64 = 5e-3;
 
-/// Small number that keeps divisors from being zero.
+/// Small number that is used to prevent division by zero.
 const TINY: f64 = 1e-300;
 
-/// Nodes on rings of equal pressure over the whole ellipse. On each ring, the coefficient depends
-/// only on the slip speed.
+/// Quadrature nodes on rings of equal pressure over the whole ellipse. On each ring, the friction
+/// coefficient depends only on the slip speed.
 pub(super) struct PolarRule {
     count: usize,
-    /// Pressure divided by the maximum pressure, radius divided by the semi-axes, and fraction of
-    /// the load.
+    /// For each ring: pressure divided by the maximum pressure, radius divided by the semi-axes,
+    /// and fraction of the load.
     pressure: [f64; MAX_RINGS],
     radius: [f64; MAX_RINGS],
     weight: [f64; MAX_RINGS],
 }
 
 impl PolarRule {
-    /// Places the rings such that they are concentrated at the transition of the friction
+    /// Places the rings so that they are concentrated at the transition of the friction
     /// coefficient.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
@@ -79,8 +79,8 @@ impl PolarRule {
         rings
     }
 
-    /// Returns all nodes with their coordinates, divided by the semi-axes, and their fractions of
-    /// the load.
+    /// Returns all quadrature nodes with their coordinates, divided by the semi-axes, and their
+    /// fractions of the load.
     pub(super) fn nodes(&self, rule: &Quadrature, blocks: usize) -> Vec<(f64, f64, f64)> {
         let [cos, sin] = &rule.angles[blocks - 1];
         let part = part_of_a_node(blocks);
@@ -95,8 +95,8 @@ impl PolarRule {
     }
 }
 
-/// Nodes on one half of each line, in the variable `$t = \sqrt{1 - |s|}$`. In this variable, the
-/// pressure is smooth at both ends.
+/// Nodes on one half of each line, in the variable `$t = \sqrt{1 - |s|}$`. As a function of this
+/// variable, the pressure is smooth at both ends.
 pub(super) struct HalfChord<S: Simd> {
     at: Lane<S>,
     width: Lane<S>,
@@ -104,17 +104,19 @@ pub(super) struct HalfChord<S: Simd> {
     length: Lane<S>,
 }
 
-/// A node on the half with positive s. The other half has the corresponding node at -s.
+/// A quadrature node on the half of a line with positive s. The other half has a corresponding node
+/// at -s.
 pub(super) struct HalfNode<S: Simd> {
-    /// Position along the line, and pressure divided by the maximum pressure on the line.
+    /// Position of the node along the line, and pressure divided by the maximum pressure on the
+    /// line.
     pub(super) s: Lane<S>,
     pub(super) pressure: Lane<S>,
-    /// Fraction of the load on the line.
+    /// Fraction of the load of the line that the node represents.
     pub(super) weight: Lane<S>,
 }
 
 impl<S: Simd> HalfChord<S> {
-    /// Places the nodes such that they are concentrated at the transition on the lines at `xi`.
+    /// Places the nodes on the lines at `xi` so that they are concentrated at the transition.
     #[inline(always)]
     pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let half_length = half_length(xi);
@@ -137,10 +139,10 @@ impl<S: Simd> HalfChord<S> {
         Self { at: at_t, width, from, length }
     }
 
-    /// Returns the node that corresponds to a position and a weight on [0, 1].
+    /// Returns the node for a position and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
-        // The nodes are concentrated around t*, in the same way as on rings.
+        // The nodes are concentrated around t* with the same transformation as on rings.
         let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
@@ -155,7 +157,7 @@ impl<S: Simd> HalfChord<S> {
     }
 }
 
-/// Constants of the friction law of a contact.
+/// Constants of the friction law of a lubricated contact.
 #[derive(Clone, Copy)]
 pub(crate) struct OilLaw {
     mixed: MixedFriction,
@@ -176,11 +178,11 @@ impl OilLaw {
     }
 }
 
-/// Precalculated data of a pressure, from which the friction coefficient is calculated for any slip
-/// speed.
+/// Quantities that depend only on the pressure at a node. They are calculated once and then used to
+/// calculate the friction coefficient for any slip speed.
 #[derive(Clone, Copy)]
 pub(crate) struct NodePressure<S: Simd> {
-    /// Factor `$\eta(p)/(h\tau_E)$` of the slip speed, and `$(\Lambda p/\tau_E)^4$`.
+    /// Factor `$\eta(p)/(h\tau_E)$` that multiplies the slip speed, and `$(\Lambda p/\tau_E)^4$`.
     shear: Lane<S>,
     fourth: Lane<S>,
 }
@@ -270,7 +272,7 @@ impl PointLaw<4> for OilLaw {
         kinds
     }
 
-    /// Integrates on rings if rings need fewer nodes than lines.
+    /// Integrates friction on rings if rings need fewer nodes than lines.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         simd: S,

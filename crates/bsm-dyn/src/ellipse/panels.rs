@@ -1,4 +1,5 @@
-//! Panels of the long axis around the two lines of pure rolling, and the nodes in these panels.
+//! Panels (intervals) of the long axis around the two lines of pure rolling, and the quadrature
+//! nodes in these panels.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14) to (T17).
 
@@ -11,25 +12,26 @@ use super::placement::Placement;
 use super::quadrature::Gauss;
 use super::slip::{EllipseSlip, Pole, clamp};
 
-/// Maximum number of panels of both ellipses: each ellipse has two poles with a panel on each side.
-/// The panel ends fill whole vectors.
+/// Maximum number of panels of two ellipses: each ellipse has two poles with a panel on each side.
+/// The ends of all panels fill whole SIMD vectors.
 const MAX_PANELS: usize = BLOCK;
 
-/// Panels of the long axes of both ellipses. The panels of the first ellipse come first.
+/// Panels on the long axes of two ellipses. The panels of the first ellipse come first.
 pub(super) struct Panels<'a> {
-    /// Ends of each panel: first as distances from the pole divided by the pole width, then in the
-    /// variable of (T17).
+    /// Ends of each panel. They are first stored as distances from the pole divided by the pole
+    /// width, and then in the variable of (T17).
     ends: [[f64; 2]; MAX_PANELS],
     /// Pole around which the nodes of the panel are concentrated, and the nodes of the panel.
     parts: [(Pole<f64>, &'a Gauss); MAX_PANELS],
     /// Index range of the panels of each ellipse.
     of: [Range<usize>; 2],
-    /// Flags that mark the poles that split their panel, for each ellipse.
+    /// Flags for the two poles of each ellipse: true if the pole splits its panel.
     pub(super) split: [[bool; 2]; 2],
 }
 
-/// A block of nodes on the long axis. The fields are positions and weights on [0, 1], start and
-/// length of the panel of each node in the variable of (T17), and position and width of its pole.
+/// A block of quadrature nodes on the long axis. The fields are positions and weights on [0, 1],
+/// start and length of the panel of each node in the variable of (T17), and position and width of
+/// the pole of this panel.
 #[derive(Default)]
 pub(super) struct Nodes {
     abscissa: Block,
@@ -40,7 +42,8 @@ pub(super) struct Nodes {
     width: Block,
 }
 
-/// Calculation of the poles of both contacts and, if `near` is true, of their `$\sinh^2\eta$`.
+/// Function object that calculates the poles of both contacts and, if `near` is true, the values of
+/// `$\sinh^2\eta$` at these poles.
 struct PolesOfBoth<'a> {
     slips: &'a [EllipseSlip<f64>; 2],
     near: bool,
@@ -79,7 +82,8 @@ impl WithSimd for PolesOfBoth<'_> {
 }
 
 impl<'a> Panels<'a> {
-    /// Creates the panels of both contacts side by side. Contacts with `done` set have no panels.
+    /// Creates the panels of two contacts side by side. No panels are created for contacts with
+    /// `done` set.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -87,8 +91,8 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // It is already known which panels are split for frozen nodes, and for the coarse nodes
-        // that are used before the solver has converged.
+        // Poles need not be examined for splitting if the nodes are frozen, or if they are the
+        // coarse nodes that are used before the solver has converged.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });
@@ -116,8 +120,8 @@ impl<'a> Panels<'a> {
         all
     }
 
-    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. A panel is
-    /// split at a pole inside it.
+    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. If a pole is
+    /// inside a panel, the panel is split there.
     #[inline(always)]
     fn add(&mut self, ellipse: usize, nodes: Placement<'a>, poles: [(Pole<f64>, f64); 2]) {
         let (rule, (frozen, _)) = (nodes.rule, nodes.lines());
@@ -145,8 +149,8 @@ impl<'a> Panels<'a> {
     }
 }
 
-/// Iterator over the nodes of an ellipse. It stores the remaining panels, and the next node of the
-/// first remaining panel.
+/// Iterator over the quadrature nodes of an ellipse. It stores the remaining panels, and the index
+/// of the next node in the first of these panels.
 pub(super) struct PanelNodes<'a> {
     all: &'a Panels<'a>,
     left: Range<usize>,
@@ -176,7 +180,7 @@ impl<'a> PanelNodes<'a> {
         })
     }
 
-    /// Returns the next block of nodes if a panel ends within the block.
+    /// Returns the next block of nodes if the current panel ends within this block.
     fn of_several_panels(&mut self) -> Nodes {
         let mut all = Nodes::default();
         let (mut panel, mut abscissa) = (self.panel(), 0.0);
@@ -207,8 +211,8 @@ impl<'a> PanelNodes<'a> {
 }
 
 impl Nodes {
-    /// Returns the positions of the lines on the long axis from index `i` on, and their fractions
-    /// of the load.
+    /// Returns the positions of a block of lines on the long axis, starting with line `i`, and the
+    /// fraction of the load on each line.
     #[inline(always)]
     pub(super) fn lines<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
         let Self { abscissa, part, from, length, at, width } = self;
@@ -219,8 +223,8 @@ impl Nodes {
     }
 }
 
-/// Returns the position of a line on the long axis and its fraction of the load. The arguments are
-/// a node in the variable of (T17) and its weight.
+/// Returns the position of a line on the long axis and the fraction of the load on this line. The
+/// arguments are a node in the variable of (T17) and its weight.
 #[inline(always)]
 pub(super) fn line<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,

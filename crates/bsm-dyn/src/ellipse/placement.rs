@@ -1,5 +1,5 @@
-//! Number and positions of the nodes of the integration over an ellipse. The nodes depend on the
-//! slip, or are kept from a previous slip.
+//! Number and positions of the quadrature nodes over an ellipse. The nodes either depend on the
+//! slip or are kept from a previous slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T18), (T19).
 
@@ -10,35 +10,36 @@ use bsm_simd::{BLOCK, Block};
 use super::quadrature::{Quadrature, UNRESOLVED};
 use super::slip::EllipseSlip;
 
-/// Node counts that are kept while the slip changes, so that the sums change smoothly. The sums are
-/// accurate near the slip for which the node counts were determined.
+/// Node counts that are kept while the slip changes, so that the friction sums change smoothly. The
+/// sums are accurate near the slip for which the node counts were determined.
 #[derive(Debug, Clone)]
 pub(crate) enum FrozenRule {
     /// Number of blocks of angles on half a ring, for integration on rings.
     Rings(usize),
-    /// Flags that mark the poles that split their panel, and the nodes of all lines.
+    /// Flags that mark the poles at which a panel is split, and the nodes of all lines.
     Lines([bool; 2], Vec<InnerNodes>),
 }
 
-/// Nodes along a block of neighboring lines.
+/// Numbers of nodes along a block of neighboring lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerNodes {
     /// Number of nodes on each line; `None` if the spin poles of all lines in the block are inside
-    /// the ellipse.
+    /// the contact ellipse.
     pub(super) count: Option<usize>,
-    /// Value 1 for each line whose spin pole is inside the ellipse, and 0 for other lines; `None`
-    /// if there is no such line.
+    /// Mask that is 1 for each line whose spin pole is inside the contact ellipse, and 0 for other
+    /// lines; `None` if there is no such line.
     pub(super) inside: Option<Block>,
 }
 
-/// Nodes of a quadrature over an ellipse, determined by the slip or by a frozen rule. The first
-/// evaluation of the sums creates the frozen rule.
+/// Choice of the quadrature nodes over an ellipse, which either depend on the slip or come from a
+/// frozen rule. The first evaluation of the friction sums creates the frozen rule.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) frozen_rule: Option<&'a OnceCell<FrozenRule>>,
-    /// True for evaluations that only lead to a starting value, with a constant coefficient. The
-    /// sums then have an accuracy of 1e-5, and spin poles inside the ellipse are not resolved.
+    /// True for evaluations with a constant friction coefficient whose result is only a starting
+    /// value. The sums then have an accuracy of 1e-5, and spin poles inside the ellipse are not
+    /// resolved.
     pub(crate) coarse: bool,
 }
 
@@ -47,8 +48,8 @@ impl<'a> Placement<'a> {
         self.frozen_rule?.get()
     }
 
-    /// Returns the flags of the poles that split their panel, and the nodes of the lines, if a
-    /// frozen rule exists.
+    /// Returns the flags that mark the poles at which a panel is split, and the nodes of the lines,
+    /// if a frozen rule exists.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
@@ -61,7 +62,7 @@ impl<'a> Placement<'a> {
         self.frozen_rule.is_some_and(|rule| rule.get().is_none())
     }
 
-    /// Returns the nodes along neighboring lines with the given `$\sinh^2\eta$`.
+    /// Returns the numbers of nodes along neighboring lines with the given `$\sinh^2\eta$`.
     #[inline(always)]
     pub(super) fn along(&self, squares: &Block) -> InnerNodes {
         let rule = self.rule;
@@ -89,15 +90,15 @@ impl<'a> Placement<'a> {
         InnerNodes { count, inside: Some(inside) }
     }
 
-    /// Stores the frozen rule if there is none yet.
+    /// Stores the frozen rule, unless a frozen rule already exists.
     pub(super) fn freeze(&self, made: FrozenRule) {
         if let Some(rule) = self.frozen_rule {
             rule.get_or_init(|| made);
         }
     }
 
-    /// Returns the number of blocks of angles on half a ring, or zero if the integration uses
-    /// lines.
+    /// Returns the number of blocks of angles on half a ring, or zero if friction is integrated
+    /// along lines.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         match self.frozen() {
             Some(FrozenRule::Rings(blocks)) => *blocks,

@@ -1,4 +1,4 @@
-//! Friction power over the contact ellipses of several contacts side by side.
+//! Friction powers of several contact ellipses, calculated side by side.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14) to (T20).
 
@@ -13,18 +13,18 @@ use super::placement::Placement;
 use super::slip::{EllipseSlip, clamp};
 use crate::contact::MixedFriction;
 
-/// Returns the friction power, divided by `$f Q$`, of several contacts side by side, and a mask of
-/// the contacts for which the quadrature is accurate without split panels. The results equal those
-/// of `Ellipse::friction`.
+/// Returns the friction power, divided by `$f Q$`, of several contacts side by side. Also returns a
+/// mask that is true for contacts where the quadrature is accurate without splitting panels. The
+/// results equal those of `Ellipse::friction`.
 ///
-/// The quadrature must have [`BLOCK`] nodes per panel, because `Ellipse::friction` then also
-/// processes the lines of a panel together.
+/// The quadrature must have [`BLOCK`] nodes per panel, because only then does `Ellipse::friction`
+/// also process the lines of a panel together.
 #[inline(always)]
 pub fn power_of_many<S: Simd, const N: usize>(
     rule: &Quadrature,
     slip: &EllipseSlip<Lane<S, N>>,
 ) -> (Lane<S, N>, Mask<S, N>) {
-    debug_assert_eq!(rule.panel.len(), BLOCK, "lines of two panels would share their inner nodes");
+    debug_assert_eq!(rule.panel.len(), BLOCK, "each panel must have one block of nodes");
     let zero = slip.creep.constant(0.0);
     let poles = slip.poles();
     let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
@@ -39,7 +39,8 @@ pub fn power_of_many<S: Simd, const N: usize>(
             *of_node = line(pole, length * abscissa + from, length * part);
             square = square.min(slip.analyticity(of_node.0));
         }
-        // Panels of zero length contribute nothing, and poles at their ends do not split them.
+        // Panels of zero length contribute nothing, and a pole at the end of a panel does not split
+        // it.
         let within = low.lt(pole.at) & pole.at.lt(high);
         resolved = resolved & (!within | least.le(slip.analyticity(pole.at))) & least.le(square);
         power = add_power(rule, slip, &lines, square, power);
@@ -52,7 +53,7 @@ const MANY: usize = 4 * BLOCK;
 
 /// Adds the friction power along the lines of one panel.
 ///
-/// * `lines`: positions of the lines on the long axis, and their fractions of the load.
+/// * `lines`: positions of the lines on the long axis, and the fractions of the load on the lines.
 /// * `square`: smallest `$\sinh^2\eta$` of the lines (T18).
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
@@ -88,13 +89,13 @@ fn add_power<S: Simd, const N: usize>(
     power
 }
 
-/// Returns the friction powers at nut and screw, divided by `$Q$`, for several points. The first
-/// result includes the oil films, and the second result has a coefficient of one. The nodes of one
-/// point fill the vectors, so the points are processed one after the other.
+/// Returns two friction powers at nut and screw, divided by `$Q$`, for several points: one with the
+/// oil films, and one with a friction coefficient of one. The nodes of one point already fill the
+/// SIMD vectors, so the points are processed one after the other.
 ///
-/// * `laws`: friction laws of both contacts.
+/// * `laws`: friction laws of the oil films at nut and screw.
 /// * `wanted`: mask of the points to calculate. The results for other points are NaN.
-/// * `rules`: quadrature rules for an oil and for a constant coefficient.
+/// * `rules`: quadrature rules for an oil and for a constant friction coefficient.
 #[inline(always)]
 pub fn lubricated_powers<S: Simd, const N: usize>(
     simd: S,

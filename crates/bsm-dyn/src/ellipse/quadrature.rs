@@ -1,5 +1,5 @@
-//! Quadrature rules for the friction integrals over an ellipse: nodes and weights on [0, 1] and on
-//! [-1, 1].
+//! Quadrature rules for the friction integrals over a contact ellipse: nodes and weights on [0, 1]
+//! and on [-1, 1].
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T19).
 
@@ -12,20 +12,20 @@ use gauss_quad::GaussLegendre;
 
 use super::slip::{EllipseSlip, Pole};
 
-/// Maximum number of nodes along a line. If a line needs more nodes, its spin pole is treated as
-/// inside the ellipse.
+/// Maximum number of nodes along a line. If a line needs more nodes, its spin pole counts as inside
+/// the ellipse.
 pub(super) const MAX_INNER_NODES: usize = 24;
 
-/// Number of nodes along a line whose spin pole is inside the ellipse, in evaluations that only
-/// lead to a starting value.
+/// Number of nodes along a line whose spin pole is inside the ellipse, for evaluations whose result
+/// is only a starting value.
 pub(super) const UNRESOLVED: usize = 8;
 
-/// Maximum number of nodes along a line for an oil. If a line needs more nodes, its spin pole is
-/// treated as inside the ellipse, and the number of nodes does not depend on the slip.
+/// Maximum number of nodes along a line for an oil. If a line needs more nodes, its spin pole
+/// counts as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
-/// Maximum number of rings. If more rings were needed, integration along lines would be more
-/// efficient for an oil.
+/// Maximum number of rings of equal pressure. If more rings were needed, integration along lines
+/// would be more efficient for an oil.
 pub(super) const MAX_RINGS: usize = 2 * BLOCK;
 
 /// Maximum number of blocks of angles on half a ring. If more blocks were needed, integration along
@@ -45,7 +45,7 @@ fn half_ring(parts: usize) -> [Vec<f64>; 2] {
     [(0..parts).map(|k| angle(k).cos()).collect(), (0..parts).map(|k| angle(k).sin()).collect()]
 }
 
-/// Quadrature rule for the friction integrals over an ellipse.
+/// Quadrature rule for the friction integrals over a contact ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
     /// Gauss-Legendre nodes of a whole panel, and of each part of a split panel.
@@ -58,13 +58,13 @@ pub struct Quadrature {
     /// Cosines and sines of the angles on half a ring, for an oil. The entries have 1, 2, ...
     /// blocks of [`BLOCK`] angles.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
-    /// Minimum `$\cosh\eta$` of a pole for which each number of angles is sufficient. It decreases
-    /// with the number of angles.
+    /// For each number of angles, the minimum `$\cosh\eta$` of a pole for which this number is
+    /// sufficient. It decreases with the number of angles.
     ring_pole_distance: Vec<f64>,
     /// Nodes and weights along a line, indexed by their number (T19).
     pub(super) inner: &'static [Vec<(f64, f64)>],
-    /// Minimum `$\sinh^2\eta$` (T18) for which each number of nodes is sufficient. It decreases
-    /// with the number of nodes.
+    /// For each number of nodes, the minimum `$\sinh^2\eta$` (T18) for which this number is
+    /// sufficient. It decreases with the number of nodes.
     pub(super) pole_distance: Vec<f64>,
 }
 
@@ -116,9 +116,11 @@ impl Gauss {
         Self { abscissae, weights }
     }
 
-    /// Returns a rule with an equal number of nodes, which are concentrated at both ends.
+    /// Returns a rule with the same number of nodes, which are concentrated at both ends of the
+    /// interval.
     fn graded(&self) -> Self {
-        // x² (3 − 2x), and its slope 6x (1 − x)
+        // The nodes are mapped by x² (3 − 2x). The weights are multiplied by the slope 6x (1 − x)
+        // of this function.
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
         let weights = self.abscissae.iter().zip(&self.weights);
         Self { abscissae, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
@@ -135,12 +137,12 @@ impl Gauss {
         Some((abscissae, self.weights[first..].first_chunk()?))
     }
 
-    /// Returns all nodes and weights.
+    /// Returns an iterator over all nodes and weights.
     pub(super) fn iter(&self) -> impl Iterator<Item = (f64, f64)> {
         self.abscissae.iter().copied().zip(self.weights.iter().copied())
     }
 
-    /// Returns a node and its weight.
+    /// Returns the node with the given index, and its weight.
     pub(super) fn at(&self, node: usize) -> (f64, f64) {
         (self.abscissae[node], self.weights[node])
     }
@@ -161,7 +163,7 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
 /// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
 const MAX_MORE: usize = 1;
 
-/// Rules of [`chebyshev`], indexed by their number of nodes. All quadrature rules share this table,
+/// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules use this table,
 /// because creating it takes seven times as long as creating the rest of a rule.
 static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
     LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
@@ -173,15 +175,15 @@ fn part_of_panel(nodes: usize) -> usize {
 }
 
 impl Quadrature {
-    /// Returns a quadrature rule for which the error of the friction wrench is about `accuracy`,
-    /// relative to the friction force. The number of nodes per panel is `$-2\log_{10}\epsilon$`,
-    /// where `$\epsilon$` is the accuracy.
+    /// Returns a quadrature rule with which the error of friction force and moment is about
+    /// `accuracy`, relative to the friction force. The number of nodes per panel is
+    /// `$-2\log_{10}\epsilon$`, where `$\epsilon$` is the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
     /// Returns a quadrature rule for an oil, whose friction coefficient has a transition along each
-    /// line. Each half of a line has separate nodes, and lines with a nearby spin pole have many
+    /// line. Each half of a line has its own nodes, and lines with a nearby spin pole have many
     /// nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
@@ -196,7 +198,7 @@ impl Quadrature {
             near: Gauss::of(4 * rule.part.len()),
             half: Gauss::of(half.min(MAX_RINGS)),
             angles: (1..=MAX_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
-            // The error of N angles on half a ring is e^{−2 N η}.
+            // With N angles on half a ring, the error is e^{−2 N η}.
             ring_pole_distance: (1..=MAX_BLOCKS)
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
@@ -205,18 +207,18 @@ impl Quadrature {
         }
     }
 
-    /// Returns the coarser rule for the error estimate of [`Self::of_oil`]. It has fewer nodes in
+    /// Returns the coarser rule for estimating the error of [`Self::of_oil`]. It has fewer nodes in
     /// both directions.
     pub(crate) fn check_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(nodes, (3 * nodes / 4).saturating_sub(2), 10.0 * accuracy)
     }
 
-    /// Returns the number of blocks of angles on half a ring that is sufficient for a slip. The
-    /// result is zero if the poles are so close that integration along lines is more efficient.
+    /// Returns a sufficient number of blocks of angles on half a ring for a given slip. The result
+    /// is zero if the poles are so close that integration along lines is more efficient.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         let pole_distance = slip.poles().map(|Pole { at, width }| {
-            // |z − 1| + |z + 1| = 2 cosh η of a pole z
+            // |z − 1| + |z + 1| = 2 cosh η for a pole z
             let square = width * width;
             0.5 * (((at - 1.0).powi(2) + square).sqrt() + ((at + 1.0).powi(2) + square).sqrt())
         });
@@ -227,40 +229,40 @@ impl Quadrature {
             .map_or(0, |index| index + 1)
     }
 
-    /// Returns the minimum `$\sinh^2\eta$` of a spin pole that is treated as outside the ellipse.
+    /// Returns the minimum `$\sinh^2\eta$` for which a spin pole counts as outside the ellipse.
     pub(super) fn least(&self) -> f64 {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Returns true if the rule is for a constant coefficient.
+    /// Returns true if the rule is intended for a constant friction coefficient.
     pub(super) fn is_dry(&self) -> bool {
         self.angles.is_empty()
     }
 
-    /// Returns the number of nodes per panel for an accuracy.
+    /// Returns the number of nodes per panel for a given accuracy.
     fn nodes(accuracy: f64) -> usize {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "an accuracy has only a few digits, and at least one node is used"
+            reason = "the number of nodes is small and positive"
         )]
         // Subtracting 1e-9 ensures that rounding errors do not affect powers of ten.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
         nodes.max(1)
     }
 
-    /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, and one more
-    /// node along each line, because an equal number of nodes along the lines would give an equal
+    /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, but one more
+    /// node along each line, because the same number of nodes along the lines would give the same
     /// error along the lines.
     pub(crate) fn check(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
 
-    /// Creates a rule with `nodes` per panel. Along each line, it has as many nodes as an error of
-    /// `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
+    /// Creates a rule with `nodes` nodes per panel. Along each line, it has as many nodes as an
+    /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
-        // sufficient number of nodes at η: m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)
+        // The sufficient number of nodes at η is m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)
         let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
             if m < 2 { f64::INFINITY } else { eta.sinh().powi(2) }
@@ -277,10 +279,11 @@ impl Quadrature {
         }
     }
 
-    /// Returns the number of inner nodes for a line with the given `$\sinh^2\eta$`, or `None` if
-    /// the spin pole is so close that the maximum number is not sufficient.
+    /// Returns the number of nodes for a line with the given `$\sinh^2\eta$`, or `None` if the spin
+    /// pole is so close that the maximum number is not sufficient.
     pub(super) fn count(&self, square: f64) -> Option<usize> {
-        // The limits decrease with the number of nodes, so a branch-free count gives the number.
+        // The limits decrease with the number of nodes, so counting the limits that are exceeded
+        // gives the number without branches.
         let number =
             self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
         (number < self.pole_distance.len()).then_some(number)

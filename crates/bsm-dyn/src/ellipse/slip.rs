@@ -1,24 +1,25 @@
-//! Slip over a contact ellipse, and the zeros of the slip.
+//! Slip over a contact ellipse, and the points at which the slip is zero.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T9), (T12), (T13), (T15), (T16), (T18).
 
 use bsm_kin::Real;
 use bsm_simd::{Lane, Simd};
 
-/// Limit of the distance of a pole from the center and of the width of a pole, divided by the
-/// semi-axis. A pole beyond this limit hardly affects the positions of the nodes.
+/// Upper limit of the distance of a pole from the center, and of the width of a pole, divided by
+/// the semi-axis. A pole beyond this limit hardly affects the positions of the nodes.
 pub(super) const FAR_LIMIT: f64 = 8.0;
 
-/// Minimum magnitude of a divisor.
+/// Lower limit of the magnitude of divisors, which prevents division by zero.
 const TINY: f64 = 1e-150;
 
 /// Slip over a contact ellipse, as a function of the position on the long axis divided by the
 /// semi-axis (T12), (T13).
 #[derive(Debug, Clone, Copy)]
 pub struct EllipseSlip<F> {
-    /// Coefficients of the slip along the groove as a polynomial of the position.
+    /// Coefficients of the polynomial that gives the slip along the groove as a function of the
+    /// position.
     pub(super) longitudinal: [F; 3],
-    /// Ball radius, and drop of the contact surface at the end of the ellipse.
+    /// Ball radius, and depth by which the contact surface drops at the end of the ellipse.
     pub(super) radius: F,
     pub(super) sagitta: F,
     /// Angular velocity about the tangent, and spin multiplied by the short semi-axis.
@@ -27,7 +28,8 @@ pub struct EllipseSlip<F> {
     pub(super) creep: F,
 }
 
-/// Returns the drop of a deformed contact surface at a distance `across` from its center.
+/// Returns the depth by which a deformed contact surface drops at a distance `across` from its
+/// center.
 #[inline(always)]
 pub(crate) fn surface_drop<F: Real>(across: F, pressed_radius: F) -> F {
     across * across * 0.5 / pressed_radius
@@ -39,22 +41,22 @@ pub(super) fn clamp<F: Real>(x: F, low: f64, high: f64) -> F {
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
 
-/// Returns half the length of the line at a position on the long axis, divided by the short
-/// semi-axis.
+/// Returns half the length of the line across the ellipse at a position on the long axis, divided
+/// by the short semi-axis.
 #[inline(always)]
 pub(super) fn half_length<F: Real>(xi: F) -> F {
     ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
 }
 
-/// Returns the number, or a small number if the magnitude is too small for a divisor.
+/// Returns `x` or, if its magnitude is too small for a divisor, a small nonzero number.
 #[inline(always)]
 fn divisor<F: Real>(x: F) -> F {
     let tiny = x.constant(TINY);
     F::select(x.abs().lt(tiny), tiny, x)
 }
 
-/// A complex pole of the integrand along the long axis: its real part, and its distance from the
-/// axis.
+/// A complex pole of the integrand along the long axis, given by its real part and by its distance
+/// from the real axis.
 #[derive(Clone, Copy)]
 pub(super) struct Pole<F> {
     pub(super) at: F,
@@ -71,10 +73,10 @@ impl<F: Real> Pole<F> {
 }
 
 impl<F: Real> EllipseSlip<F> {
-    /// Creates the slip of a contact in contact coordinates.
+    /// Creates the slip over a contact ellipse from a motion in contact coordinates.
     ///
     /// * `semi_axes`: semi-axes across and along the groove.
-    /// * `radii`: radii of the contact surface (E2) and of the ball.
+    /// * `radii`: radius of the contact surface (E2), and ball radius.
     /// * `speed`: speed of the ball center along `$t$`.
     /// * `omega`: angular velocity about `$t$`, `$N$` and `$t \times N$`.
     #[inline(always)]
@@ -105,15 +107,15 @@ impl<F: Real> EllipseSlip<F> {
         self.across_at(xi, half_length(xi))
     }
 
-    /// Returns the same coefficients as [`across`](Self::across), for a line with the given
-    /// [`half_length`].
+    /// Returns the same coefficients as [`across`](Self::across) for a line whose [`half_length`]
+    /// is already known.
     #[inline(always)]
     pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
         (self.rolling_rate * self.height(xi), self.spin_speed * half_length)
     }
 
-    /// Returns the distance between the contact surface and the ball center, along the contact
+    /// Returns the distance between contact surface and ball center, measured along the contact
     /// normal.
     #[inline(always)]
     pub(super) fn height(&self, xi: F) -> F {
@@ -136,7 +138,7 @@ impl<F: Real> EllipseSlip<F> {
         up / divisor(down)
     }
 
-    /// Returns the poles near the two lines of pure rolling, from left to right.
+    /// Returns the complex poles near the two lines of pure rolling, from left to right.
     #[inline(always)]
     pub(super) fn poles(&self) -> [Pole<F>; 2] {
         let [q_0, q_1, q_2] = self.longitudinal;
@@ -180,7 +182,7 @@ impl<F: Real> EllipseSlip<F> {
 }
 
 impl<F: Copy> EllipseSlip<F> {
-    /// Combines the numbers of two slips pairwise.
+    /// Combines corresponding numbers of two [`EllipseSlip`] values.
     #[inline(always)]
     pub(super) fn zip<G: Copy, H>(
         &self,
@@ -210,11 +212,11 @@ impl EllipseSlip<f64> {
     }
 }
 
-/// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse if the ball
+/// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse for a ball that
 /// rotates at `$W$` relative to a raceway. The result is at least 1 (T9).
 ///
-/// * `semi_axes`, `pressed_radius`: semi-axes and surface radii across the grooves of nut and
-///   screw, divided by the ball radius.
+/// * `semi_axes`, `pressed_radius`: semi-axes of the ellipses and radii of the contact surfaces
+///   across the grooves of nut and screw, divided by the ball radius.
 pub(crate) fn slip_scale(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
     // max(1, a²/2R_c)                                                     (T9)
     let drops = [0, 1].map(|i| surface_drop(semi_axes[i], pressed_radius[i]));

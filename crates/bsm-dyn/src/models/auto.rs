@@ -15,7 +15,7 @@ use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
-/// A screw at an operating point that is solved by the fastest model with sufficient accuracy.
+/// A screw at an operating point that is solved with the fastest model of sufficient accuracy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.
@@ -87,7 +87,8 @@ impl Auto {
             }
             Err(none) => {
                 let solution = match known {
-                    // If the ball rolls, an inaccurate result is better than no result.
+                    // If the ball rolls but the traction model fails, the less accurate result of
+                    // raceway control is better than no result.
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
@@ -99,7 +100,7 @@ impl Auto {
                             &solved,
                         );
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
-                        // If the traction model has no solution, the error relative to that
+                        // If no solution of the traction model exists, the error relative to that
                         // solution is undefined.
                         let exists = none.status() != Status::NoSolution;
                         let bound =
@@ -113,7 +114,7 @@ impl Auto {
         }
     }
 
-    /// Returns the solution of the chosen model, with the error bound if there is one.
+    /// Returns the result of the chosen model, together with its error bound if one is known.
     fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
@@ -152,8 +153,8 @@ impl<const M: usize> Auto<Jet<M>> {
 /// cross slip, spin causes nearly all of the loss.
 const MIN_CROSS_SLIP: f64 = 0.3;
 
-/// Error bounds of raceway control and of gross slip, for one point or for several points side by
-/// side.
+/// Efficiency error bounds of raceway control and of gross slip, for one point or for several
+/// points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct ModelErrors<F = f64> {
     /// Onset number `$S$` (W11).
@@ -161,20 +162,19 @@ pub struct ModelErrors<F = f64> {
     /// Error bound of raceway control (A4), infinite if friction may rotate a contact beyond the
     /// end of its flank (A9).
     pub rolling: F,
-    /// Error bound of gross slip divided by the difference between the efficiencies of raceway
-    /// control and gross slip (A5), infinite if the cross slip is too small.
+    /// Error bound of gross slip divided by `range` (A5), infinite if the cross slip is too small.
     pub skidding: F,
-    /// Difference between the efficiency of the rolling ball and the efficiency of a skidding ball
+    /// Difference between the efficiency of a rolling ball and the efficiency of a skidding ball
     /// without inertia.
     pub range: F,
 }
 
 impl<F: Real> ModelErrors<F> {
-    /// Calculates the error bounds from the results for a rolling ball.
+    /// Calculates the error bounds from the solution for a rolling ball.
     ///
     /// * `back`: true if the load back-drives the screw.
-    /// * `onset_number`, `cross_slip`: infinite or NaN if they are undefined. In this case the
-    ///   bounds are infinite or NaN, too.
+    /// * `onset_number`, `cross_slip`: numbers of the rolling ball. If they are undefined (infinite
+    ///   or NaN), the error bounds are infinite or NaN, too.
     /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
     pub fn of(
@@ -228,14 +228,14 @@ impl ModelErrors {
         ))
     }
 
-    /// Returns the error bound of gross slip.
+    /// Returns the efficiency error bound of the gross-slip model.
     pub fn skid_bound(&self, range: f64) -> f64 {
         self.skidding * range
     }
 
-    /// Returns the choice of raceway control or gross slip if the error bound of the model is at
-    /// most the tolerance. After gross slip is solved, its error bound must be recalculated with
-    /// the efficiency of that solution.
+    /// Selects raceway control or gross slip if the error bound of this model is at most the
+    /// tolerance; otherwise returns `None`. After the gross-slip model is solved, its error bound
+    /// must be recalculated with the efficiency of that solution.
     pub fn basis(&self, tolerance: f64) -> Option<Basis> {
         let Self { onset_number, rolling, range, .. } = *self;
         match SlipRegime::of(onset_number) {

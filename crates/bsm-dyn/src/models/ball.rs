@@ -1,4 +1,4 @@
-//! Components that all models share: the operating point, the ball and its unknowns, and the
+//! Components that all models use: the operating point, the ball and its unknowns, and the
 //! structure of a solution.
 
 mod ball_contacts;

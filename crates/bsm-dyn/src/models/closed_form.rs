@@ -46,7 +46,8 @@ impl<F: Real> ScrewSize<F> {
     }
 }
 
-/// Calculates efficiency and torque from the efficiency and the ratio of normal load to axial load.
+/// Returns the given efficiency together with the torque, which is calculated from the efficiency
+/// and from the ratio of normal load to axial load.
 pub(crate) fn performance<D: Scalar>(
     efficiency: D,
     load_ratio: D,
@@ -114,9 +115,9 @@ pub struct ClosedForm<D = f64> {
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
     pub friction: Coulomb<D>,
-    /// Direction of the drive.
+    /// Direction of the power flow (driving or back-driving).
     pub direction: Direction,
-    /// Size and load, if the torque is requested.
+    /// Size and load of the screw; required for the torque.
     pub size: Option<ScrewSize<D>>,
 }
 
@@ -158,7 +159,7 @@ mod tests {
     /// Efficiency of Lin's example (dimensionless), calculated in decimal arithmetic with 40
     /// digits.
     const ETA_LIN: f64 = 0.860_111_653_874_581_8;
-    /// Both directions of the drive.
+    /// Both directions of the power flow: driving and back-driving.
     const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
     #[test]
@@ -185,22 +186,23 @@ mod tests {
         let torque = solution.solved().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;
         for value in [torque, load].into_iter().flatten() {
-            // Here the friction is one rounding error away from the limit, so torque and load are
-            // large but finite.
+            // The friction coefficient is one rounding error away from the limit of self-locking,
+            // so torque and load are large but finite.
             assert!(value.is_finite() && value > 0.0, "{solution:?}");
         }
     }
 
-    /// The end points of Fig. 5 of the paper (slip across and along the groove) agree with a hand
-    /// calculation.
+    /// The end points of Figure 5 in the paper of Lin, Velinsky and Ravani (slip across and along
+    /// the groove) agree with a hand calculation.
     #[test]
     fn slip_across_the_groove_costs_less_power_than_slip_along_it() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
-        // Hand calculation with six digits: (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 −
-        // 0.707107)).
+        // Hand calculation with six digits for slip across the groove: (0.707107 − 0.0530330) /
+        // (0.707107 + 0.075 (0.1 − 0.707107)).
         assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
-        // Hand calculation: (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
+        // Hand calculation for slip along the groove: (0.707107 − 0.0132245) / (0.707107 + 0.075 ×
+        // 0.929289 / 0.176327).
         assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
     }
 
@@ -223,7 +225,7 @@ mod tests {
             let angles = Angles { lead: a, contact: b };
             let back = angles.efficiency(Direction::LinearToRotary, f);
             let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
-            // Only rounding errors distinguish the results, except near the pole of the mirrored
+            // The results differ only by rounding errors, except near the pole of the mirrored
             // formula, which is excluded.
             prop_assume!(mirrored.abs() < 1e3);
             prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
@@ -276,8 +278,9 @@ mod tests {
             }
         }
 
-        /// For the slip direction of (C5), Eq 11 agrees with the closed form for balls of any size,
-        /// and the numerator of Eq 11 vanishes at the limit of self-locking.
+        /// For the slip direction of (C5), Equation 11 of the paper agrees with the closed form for
+        /// balls of any size, and the numerator of Equation 11 vanishes at the limit of
+        /// self-locking.
         #[test]
         fn efficiency_formulas_agree_at_the_closed_form_slip_angle(
             a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,

@@ -39,11 +39,11 @@ pub struct Elastic<D = f64> {
     pub at: ElasticPoint<D>,
 }
 
-/// Reusable memory for solving elastic models.
+/// Reusable buffers for solving elastic models.
 #[derive(Default)]
 pub struct ElasticWorkspace(Workspace);
 
-/// Contacts, motion, slips and wrenches that correspond to given unknowns.
+/// Contacts and motion of a ball in gross slip, with slips and wrenches, for given unknowns.
 #[derive(Debug)]
 struct GrossSlipState<D> {
     loaded: BallLoads<D>,
@@ -53,21 +53,21 @@ struct GrossSlipState<D> {
     precession: D,
     /// Slip velocities at nut and screw.
     slip: [Vector3<D>; 2],
-    /// Wrenches of nut and screw on the ball.
+    /// Wrenches (force and moment) of nut and screw on the ball.
     wrench: [Wrench<D>; 2],
 }
 
-/// The seven equations of a ball with saturated friction at both contacts. The unknowns are `$Q_A/F_a,\; \nu,\; Q_B/F_a,\;
-/// p,\; \lambda,\; \theta,\; s$` (S1).
+/// The seven equations of a ball with saturated friction at both contacts. The unknowns are
+/// `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$` (S1).
 struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {
-    /// Returns the state that corresponds to given unknowns.
+    /// Returns contacts, motion, slips and wrenches for given unknowns.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost, or if the direction of friction or of the gyroscopic
-    /// moment is undefined.
+    /// Returns [`EvalError`] if a contact is lost, or if the direction of friction or of the
+    /// gyroscopic moment is undefined.
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
         cost::evaluated();
         let contacts = self.0;
@@ -100,7 +100,8 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
-        // The component along the contact normal is zero except for rounding errors.
+        // The slip component along the contact normal is zero except for rounding errors, so it is
+        // omitted.
         let slip_screw = screw.transverse * at_screw.dot(&screw.transverse) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
         let friction = D::from(contacts.directed_friction());
@@ -131,7 +132,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
 
 equations!(GrossSlipEquations<'_>, BALL, GrossSlipEquations::residual, ROWS);
 
-/// A root of the elastic equations.
+/// A root of the equations of the elastic model.
 #[derive(Debug)]
 pub(crate) struct GrossSlip {
     state: GrossSlipState<f64>,
@@ -140,7 +141,7 @@ pub(crate) struct GrossSlip {
 }
 
 impl GrossSlip {
-    /// Returns the contacts, and the motion relative to the nut.
+    /// Returns the loaded contacts at the root, and the motion of the ball relative to the nut.
     pub(crate) fn state(&self) -> (&BallLoads<f64>, &Motion<f64>) {
         (&self.state.loaded, &self.state.to_nut)
     }
@@ -150,23 +151,23 @@ impl GrossSlip {
         self.steps
     }
 
-    /// Returns a root on the curve of force balance that serves as a starting value. Usually this
-    /// is the first root.
+    /// Returns a root that serves as a starting value. Usually, this is the first root on the curve
+    /// of force balance.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no root is found.
+    /// Returns [`NoAnswer`] if no root is found.
     pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let (y, steps) = root(contacts, true)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
-    /// Returns the first root on the curve of force balance.
+    /// Returns the first root on the curve of states whose forces balance.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, or if no root is found.
+    /// Returns [`NoAnswer`] if there is no root, or if no root is found.
     pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
@@ -177,11 +178,12 @@ impl GrossSlip {
 /// Unknowns at a root, total number of Newton steps, and residual.
 type ElasticRoot = ([f64; BALL], usize, f64);
 
-/// Returns the first root on the curve of force balance, expressed in the unknowns (S1).
+/// Returns the first root on the curve of states whose forces balance, expressed in the unknowns
+/// (S1).
 ///
 /// # Errors
 ///
-/// [`NoAnswer`] if there is no root, or if no root is found.
+/// Returns [`NoAnswer`] if there is no root, or if no root is found.
 fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
@@ -198,8 +200,8 @@ fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
     MIN_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
-/// Returns the weights of the equations near `y`, which are the reciprocals of their largest terms.
-/// The weights are finite even if the ball stops orbiting (P → 0).
+/// Returns the weights of the equations near `y`, which are the reciprocals of the largest term of
+/// each equation. The weights are finite even if the ball stops orbiting (P → 0).
 fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
@@ -224,7 +226,7 @@ fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) 
 }
 
 impl Elastic {
-    /// Solves for the steady motion of the ball.
+    /// Solves for the steady motion of a ball in gross slip.
     pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
         let solved = self
             .at
@@ -239,7 +241,8 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, if no root is found, or if the power balance is violated.
+    /// Returns [`NoAnswer`] if there is no root, if no root is found, or if the power balance is
+    /// violated.
     pub(crate) fn solved(
         &self,
         contacts: &ElasticContacts,

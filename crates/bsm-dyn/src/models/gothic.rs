@@ -31,13 +31,13 @@ use crate::models::ball::{
     moving_root,
 };
 
-/// A ball in gothic arches.
+/// A ball in gothic arches at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
-    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) takes the load from its
-    /// [`AxialCondition`], not from this operating point.
+    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) uses the load in its
+    /// [`AxialCondition`] instead of the load of this operating point.
     pub at: ElasticPoint<D>,
-    /// Fit of the ball in the gothic arches.
+    /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks (− flanks), positive.
     pub far_friction: Coulomb<D>,
@@ -47,7 +47,7 @@ pub struct GothicBall<D = f64> {
     pub creep: f64,
 }
 
-/// Reusable memory for solving the models of a ball in gothic arches.
+/// Reusable buffers for solving the models of a ball in gothic arches.
 #[derive(Default)]
 pub struct GothicWorkspace {
     traction: TractionWorkspace,
@@ -56,12 +56,12 @@ pub struct GothicWorkspace {
     rules: Rules,
 }
 
-/// A loaded contact of a ball in steady motion.
+/// A loaded contact of a ball in gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankContact {
     /// Contact angle \[rad\] (positive at both flanks), load, slip and contact ellipse.
     pub state: ContactState,
-    /// Friction power \[W\].
+    /// Friction power at the contact \[W\].
     pub power: f64,
 }
 
@@ -73,9 +73,9 @@ pub struct GothicState {
     pub contacts: [Option<FlankContact>; FLANKS],
     /// Approaches of the four contacts \[m\]; a negative approach is a gap.
     pub approaches: [f64; FLANKS],
-    /// Absolute motion in the Frenet-Serret triad \[rad/s\].
+    /// Absolute motion of the ball in the Frenet-Serret triad \[rad/s\].
     pub motion: Motion<f64>,
-    /// Motion relative to the nut \[rad/s\].
+    /// Motion of the ball relative to the nut \[rad/s\].
     pub to_nut: Motion<f64>,
     /// Relative speed `$W$` of screw and nut \[rad/s\].
     pub relative_speed: f64,
@@ -89,13 +89,13 @@ pub struct GothicState {
     pub screw_torque: f64,
     /// Ratio of output power to input power; `None` if the + flanks carry no axial force.
     pub efficiency: Option<f64>,
-    /// Transmitted powers \[W\].
+    /// Input, output and dissipated powers \[W\].
     pub power: Power,
     /// Relative error of the power balance (B10).
     pub power_balance: f64,
-    /// Number of Newton steps, and residual.
+    /// Number of Newton steps and scaled residual of the solve.
     pub info: SolveInfo,
-    /// Position and motion of the ball, used as the starting value of another solve.
+    /// Position and motion of the ball, from which another solve can start.
     root: Root,
 }
 
@@ -107,15 +107,15 @@ struct Root {
 }
 
 impl Root {
-    /// Returns the root for the screw turned end for end, in which the other flanks carry the load
-    /// and the speeds are reversed.
+    /// Returns the root for the screw turned end for end, so that the opposite flanks carry the
+    /// load and the speeds are reversed.
     fn turned(&self) -> Self {
         let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.place, self.motion);
         Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
     }
 
-    /// Returns the gap between the ball and the nearer far flank \[m\]. The gap is negative if the
-    /// ball overlaps the flank.
+    /// Returns the gap between the ball and the nearer far flank \[m\]. The gap is negative if ball
+    /// and flank overlap.
     fn far_gap(&self, grooves: &Grooves) -> f64 {
         let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &self.place).approach);
         -nut.max(screw)
@@ -131,38 +131,40 @@ impl Root {
     }
 }
 
-/// Minimum creep speed at the start of a continuation, divided by `$r_b|W|$`. At this creep speed,
-/// which far exceeds all slip speeds, friction is linear and Newton's method converges from any
-/// start.
+/// Minimum creep speed at the start of a continuation, divided by `$r_b|W|$`. Because this creep
+/// speed far exceeds all slip speeds, friction is linear and Newton's method converges from any
+/// starting value.
 const FIRST_CREEP: f64 = 30.0;
 
-/// Scaled residual tolerance of the roots along a continuation, equal to the accuracy of the
-/// quadrature used there.
+/// Residual tolerance (scaled) of the roots along a continuation. It equals the accuracy of the
+/// quadrature that is used along the continuation.
 const PATH_RESIDUAL: f64 = 1e-6;
 
-/// Scaled residual below which Newton steps keep the Jacobian. Above it, the Jacobian is calculated
-/// with every trial step, because few steps are rejected and the quadrature costs little more with
-/// derivatives than without.
+/// Scaled residual below which Newton steps reuse the Jacobian. Above it, the Jacobian is
+/// calculated together with every trial step, because few steps are rejected and the quadrature
+/// with derivatives costs little more than without.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
 /// tried. For nine of ten balls, at most 11 steps are needed in total.
 const MAX_STEPS: usize = 25;
 
-/// Maximum scaled residual of a root before the final Newton step, which is not evaluated.
+/// Maximum scaled residual before the final Newton step. The residual after this step is not
+/// evaluated.
 const ROOT: f64 = 1e-10;
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
-/// both without numerical factors. Above this ratio, the search first assumes that the third
-/// contact stops the spin. For 200 random balls, 0.2 needs the fewest Newton steps.
+/// both without numerical factors. Above this ratio, the search starts with the assumption that the
+/// third contact stops the spin. For 200 random balls, a value of 0.2 leads to the fewest Newton
+/// steps.
 const SPIN_STOP_RATIO: f64 = 0.2;
 
-/// Maximum ratio of axial force to largest normal load at which the axial force is treated as a
+/// Largest ratio of axial force to largest normal load at which the axial force counts as a
 /// rounding error.
 const AXIAL_FORCE_TOL: f64 = 1e-9;
 
 impl<D: Scalar> GothicBall<D> {
-    /// Returns the operating point of the ball on two contacts, with the contact angle at first
+    /// Returns the operating point of a ball on two contacts, with the contact angle at first
     /// contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
         self.at.fitted(self.fit.radial_gap, self.fit.oversize)
@@ -176,16 +178,16 @@ impl<D: Scalar> GothicBall<D> {
 }
 
 impl GothicBall {
-    /// Solves for the steady motion of the ball (AC5), (AC6).
+    /// Solves for the steady motion of the ball in gothic arches (AC5), (AC6).
     ///
-    /// Newton's method starts from the state `near`, if given, and then from the ball on two
-    /// contacts. If neither converges, a continuation follows the root from the ball at rest while
-    /// the creep speed is lowered.
+    /// Newton's method starts from the state `near`, if it is given, and then from the ball on two
+    /// contacts. If Newton's method does not converge from these states, a continuation starts from
+    /// the ball at rest and lowers the creep speed.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the grooves cannot carry the axial force, if screw and nut have no relative
-    /// speed, if a friction coefficient is not positive, or if no root is found.
+    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if screw and nut have no
+    /// relative speed, if a friction coefficient is not positive, or if no root is found.
     pub fn solve(
         &self,
         condition: AxialCondition,
@@ -201,7 +203,8 @@ impl GothicBall {
         };
         self.search(&grooves, condition, &at_rest, work, |start, traction| match start {
             Start::Near => near.map(|near| near.root),
-            // All flanks load an oversize ball at rest, so there is no state with two contacts.
+            // A ball at rest that is oversize loads all flanks, so there is no state with two
+            // contacts.
             Start::TwoContacts if self.fit.oversize > 0.0 => None,
             Start::TwoContacts if force < 0.0 => {
                 let turned = self.back_driven();
@@ -224,8 +227,8 @@ impl GothicBall {
         threshold_play(&grooves, &two_contacts)
     }
 
-    /// Returns the axial play \[m\] at which friction leaves the same gap at the far flank as there
-    /// is without play and without friction (AC10), or `None` if two contacts cannot carry the
+    /// Returns the axial play \[m\] at which the gap at the far flank with friction equals the gap
+    /// without play and without friction (AC10). Returns `None` if two contacts cannot carry the
     /// axial force \[N\].
     pub fn play_against_push(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
@@ -240,15 +243,16 @@ impl GothicBall {
         Some(play.max(0.0))
     }
 
-    /// Returns the gap between the nearer far flank and this ball \[m\] for a given state on two
-    /// contacts, negative if the flank overlaps the ball. Returns `None` if the state has no motion
-    /// or no ellipses.
+    /// Returns the gap \[m\] between the ball and the nearer far flank for a given state on two
+    /// contacts; it is negative if flank and ball overlap. Returns `None` if the state contains no
+    /// motion or no contact ellipses.
     pub fn far_gap_on_two_contacts(&self, two_contacts: &BallState) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         Some(self.root_of(&grooves, two_contacts)?.far_gap(&grooves))
     }
 
-    /// Checks that the ball has friction and that nut and screw have a relative speed.
+    /// Checks that the friction coefficients are positive and that nut and screw have a relative
+    /// speed.
     fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
@@ -260,8 +264,8 @@ impl GothicBall {
         Ok(())
     }
 
-    /// Finds the root from the first starting value that converges. If no starting value converges,
-    /// the root is found by lowering the creep speed.
+    /// Finds the root from the first starting value from which Newton's method converges. If there
+    /// is no such starting value, the root is found by lowering the creep speed.
     fn search(
         &self,
         grooves: &Grooves,
@@ -297,12 +301,12 @@ impl GothicBall {
         self.answer(&balance, &unknowns, info)
     }
 
-    /// Returns the axial displacement of the nut from the middle at which the + flanks touch the
-    /// ball \[m\] (AC3).
+    /// Returns the axial displacement \[m\] of the nut from its middle position at which the +
+    /// flanks touch the ball (AC3).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the grooves have no room for the ball.
+    /// Returns [`NoAnswer`] if the ball does not fit into the grooves.
     pub fn first_touch(&self) -> Result<f64, NoAnswer> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         Ok(grooves.first_touch() / grooves.lead.1)
@@ -313,7 +317,7 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no flank carries load.
+    /// Returns [`NoAnswer`] if no flank carries a load.
     pub fn force_at_rest(
         &self,
         deflection: f64,
@@ -330,7 +334,7 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the grooves cannot carry the force.
+    /// Returns [`NoAnswer`] if the grooves cannot carry the force.
     pub fn deflection_at_rest(
         &self,
         axial: f64,
@@ -341,8 +345,8 @@ impl GothicBall {
         Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
     }
 
-    /// Returns the ball with reversed speeds. This is the ball of the other nut of a preloaded
-    /// pair, mirrored so that its + flanks are loaded.
+    /// Returns the ball with reversed speeds. It represents the ball in the other nut of a
+    /// preloaded pair, mirrored so that its + flanks are loaded.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -364,7 +368,7 @@ impl GothicBall {
         traction.solve(work).solved().copied()
     }
 
-    /// Returns position and motion of the ball for a steady state on two contacts.
+    /// Returns position and motion of the ball for a steady state with two contacts.
     fn root_of(&self, grooves: &Grooves, found: &BallState) -> Option<Root> {
         let [nut, screw] = [&found.nut, &found.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
@@ -407,7 +411,7 @@ impl GothicBall {
         }
     }
 
-    /// Converts a root into a state after checking its power balance.
+    /// Converts a root into a steady state in SI units after checking its power balance.
     fn answer(
         &self,
         balance: &Balance<'_>,
@@ -454,7 +458,7 @@ impl GothicBall {
         })
     }
 
-    /// Returns a contact of a ball with a given motion relative to the nut.
+    /// Returns the state of one contact for a given motion of the ball relative to the nut.
     fn contact(&self, i: usize, pressed: &Pressed<f64>, to_nut: &Motion<f64>) -> FlankContact {
         let (point, frame) = (&self.at.point, self.frame());
         let motion = match site(i) {
@@ -501,13 +505,13 @@ impl GothicState {
     }
 
     /// Returns the gap between the ball and the nearer far flank \[m\], which is negative if this
-    /// flank carries load.
+    /// flank carries a load.
     pub fn far_gap(&self) -> f64 {
         -self.approaches[1].max(self.approaches[3])
     }
 
     /// Returns the contact with the more heavily loaded far flank, or `None` if no far flank
-    /// carries load.
+    /// carries a load.
     pub fn far_contact(&self) -> Option<ThirdContact> {
         let loads = self.loads();
         let far = if loads[1] >= loads[3] { 1 } else { 3 };
@@ -522,15 +526,16 @@ impl GothicState {
 }
 
 impl GothicBall {
-    /// Solves for the steady state of all balls, which share the load equally.
+    /// Solves for the steady state of the screw, assuming that all balls carry equal loads.
     ///
-    /// If the far flanks carry no load, the result equals the result of the traction model.
+    /// If the far flanks carry no load, the result is identical to the result of the traction
+    /// model.
     pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
         Solution::new(Model::Traction, self.steady(work).map(|(steady, _)| steady))
     }
 
-    /// Returns the steady state of all balls, together with the root of the balance if a far flank
-    /// carries load.
+    /// Returns the steady state of all balls. If a far flank carries a load, also returns the root
+    /// of the force and moment balance.
     fn steady(&self, work: &mut GothicWorkspace) -> Result<(SteadyState, Option<Root>), NoAnswer> {
         self.check()?;
         let load = self.at.point.load;
@@ -611,7 +616,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
-    /// Returns efficiency and torque with their derivatives at a root with a third contact.
+    /// Returns efficiency and torque with their derivatives for a root with a third contact.
     fn third_contact_slopes(
         &self,
         ball: &GothicBall,
@@ -666,18 +671,19 @@ impl<const M: usize> GothicBall<Jet<M>> {
 /// A starting value of Newton's method.
 #[derive(Clone, Copy)]
 enum Start {
-    /// State near the root, if the caller provides it.
+    /// Start from a known state near the root, if the caller provides it.
     Near,
-    /// Steady state of the ball on two contacts, if it exists.
+    /// Start from the steady state of the ball on two contacts, if it exists.
     TwoContacts,
 }
 
-/// Search for the root from successive starting values.
+/// Search for a root from several starting values in turn.
 struct Search<'a> {
     balance: Balance<'a>,
-    /// Balance with the quadrature rule for the first Newton steps.
+    /// Force and moment balance with the quadrature rule for the first Newton steps.
     coarse: Balance<'a>,
-    /// Balance with a quadrature rule whose sums are smooth enough for continuation.
+    /// Force and moment balance with a quadrature rule whose sums are smooth enough for
+    /// continuation.
     smooth: Balance<'a>,
     newton: &'a mut Workspace<UNKNOWNS>,
     steps: usize,
@@ -692,8 +698,8 @@ struct Found {
 }
 
 impl Search<'_> {
-    /// Returns the root to which Newton's method converges from a starting value, or `None` if it
-    /// does not converge.
+    /// Returns the root to which Newton's method converges from a starting value, or `None` if the
+    /// method does not converge.
     fn from(&mut self, start: &Root) -> Option<Found> {
         let y = start.unknowns(self.balance.units.1);
         let Self { balance, coarse, .. } = *self;
@@ -706,13 +712,13 @@ impl Search<'_> {
         found.ok()
     }
 
-    /// Returns two starting values derived from a ball on two contacts, or `None` if there is no
-    /// position with balanced forces.
+    /// Returns two starting values derived from a ball on two contacts, or `None` if the forces
+    /// balance at no position.
     ///
-    /// In both starting values, the position balances the normal loads of all flanks with the
-    /// friction of the two contacts. One starting value has the motion of the ball on two contacts;
-    /// the other has the motion of a ball whose third contact stops its spin. The more likely
-    /// starting value comes first.
+    /// In both starting values, the ball is at the position where the normal loads of all flanks
+    /// balance the friction of the two contacts. One starting value has the motion of the ball on
+    /// two contacts; the other has the motion of a ball whose third contact stops its spin. The
+    /// more likely starting value comes first.
     ///
     /// * `diagonal`: pair of loaded flanks, 0 for the + flanks and 1 for the − flanks.
     fn settled(
@@ -739,8 +745,8 @@ impl Search<'_> {
         Some(if stops { [rolling, settled] } else { [settled, rolling] })
     }
 
-    /// Returns the position at which the normal loads balance the friction of the selected flanks
-    /// at a starting value, or `None` if it is not found.
+    /// Returns the position of the ball at which the normal loads balance the friction of the
+    /// selected flanks for a given starting value, or `None` if no such position is found.
     fn settled_place(
         &self,
         start: &Root,
@@ -761,8 +767,8 @@ impl Search<'_> {
         Ok(Found { unknowns, residual, rules })
     }
 
-    /// Returns the root of a balance near `y`, and the scaled residual before the final Newton
-    /// step, which is at most `residual_tol`.
+    /// Returns the root of a force and moment balance near `y`, and the scaled residual before the
+    /// final Newton step, which is at most `residual_tol`.
     fn solved(
         &mut self,
         balance: &Balance<'_>,
@@ -778,7 +784,7 @@ impl Search<'_> {
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
         }
-        // The final step is not evaluated.
+        // The residual after the final step is not evaluated.
         let step = last.and_then(|(residual, ())| self.newton.correction(&residual).ok());
         for (y, step) in y.iter_mut().zip(step.unwrap_or_default()) {
             *y += step;
@@ -786,16 +792,16 @@ impl Search<'_> {
         Ok((y, report.residual))
     }
 
-    /// Finds the root from the ball at rest by lowering the creep speed.
+    /// Finds the root by continuation that starts from the ball at rest and lowers the creep speed.
     fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
         let Self { balance, smooth, .. } = *self;
-        // The continuation may fail because of jumps in the sums of the smooth quadrature rule. The
-        // second attempt uses the requested quadrature rule.
+        // The first continuation may fail because the sums of the smooth quadrature rule have
+        // jumps. The second continuation uses the requested quadrature rule.
         self.followed(&smooth, at_rest).or_else(|_| self.followed(&balance, at_rest))
     }
 
-    /// Lowers the creep speed in a continuation to the creep speed of the balance, and returns the
-    /// root at its end.
+    /// Lowers the creep speed by continuation to the creep speed of `balance`, and returns the root
+    /// at this speed.
     fn followed(
         &mut self,
         balance: &Balance<'_>,

@@ -14,26 +14,26 @@ use crate::models::lubricated::{LubricatedBall, LubricatedModel};
 use crate::models::traction::Traction;
 use crate::models::workspace::ModelWorkspace;
 
-/// A lubricated ball in gothic arches.
+/// A lubricated ball in gothic arches with a given fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LubricatedArch<D = f64> {
-    /// Lubricated ball on two contacts.
+    /// Lubricated ball that touches only the two loaded flanks.
     pub ball: LubricatedBall<D>,
-    /// Fit of the ball in the gothic arches.
+    /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks. Defaults to the mean friction coefficient of the
-    /// loaded contacts.
+    /// loaded flanks.
     pub far_friction: Option<D>,
 }
 
 impl LubricatedArch {
-    /// Solves for the lubricated ball on two contacts and adds the power loss due to a third
-    /// contact, if there is one.
+    /// Solves for the lubricated ball on two contacts and, if friction presses the ball against a
+    /// far flank, adds the power loss due to this third contact.
     ///
-    /// The additional power loss is calculated with dry friction. The loaded contacts have the mean
-    /// friction coefficient of the lubricated contacts; the third contact has the same coefficient
-    /// unless [`far_friction`](Self::far_friction) is given. In the raceway-control model, friction
-    /// does not move the ball, so there is no third contact.
+    /// The additional power loss is calculated with dry friction. The friction coefficient of the
+    /// loaded contacts is the mean friction coefficient of the lubricated contacts; the third
+    /// contact has the same coefficient unless [`far_friction`](Self::far_friction) is given. In
+    /// the raceway-control model, friction does not move the ball, so there is no third contact.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solution = self.ball.solve(work);
         let LubricatedModel::Traction(case) = self.ball.model else { return solution };
@@ -111,7 +111,7 @@ impl<const M: usize> LubricatedArch<Jet<M>> {
                 error: EvalError {
                     quantity: "axial play [m]",
                     value: self.fit.axial_play.re,
-                    requirement: "above the threshold play; with a lubricant, derivatives are available only for two contacts",
+                    requirement: "must exceed the threshold play, because derivatives of lubricated balls with three contacts are not available",
                 },
             }));
         }

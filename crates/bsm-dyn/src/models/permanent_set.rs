@@ -1,5 +1,5 @@
-//! Contact state of a ball after a small permanent deformation. The elastic and permanent
-//! approaches change the geometry of the groove arcs.
+//! Loads and contact angles of a ball after a small permanent deformation. The elastic and
+//! permanent approaches change the distances between the groove arc centers.
 //!
 //! Theory: `docs/theory/14-jamming.md`, equations (M1) to (M4).
 
@@ -11,7 +11,8 @@ use bsm_newton::{Convergence, EvalError, Options, Scales, solve};
 use crate::contact::{Curvatures, Hertz};
 use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
 
-/// Contact state that includes permanent deformation. Pairs contain the values at nut and screw.
+/// Loads and contact angles that include permanent deformation. Arrays with two elements contain
+/// the values at nut and screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PermanentSet {
     /// Normal loads \[N\].
@@ -24,25 +25,26 @@ pub struct PermanentSet {
     pub permanent: [f64; 2],
 }
 
-/// Ratio of maximum pressure to yield strength (dimensionless) at which steel first yields below the surface (M4). It is 1.60
-/// for a circular contact and up to 1.79 for an elongated contact.
+/// Ratio of maximum pressure to yield strength (dimensionless) at which steel first yields below
+/// the surface (M4). It is 1.60 for a circular contact and up to 1.79 for an elongated contact.
 ///
 /// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
 const FIRST_YIELD: f64 = 1.60;
 
 impl ElasticPoint {
-    /// Calculates the contact state if the permanent approach (H12) is added to the elastic
+    /// Calculates loads and contact angles if the permanent approach (H12) is added to the elastic
     /// approach (M1) to (M3).
     ///
-    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at nut and screw, from a model without permanent
-    ///   approach.
+    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at nut and screw, from a
+    ///   model without permanent deformation.
     ///
     /// Assumes: friction and inertia forces on the ball stay unchanged.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`], [`Reason::Newton`], [`Reason::Refused`] if a contact is
-    /// lost, or [`Reason::BallLeavesFlank`].
+    /// Returns [`Reason::CurvaturesNotHertzian`] if a contact ellipse is not longer across the
+    /// groove than along it, [`Reason::Newton`] if Newton's method fails, [`Reason::Refused`] if a
+    /// contact is lost, and [`Reason::BallLeavesFlank`] if a contact angle is beyond its flank.
     pub fn permanent_set(
         &self,
         loads: [f64; 2],
@@ -85,7 +87,7 @@ impl ElasticPoint {
 /// Number of unknowns of [`RadialClosure`].
 const CLOSURE: usize = 1;
 
-/// Radial closure of the triangle that is formed by the arc centers and the ball center. The
+/// Closure condition for the triangle of ball center and arc centers in the radial direction. The
 /// unknown is the cotangent of the contact angle at the screw.
 struct RadialClosure {
     axial: [f64; 2],
@@ -98,11 +100,11 @@ struct RadialClosure {
 }
 
 impl RadialClosure {
-    /// Returns the normal loads \[N\] and the cotangents of the contact angles.
+    /// Returns the normal loads \[N\] and the cotangents of the contact angles at nut and screw.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     fn forces<D: Scalar>(&self, screw: D) -> Result<([D; 2], [D; 2]), EvalError> {
         let [s_a, s_b] = self.axial;
         let nut = (screw * s_b + self.radial) * s_a.recip();
@@ -116,7 +118,7 @@ impl RadialClosure {
         Err(EvalError {
             quantity: "normal load of a contact [N]",
             value: least,
-            requirement: "positive; otherwise the contact is lost",
+            requirement: "must be positive; otherwise the contact is lost",
         })
     }
 
@@ -188,8 +190,8 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// Under a light load, the permanent approach is negligible, both in models whose force balance
-    /// includes friction and in models whose force balance does not.
+    /// Under a light load, the permanent approach is negligible. This applies to models with and
+    /// without friction in the force balance.
     #[test]
     fn state_under_a_light_load_agrees_with_the_elastic_model() {
         let screw = screw(44.0);
@@ -201,8 +203,8 @@ mod tests {
         ] {
             let (loads, angles) = state(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();
-            // Here the permanent approach is 1e-5 times the elastic approach. It is 1e-8 times the
-            // distance between the arc centers, which determines the contact angles.
+            // In this test, the permanent approach is 1e-5 times the elastic approach. It is 1e-8
+            // times the distance between the arc centers, which determines the contact angles.
             for i in 0..2 {
                 assert!(deformed.permanent[i] < 2e-5 * deformed.elastic[i], "{deformed:?}");
                 assert_relative_eq!(deformed.loads[i], loads[i], max_relative = 1e-7);
@@ -233,8 +235,8 @@ mod tests {
         assert!(change.abs() < 1e-11, "{change}");
     }
 
-    /// Eq 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose contact
-    /// angles differ by half a degree due to inertia.
+    /// Equation 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose
+    /// contact angles differ by half a degree due to inertia.
     #[test]
     fn corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw(44.0);

@@ -1,4 +1,4 @@
-//! One operating point together with the inputs of one model.
+//! Inputs of any model at one operating point.
 
 use bsm_kin::Jet;
 
@@ -33,16 +33,17 @@ pub enum Problem<D = f64> {
     /// Inputs of [`Model::Traction`](crate::Model::Traction) for gothic arches with a given axial
     /// play.
     GothicArch(GothicBall<D>),
-    /// Inputs of the automatic choice of model.
+    /// Inputs of the model `auto`, which chooses the model automatically.
     Auto(Auto<D>),
-    /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
+    /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or
+    /// [`Model::Traction`](crate::Model::Traction) with a lubricant.
     Lubricated(LubricatedBall<D>),
     /// Inputs of a lubricated model for gothic arches with a given axial play.
     LubricatedArch(LubricatedArch<D>),
 }
 
 impl Problem {
-    /// Solves the problem. The memory `work` can be reused for the next point.
+    /// Solves the problem. The buffers in `work` can be reused for the next operating point.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         match self {
             Self::ClosedForm(p) => p.solve(),
@@ -58,8 +59,8 @@ impl Problem {
         }
     }
 
-    /// Returns the uncertainty interval of the power loss in lubricated contacts at a solution;
-    /// `None` without a lubricant.
+    /// Returns the uncertainty interval of the power loss in lubricated contacts for a solved
+    /// point; `None` without a lubricant.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         match self {
             Self::Lubricated(problem) => problem.band(solved, work),
@@ -78,13 +79,13 @@ impl<const M: usize> Problem<Jet<M>> {
     ///   - \frac{\partial y}{\partial x} J^{-1} \frac{\partial F}{\partial p}
     /// ```
     ///
-    /// The controlling raceway, the direction of the drive, and the model and accuracy that
-    /// [`Auto`](crate::model::Auto) chooses are kept constant. At a point where one of them
-    /// changes, the derivatives are one-sided.
+    /// Some discrete choices stay fixed: the controlling raceway, the direction of the drive, and
+    /// the model and accuracy that [`Auto`](crate::model::Auto) chooses. At a point where one of
+    /// these choices changes, the derivatives are one-sided.
     ///
     /// # Errors
     ///
-    /// Returns the status and the reason if there is no solution.
+    /// Returns [`NoAnswer`], which contains the status and the reason, if there is no solution.
     pub fn sensitivities(
         &self,
         work: &mut ModelWorkspace,

@@ -11,7 +11,7 @@ use crate::models::ball::{
 };
 use crate::models::closed_form::{ScrewSize, answer, performance};
 
-/// Inputs of the quasi-static model.
+/// Inputs of the quasi-static model of a ball with two contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuasiStatic<D = f64> {
     /// Lead angle and contact angle.
@@ -22,15 +22,15 @@ pub struct QuasiStatic<D = f64> {
     pub size_ratio: D,
     /// Ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b \ge 0$`.
     pub rolling_ratio: D,
-    /// Body that rotates; the torque acts on this body.
+    /// Rotating body, on which the torque acts.
     pub driven: DrivenBody,
-    /// Direction of the drive.
+    /// Direction of the power flow (driving or back-driving).
     pub direction: Direction,
     /// Size and load of the screw, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
-/// The body that rotates.
+/// The rotating body: screw, nut or both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrivenBody {
     /// Only the screw rotates.
@@ -41,8 +41,8 @@ pub enum DrivenBody {
     Both,
 }
 
-/// The two contacts in the force balance. The friction terms are negative if the load back-drives
-/// the screw.
+/// Quantities of the two contacts in the force balance. The friction terms are negative if the load
+/// back-drives the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
     /// Sines and cosines of lead angle and contact angle.
@@ -81,8 +81,8 @@ impl<D: Real> TwoContacts<D> {
     /// \tan\rho = \frac{f_r}{r_b\sin\beta}
     /// ```
     ///
-    /// with the upper sign and `$\epsilon = 0$` if the screw rotates, and the lower sign and
-    /// `$\epsilon = 2\cos\beta$` if the nut rotates.
+    /// The upper sign and `$\epsilon = 0$` apply if the screw rotates. The lower sign and
+    /// `$\epsilon = 2\cos\beta$` apply if the nut rotates.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
     #[inline(always)]
@@ -97,7 +97,7 @@ impl<D: Real> TwoContacts<D> {
         -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
     }
 
-    /// Returns the efficiency in the direction of the drive.
+    /// Returns the efficiency for driving or back-driving.
     ///
     /// * `back`: true if the load back-drives the screw.
     #[inline(always)]
@@ -117,7 +117,8 @@ impl<D: Real> TwoContacts<D> {
 }
 
 impl<D: Scalar> QuasiStatic<D> {
-    /// Creates the two contacts, with the sign of friction for the direction of the drive.
+    /// Creates the two contacts. The signs of the friction terms depend on the direction of power
+    /// flow.
     fn contacts(&self) -> TwoContacts<D> {
         let sign = self.direction.sign();
         TwoContacts {
@@ -129,8 +130,8 @@ impl<D: Scalar> QuasiStatic<D> {
         }
     }
 
-    /// Returns the efficiency in the direction of the drive. Back-driving reverses the sign of
-    /// every friction term.
+    /// Returns the efficiency for the given direction of power flow. Back-driving reverses the sign
+    /// of every friction term.
     pub fn efficiency(&self) -> D {
         self.contacts().efficiency(self.direction.is_back())
     }
@@ -140,7 +141,8 @@ impl<D: Scalar> QuasiStatic<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::DualDrive`] or [`Reason::FrictionHoldsLoad`].
+    /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
+    /// friction holds any axial load.
     fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
         if self.driven == DrivenBody::Both {
             return Err(NoAnswer::invalid(Reason::DualDrive));
@@ -157,7 +159,8 @@ impl<D: Scalar> QuasiStatic<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::DualDrive`] or [`Reason::FrictionHoldsLoad`].
+    /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
+    /// friction holds any axial load.
     pub(crate) fn require_balance(&self) -> Result<(), NoAnswer> {
         self.load_ratio(&self.contacts()).map(drop)
     }
@@ -172,7 +175,7 @@ impl<D: Scalar> QuasiStatic<D> {
 }
 
 impl QuasiStatic {
-    /// Evaluates the equations of the model.
+    /// Evaluates the equations of the quasi-static model.
     pub fn solve(&self) -> Solution {
         let contacts = self.contacts();
         let ratio = match self.load_ratio(&contacts) {

@@ -1,5 +1,5 @@
 //! Raceway control: elastic contacts, a force balance without friction, rolling kinematics, and
-//! friction power calculated from the remaining slip.
+//! friction power calculated from the slip that pure rolling leaves in the contacts.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
@@ -34,7 +34,7 @@ pub struct RacewayControl<D = f64> {
     pub control: Option<Control>,
 }
 
-/// Reusable memory for solving raceway-control models.
+/// Reusable buffers for solving raceway-control models.
 pub struct RacewayWorkspace {
     newton: Workspace<STATIC>,
     /// Quadrature rule for results without derivatives.
@@ -64,7 +64,7 @@ pub fn rolling_torque<F: Real>(ideal: F, friction_power: F, ball_radius: F, axia
     ideal + friction_power * ball_radius * axial_load
 }
 
-/// State of a rolling ball.
+/// Loads, contact angles and motion of a rolling ball.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RollingBall {
     /// The controlling raceway.
@@ -79,25 +79,26 @@ pub(crate) struct RollingBall {
     pub(crate) steps: usize,
     /// Scaled residual of the static balance.
     residual: f64,
-    /// True if Newton's method from equal contact angles has excluded other rolling balls.
+    /// True if Newton's method from equal contact angles has shown that the ball has no other
+    /// rolling motion.
     is_unique: bool,
 }
 
 impl RollingBall {
-    /// Finds the ball at the first root of the static balance, with the rolling motion for its
-    /// controlling raceway.
+    /// Finds the first root of the static balance, and calculates the rolling motion of the ball
+    /// for its controlling raceway.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root on the flanks.
+    /// Returns [`NoAnswer`] if there is no root on the flanks.
     pub(crate) fn of(
         contacts: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, NoAnswer> {
-        // The first attempt is Newton's method from equal contact angles.
+        // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
         if direct.found {
             let control = if direct.by_nut { Control::Nut } else { Control::Screw };
@@ -105,17 +106,18 @@ impl RollingBall {
             return Ok(Self { is_unique: direct.unique, ..ball });
         }
 
-        // If the first attempt fails, the first root is found by bracketing, either for the given
-        // raceway or for both raceways.
+        // If Newton's method fails from equal contact angles, the first root is found by
+        // bracketing, either for the given raceway or for both raceways.
         match control {
             Some(raceway) => Self::controlled(contacts, raceway, newton),
             None => Self::selected(contacts, newton),
         }
     }
 
-    /// Finds the ball whose controlling raceway is selected by (W7). The selection uses the first
-    /// root with nut control. If there is no root with nut control, the screw controls, provided
-    /// that (W7) selects the screw at the first root with screw control.
+    /// Finds the state of the ball whose controlling raceway is selected by (W7). The selection
+    /// uses the first root with nut control. If there is no root with nut control, the screw is the
+    /// controlling raceway, provided that (W7) selects the screw at the first root with screw
+    /// control.
     fn selected(
         contacts: &ElasticContacts,
         newton: &mut Workspace<STATIC>,
@@ -134,7 +136,7 @@ impl RollingBall {
         }
     }
 
-    /// Finds the ball at the first root for a given controlling raceway.
+    /// Finds the state of the ball at the first root for a given controlling raceway.
     fn controlled(
         contacts: &ElasticContacts,
         control: Control,
@@ -144,7 +146,7 @@ impl RollingBall {
         Ok(Self::at(&balance, balance.first_root(newton)?))
     }
 
-    /// Creates the ball at a root of the static balance.
+    /// Creates the state of the ball from a root of the static balance.
     fn at(balance: &Balance<'_>, StaticRoot { unknowns, steps, residual }: StaticRoot) -> Self {
         let (loaded, control) = (balance.loaded(&unknowns), balance.control);
         let to_nut = balance.rolling(&loaded);
@@ -167,9 +169,9 @@ impl RollingBall {
         (excess > 0.0) == (self.control == Control::Nut)
     }
 
-    /// Finds other balls that satisfy the same equations. These are balls with the same controlling
-    /// raceway and a larger difference of the contact angles. If each raceway satisfies (W7) when
-    /// it controls, the screw-controlled ball is also included.
+    /// Finds other states of the ball that satisfy the same equations. These are states with the
+    /// same controlling raceway and a larger difference between the contact angles. If each raceway
+    /// satisfies (W7) when it controls, the screw-controlled state is also included.
     fn alternatives(
         &self,
         contacts: &ElasticContacts,
@@ -202,12 +204,12 @@ impl RollingBall {
             && ball.is_control_clear(&sides, ball.nut_excess(&sides))
     }
 
-    /// Estimates the nut-controlled ball to two digits. The estimate exists even if the centrifugal
-    /// force is too large for raceway control.
+    /// Estimates the state of the nut-controlled ball to two digits. The estimate exists even if
+    /// the centrifugal force is too large for raceway control.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if a contact is lost.
+    /// Returns [`NoAnswer`] if a contact is lost.
     pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let balance = Balance::new(contacts, Control::Nut);
         let angle = contacts.contact_angle.sin_cos();
@@ -254,7 +256,7 @@ impl RacewayControl {
     pub const CREEP: f64 = 1e-4;
 
     /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
-    /// friction power of the remaining slip.
+    /// friction power over the contact ellipses.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|contacts| {
             let rolling_ball = memory.rolling_ball(&contacts, self.control)?;
@@ -296,7 +298,7 @@ impl RacewayWorkspace {
     ///
     /// # Errors
     ///
-    /// [`crate::Reason::BallLeavesFlank`] if a contact angle is beyond its flank.
+    /// Returns [`crate::Reason::BallLeavesFlank`] if a contact angle is beyond its flank.
     pub(crate) fn solved(
         &self,
         screw: &ElasticPoint,
@@ -322,8 +324,8 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball, supplemented with the number of other solutions
-    /// and with the efficiency that differs most.
+    /// Returns the steady state of a rolling ball together with the number of other solutions and
+    /// with the efficiency among them that differs most.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -492,8 +494,8 @@ mod tests {
             prop_assert!((q_a * a.cos() - q_b * b.cos() - centrifugal).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() - q_b * b.sin()).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() * lead.to_radians().cos() - axial).abs() <= 1e-9 * axial);
-            // Both contacts share the slip due to the lead; there is no other slip at the contact
-            // centers.
+            // Each contact has half of the slip due to the lead; there is no other slip at the
+            // contact centers.
             let w = case.point.drive.relative_speed().abs();
             let shared = 0.5 * case.point.ball.radius * w * lead.to_radians().sin();
             prop_assert!((slip(o.ball.nut).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
@@ -531,8 +533,8 @@ mod tests {
     }
 
     /// If the selection of the controlling raceway is clear, (W7) selects the same raceway for the
-    /// nut-controlled ball and for the screw-controlled ball. Near a tie, each of the two balls, or
-    /// neither of them, may satisfy (W7).
+    /// nut-controlled ball and for the screw-controlled ball. If the two sides of (W7) are nearly
+    /// equal, both balls or neither ball may satisfy it.
     #[test]
     fn clear_selection_is_equal_for_nut_and_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
@@ -540,7 +542,8 @@ mod tests {
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
             let mut screw = extreme(&mut rng);
-            // Every second point has equal conformities, which is close to a tie.
+            // Every second point has equal conformities, for which the two sides of (W7) are nearly
+            // equal.
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;
             }
@@ -560,10 +563,11 @@ mod tests {
             assert_eq!(of_screw, consistent == [true; 2], "{contacts:?}");
         }
         println!(
-            "{solved} solved, {asked} asked twice, {both} both, {neither} neither, {missed} missed"
+            "points solved: {solved}, selection unclear: {asked}; (W7) satisfied by both balls: {both}, \
+             by neither ball: {neither}; wrongly decided: {missed}"
         );
         assert_eq!(missed, 0);
-        assert!(both + neither > 0, "the sample contains no tie");
+        assert!(both + neither > 0, "the random points contain no tie");
     }
 
     #[test]

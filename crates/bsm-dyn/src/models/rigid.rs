@@ -1,5 +1,5 @@
 //! The rigid model: published steady-state equations with three point contacts, equal and fixed
-//! contact angles, and saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
+//! contact angles, and saturated friction (Lin, Velinsky and Ravani, Equations 5 to 9).
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
@@ -38,11 +38,12 @@ pub struct Rigid<D = f64> {
 /// A root of the rigid equations in the unknowns (R2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidRoot {
-    /// Ratio of the load at A to the axial load per ball `$Q_A/F_a$`.
+    /// Ratio `$Q_A/F_a$` of the load at A (loaded flank of the nut) to the axial load per ball.
     pub nut_load: f64,
-    /// Ratio of the load at A' to the axial load per ball `$Q_{A'}/F_a$`.
+    /// Ratio `$Q_{A'}/F_a$` of the load at A' (unloaded flank of the nut) to the axial load per
+    /// ball.
     pub unloaded_flank_load: f64,
-    /// Ratio of the load at B to the axial load per ball `$Q_B/F_a$`.
+    /// Ratio `$Q_B/F_a$` of the load at B (loaded flank of the screw) to the axial load per ball.
     pub screw_load: f64,
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub p: f64,
@@ -54,7 +55,8 @@ pub struct RigidRoot {
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`, where `$\sigma$` is the spin about the common
     /// normal.
     pub s: f64,
-    /// Number of sweeps, or number of Newton steps that refined a root of the continuation.
+    /// Number of sweeps, or number of Newton steps if the root was found by continuation and then
+    /// refined.
     pub steps: usize,
     /// Largest scaled residual of the equations.
     pub residual: f64,
@@ -80,11 +82,11 @@ impl RigidSystem {
         Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
     }
 
-    /// Returns the residuals of the seven equations (R8) in any scalar type.
+    /// Returns the residuals of the seven equations (R8) for any scalar type.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
+    /// Returns [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     pub fn evaluate<D: Over<f64>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         self.equations.residual(y)
     }
@@ -102,7 +104,7 @@ impl<D: Scalar> Rigid<D> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the model does not accept the inputs.
+    /// Returns [`NoAnswer`] if the model does not accept the inputs.
     fn ball(&self) -> Result<RigidBall<D>, NoAnswer> {
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         self.point.require_friction()?;
@@ -128,11 +130,11 @@ impl Rigid {
         root::critical_lead_angle(&self.ball().ok()?)
     }
 
-    /// Finds the root in the unknowns (R2).
+    /// Finds a root of the rigid equations in the unknowns (R2).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] with status and reason if there is no root.
+    /// Returns [`NoAnswer`] with status and reason if there is no root.
     pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, NoAnswer> {
         let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
         let ([nut_load, unloaded_flank_load, screw_load], [u, _, tau]) =
@@ -147,15 +149,15 @@ impl Rigid {
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }
 
-    /// Solves for the steady motion of the ball and follows the whole branch to find other
-    /// solutions. [`solve`](Self::solve) reports other solutions only if it has to follow the
-    /// branch anyway.
+    /// Solves for the steady motion of the ball, and follows the whole branch to find other
+    /// solutions. [`solve`](Self::solve) reports other solutions only if it needs to follow the
+    /// branch for another reason.
     pub fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
         let root = self.ball().and_then(|ball| Ok((ball, root::find_all(&ball, work)?)));
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }
 
-    /// Converts a root with its alternatives into a solution.
+    /// Converts a root and its alternatives into a steady state in SI units.
     fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
         let solved = self.balanced(ball, root)?;
         let Some(alternatives) = &root.alternatives else { return Ok(solved) };
@@ -163,7 +165,7 @@ impl Rigid {
         Ok(solved.with_alternatives(alternatives))
     }
 
-    /// Converts a root into a solution after checking its power balance.
+    /// Converts a root into a steady state after checking its power balance.
     fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
         let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;
@@ -173,11 +175,11 @@ impl Rigid {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Converts a motion to a steady state in SI units.
+    /// Converts a motion of the ball into a steady state in SI units.
     ///
     /// * `contact_angle`: contact angle \[rad\].
-    /// * `directions`: true if the directions of friction are requested. Each direction requires an
-    ///   arctangent.
+    /// * `directions`: true if the directions of the friction forces are requested. Each direction
+    ///   requires an arctangent.
     #[inline(always)]
     pub fn solved(
         &self,

@@ -1,5 +1,5 @@
-//! Slip of a solved ball at its contacts, calculated with published and with exact formulas, and
-//! the friction power of each component of the slip.
+//! Slip at the contacts of a ball whose motion is known, calculated with published and with exact
+//! formulas, and the friction power of each slip component.
 //!
 //! Theory: `docs/theory/13-slip.md`, equations (X1) to (X16).
 
@@ -21,38 +21,39 @@ pub struct SteadyBall<D> {
     pub helix: Helix<D>,
     /// Ball radius `$r_b$` \[m\].
     pub radius: D,
-    /// Speeds of screw and nut.
+    /// Angular speeds of screw and nut.
     pub drive: Drive<D>,
-    /// Absolute motion in the Frenet-Serret triad `(t, n, b)`.
+    /// Absolute motion of the ball in the Frenet-Serret triad `(t, n, b)`.
     pub motion: Motion<D>,
 }
 
-/// A contact of the ball, given by its location and contact angle.
+/// A contact of the ball, given by its flank and its contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSite<D> {
-    /// Location of the contact: nut, unloaded flank of the nut, or screw.
+    /// Flank on which the contact lies: nut, unloaded flank of the nut, or screw.
     pub site: Site,
     /// Contact angle \[rad\].
     pub angle: D,
 }
 
-/// Friction power at a contact, divided among the components of the slip \[W\] (X12).
+/// Friction power at a contact \[W\], divided among the slip components (X12).
 ///
-/// The components of the slip add up to the total slip at every point, and their powers add up to
-/// the total power. The power of a component may be negative, because friction opposes the total
-/// slip, not each component.
+/// The slip components add up to the total slip at every point, and their powers add up to the
+/// total power. The power of a component may be negative, because friction opposes the total slip,
+/// not each component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipPower<D> {
-    /// Power of the slip at the contact center, which is common to all points of the contact.
+    /// Power dissipated by the slip at the contact center, which is common to all points of the
+    /// contact.
     pub center: D,
     /// Power dissipated by spin about the contact normal.
     pub spin: D,
-    /// Power due to the curvature of the contact surface (Heathcote slip).
+    /// Power dissipated by slip due to the curvature of the contact surface (Heathcote slip).
     pub curvature: D,
 }
 
 impl<D: Scalar> SlipPower<D> {
-    /// Returns the total power.
+    /// Returns the sum of the powers of all slip components.
     pub fn total(&self) -> D {
         self.center + self.spin + self.curvature
     }
@@ -61,9 +62,9 @@ impl<D: Scalar> SlipPower<D> {
 /// Region of a contact in which the ball slides.
 #[derive(Debug, Clone, Copy)]
 pub enum Sliding<'a, D> {
-    /// Only the contact center: point contact (F1).
+    /// The ball slides only at the contact center: point contact (F1).
     Point,
-    /// The whole contact ellipse (E4).
+    /// The ball slides over the whole contact ellipse (E4).
     Ellipse {
         /// Semi-axes across and along the groove \[m\].
         semi_axes: (D, D),
@@ -102,12 +103,12 @@ impl<D: Scalar> SteadyBall<D> {
         Self { helix, radius, drive, motion }
     }
 
-    /// Returns the Frenet-Serret triad.
+    /// Returns the Frenet-Serret triad of the helix.
     fn frame(&self) -> BallFrame<D> {
         BallFrame::turned(self.helix.lead_angle, D::from(0.0))
     }
 
-    /// Returns the speed of the contacting body \[rad/s\].
+    /// Returns the angular speed of the body (nut or screw) at the contact \[rad/s\].
     fn body_speed(&self, site: Site) -> D {
         match site {
             Site::Nut | Site::NutUnloaded => self.drive.nut_speed,
@@ -115,12 +116,12 @@ impl<D: Scalar> SteadyBall<D> {
         }
     }
 
-    /// Returns the unit vectors of a contact in `(t, n, b)` components.
+    /// Returns the unit vectors of a contact with components in `(t, n, b)`.
     pub fn contact(&self, touch: &ContactSite<D>) -> Contact<D> {
         Contact::new(touch.site, touch.angle, &self.frame())
     }
 
-    /// Returns the motion of the ball relative to the contacting body.
+    /// Returns the motion of the ball relative to the body (nut or screw) at the contact.
     pub fn relative_to(&self, site: Site) -> Motion<D> {
         self.motion.relative_to(self.body_speed(site), &self.frame())
     }
@@ -131,8 +132,8 @@ impl<D: Scalar> SteadyBall<D> {
         self.relative_to(Site::Nut)
     }
 
-    /// Returns the velocity of the ball surface relative to the contacting body at the contact
-    /// center (K13) \[m/s\].
+    /// Returns the velocity of the ball surface at the contact center, relative to the nut or the
+    /// screw (K13) \[m/s\].
     pub fn slip_velocity(&self, touch: &ContactSite<D>) -> Vector3<D> {
         let point = self.contact(touch).point(self.radius);
         self.relative_to(touch.site).slip_velocity(self.helix.arc_length_per_radian(), &point)
@@ -140,7 +141,8 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Returns the differential slip, which is the slip speed at the contact center (X1) \[m/s\].
     ///
-    /// Source: Xu and Tang (2015), Eqs 1-2. The published formula equals the exact formula.
+    /// Source: Xu and Tang (2015), Equations 1 and 2. The published formula equals the exact
+    /// formula.
     pub fn differential_slip(&self, touch: &ContactSite<D>) -> D {
         // |V_i|, V_i = v_i(−r_b N)                                        (X1)
         norm(&self.slip_velocity(touch))
@@ -157,8 +159,8 @@ impl<D: Scalar> SteadyBall<D> {
     /// the nut. The first angle is measured from the plane of `$t$` and `$b$` toward `$-n$`, the
     /// second angle within this plane from `$-b$` toward `$t$` (X4), (X14).
     ///
-    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`. The raceway-control theory of bearings
-    /// uses the same angles.
+    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`. The same angles are used in the
+    /// raceway-control theory of bearings.
     pub fn gyroscopic_angles(&self) -> [D; 2] {
         let omega = self.against_nut().omega;
         // sinγ = −ω'_n/|ω'|                                               (X4)
@@ -169,8 +171,8 @@ impl<D: Scalar> SteadyBall<D> {
     }
 
     /// Returns the moment about the tangent that is needed to turn the angular velocity vector of
-    /// the ball together with the triad \[N·m\]. The friction of all contacts provides this moment
-    /// (X16).
+    /// the ball together with the triad \[N·m\]. This moment is provided by the friction of all
+    /// contacts (X16).
     ///
     /// * `inertia`: moment of inertia of the ball about a diameter \[kg·m²\].
     ///
@@ -204,11 +206,11 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Returns the spin (gyroscopic) slip according to the published formula (X5) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\]. For the printed formula, this is the contact angle of the
-    ///   other contact; for the corrected formula, it is the angle of the contact itself.
+    /// * `angle`: contact angle \[rad\]. The printed formula uses the angle of the opposite
+    ///   contact; the corrected formula uses the angle of the contact itself.
     ///
-    /// Source: Xu and Tang (2015), Eqs 5-6. At both contacts, the formula uses the motion relative
-    /// to the nut.
+    /// Source: Xu and Tang (2015), Equations 5 and 6. At both contacts, the formula uses the motion
+    /// relative to the nut.
     pub fn spin_slip_published(&self, angle: D) -> D {
         let rate = norm(&self.against_nut().omega);
         let [gamma, _] = self.gyroscopic_angles();
@@ -224,11 +226,11 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Returns the orbit slip according to the published formula (X7), (X8) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\]. For the printed formula, this is the contact angle of the
-    ///   other contact; for the corrected formula, it is the angle of the contact itself.
+    /// * `angle`: contact angle \[rad\]. The printed formula uses the angle of the opposite
+    ///   contact; the corrected formula uses the angle of the contact itself.
     ///
-    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: the printed lever arms
-    /// contain an additional square root, so that the result is not a speed.
+    /// Source: Xu and Tang (2015), Equations 7 and 8. Difference from the source: the printed lever
+    /// arms contain an additional square root, so that the result is not a speed.
     pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
         let (sin, cos) = angle.sin_cos();
         let (r_b, r_m) = (self.radius, self.helix.radius);
@@ -240,8 +242,9 @@ impl<D: Scalar> SteadyBall<D> {
         lever * magnitude(rate * self.helix.lead_angle.cos() * sin)
     }
 
-    /// Returns the orbital component of the spin (X9) \[rad/s\]. The remaining spin is the rotation
-    /// of the ball relative to the triad that travels with it.
+    /// Returns the component of the spin that is due to the orbit of the ball (X9) \[rad/s\]. The
+    /// remaining component is due to the rotation of the ball relative to the triad that travels
+    /// with it.
     pub fn orbit_spin(&self, touch: &ContactSite<D>) -> D {
         let rate = self.relative_to(touch.site).precession;
         // (ω − Ω_i k)·N = (ω − P k)·N + (P − Ω_i) k·N                     (X9)
@@ -263,10 +266,10 @@ impl<D: Scalar> SteadyBall<D> {
         self.differential_slip(touch) / self.rolling_speed(touch)
     }
 
-    /// Returns the friction power at a contact, divided among the components of the slip (X11),
-    /// (X12).
+    /// Returns the friction power at a contact, divided among the slip components (X11), (X12).
     ///
-    /// * `friction`: wrench of friction on the ball about the ball center, in `(t, n, b)`.
+    /// * `friction`: force and moment (about the ball center) of friction on the ball, with
+    ///   components in `(t, n, b)`.
     pub fn power(&self, touch: &ContactSite<D>, friction: &Wrench<D>) -> SlipPower<D> {
         let contact = self.contact(touch);
         let omega = self.relative_to(touch.site).omega;
@@ -282,14 +285,14 @@ impl<D: Scalar> SteadyBall<D> {
         }
     }
 
-    /// Returns the wrench of friction on the ball at a contact, about the ball center, in
-    /// `(t, n, b)`.
+    /// Returns the force and the moment (about the ball center) of friction on the ball at a
+    /// contact, with components in `(t, n, b)`.
     ///
     /// * `load`: normal load \[N\].
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if the direction of friction is undefined at a point of the contact.
+    /// Returns [`EvalError`] if the direction of friction is undefined at a point of the contact.
     pub fn friction(
         &self,
         touch: &ContactSite<D>,
@@ -316,7 +319,7 @@ impl<D: Scalar> SteadyBall<D> {
 }
 
 impl SteadyBall<f64> {
-    /// Returns the distribution of slip over a contact ellipse \[m/s\].
+    /// Returns the distribution of the slip velocity over a contact ellipse \[m/s\].
     ///
     /// * `semi_axes`: semi-axes across and along the groove \[m\].
     /// * `pressed_radius`: radius of the contact surface (E2) \[m\].

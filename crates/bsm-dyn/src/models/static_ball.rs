@@ -1,4 +1,5 @@
-//! A ball at rest without friction, for a given displacement of the grooves relative to each other.
+//! A ball at rest without friction, for a given displacement of the nut groove relative to the
+//! screw groove.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J10) to (J14).
 
@@ -7,7 +8,7 @@ use bsm_newton::{Bracket, EvalError};
 
 use crate::models::ball::{ElasticPoint, Reason};
 
-/// A ball between one flank of the nut and one flank of the screw.
+/// A ball at rest between one flank of the nut and one flank of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticBall<D = f64> {
     /// Distance `$l_{A0} + l_{B0}$` between the groove arc centers at first contact \[m\].
@@ -18,8 +19,8 @@ pub struct StaticBall<D = f64> {
     pub stiffness: D,
 }
 
-/// Load, energy and forces of a ball between displaced grooves. Pairs contain the components along the binormal and along the
-/// principal normal.
+/// Load, energy and forces of a ball between displaced grooves. Arrays with two elements contain
+/// the components along the binormal and along the principal normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GrooveForces<D = f64> {
     /// Normal load at both contacts \[N\]; zero if the ball has clearance.
@@ -31,8 +32,8 @@ pub struct GrooveForces<D = f64> {
     /// Force on the groove of the nut that maintains the displacement, `$\partial V/\partial w$`
     /// \[N\].
     pub force: [D; 2],
-    /// Stiffness, the derivative of the force with respect to the displacement, `$\partial^2
-    /// V/\partial w^2$` \[N/m\].
+    /// Stiffness, which is the derivative of the force with respect to the displacement,
+    /// `$\partial^2 V/\partial w^2$` \[N/m\].
     pub slope: [[D; 2]; 2],
 }
 
@@ -41,7 +42,7 @@ impl<D: Scalar> ElasticPoint<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
+    /// Returns [`Reason::CurvaturesNotHertzian`] if a contact ellipse is not longer across the
     /// groove than along it.
     pub fn pressed_ball(&self) -> Result<StaticBall<D>, Reason> {
         let [nut, screw] = self.hertz()?.map(|hertz| hertz.compliance);
@@ -57,7 +58,7 @@ impl<D: Scalar> StaticBall<D> {
     /// Returns load, energy and forces for a displacement of the nut groove relative to the screw
     /// groove (J10) to (J13).
     ///
-    /// The energy is a convex function of the displacement.
+    /// The elastic energy is a convex function of the displacement.
     ///
     /// * `displacement`: components along the binormal and along the principal normal \[m\].
     /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
@@ -104,19 +105,20 @@ impl StaticBall {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no displacement can carry the load.
+    /// Returns [`EvalError`] if no displacement can carry the load.
     pub fn under(&self, axial: f64, lead_angle: f64) -> Result<(f64, GrooveForces), EvalError> {
         let domain_error = EvalError {
             quantity: "axial load of a ball [N]",
             value: axial,
-            requirement: "positive and small enough for the groove flanks to carry",
+            requirement: "must be positive and small enough for the groove flanks to carry it",
         };
         if axial.is_nan() || axial <= 0.0 {
             return Err(domain_error);
         }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
-        // The displacement at the unloaded contact angle is an upper limit.
+        // The displacement at which the load is carried at the unloaded contact angle is an upper
+        // limit.
         let max_displacement =
             (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         let signs = [f64::NEG_INFINITY, f64::INFINITY];
@@ -145,11 +147,11 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::extreme::of_a_nut;
+    use crate::extreme::nut_operating_point;
     use crate::model::{RacewayControl, RacewayWorkspace};
 
     fn screw(axial: f64, speed: f64) -> ElasticPoint {
-        of_a_nut(axial, 98.0, speed)
+        nut_operating_point(axial, 98.0, speed)
     }
 
     /// The reference values are all digits of an independent solution for a nut with 98 equally
@@ -166,7 +168,8 @@ mod tests {
         assert_relative_eq!(along, 1.399_319_430_252_6e9, max_relative = 1e-9);
     }
 
-    /// In the limit of low speed, a rolling ball agrees with the ball at rest.
+    /// In the limit of low speed, the loads and contact angles of a rolling ball agree with those
+    /// of a ball at rest.
     #[test]
     fn static_ball_agrees_with_raceway_control_at_low_speed() {
         for axial in [10.0, 6340.0, 90e3] {
@@ -178,7 +181,7 @@ mod tests {
             let ball = screw.pressed_ball().unwrap();
             let lead = screw.point.helix.lead_angle;
             let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
-            // The residual of the static balance of the rolling ball is 1e-13.
+            // The static balance of the rolling ball is solved to a residual of 1e-13.
             let nut = solved.ball.nut;
             assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);
             assert_relative_eq!(pressing.load, nut.load.unwrap(), max_relative = 1e-12);
@@ -192,7 +195,7 @@ mod tests {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
-        // An oversize of the ball by the same amount closes the gap.
+        // A ball whose radius is 1 µm larger has no gap and carries a load.
         assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
         assert!(ball.under(-1.0, 0.1).is_err());
     }

@@ -42,15 +42,15 @@ impl Traction {
     /// Default accuracy of the quadrature. The resulting quadrature error of the efficiency is at
     /// most 1e-7.
     pub const ACCURACY: f64 = 1e-8;
-    /// Accuracies of the quadrature that are tried in this order until the error bound is small
-    /// enough. Starting with an accuracy of 1e-4 does not pay off, because its error bound exceeds
-    /// 0.01 for one in six balls in partial skid.
+    /// Accuracies of the quadrature, which are used one after the other until the error bound is
+    /// small enough. Starting with an accuracy of 1e-4 does not pay off, because its error bound
+    /// exceeds 0.01 for one in six balls in partial skid.
     pub const ACCURACIES: [f64; 2] = [1e-6, Self::ACCURACY];
     /// Default creep speed, which changes the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
 }
 
-/// Reusable memory for solving traction models.
+/// Reusable buffers for solving traction models.
 #[derive(Default)]
 pub struct TractionWorkspace {
     statics: Workspace<STATIC>,
@@ -59,11 +59,11 @@ pub struct TractionWorkspace {
 }
 
 impl Traction {
-    /// Solves for the steady motion of the ball.
+    /// Solves for the steady motion of the ball with friction integrated over the contact ellipses.
     ///
-    /// The root is found with a coarse quadrature and refined with the quadrature of the requested
-    /// accuracy. If either step fails, a search with a finer quadrature, which includes
-    /// continuation, decides whether a root exists.
+    /// The root is found with a coarse quadrature and then refined with a quadrature of the
+    /// requested accuracy. If one of the two fails, a search with a finer quadrature, which
+    /// includes continuation, decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let contacts = self.at.scaled()?;
@@ -77,10 +77,10 @@ impl Traction {
     /// Solves with increasingly accurate quadratures until the error bound of the efficiency is at
     /// most `tolerance`. Returns the root, the accuracy of its quadrature and the error bound.
     ///
-    /// The error bound includes the effect of the creep speed. If refinement with a more accurate
-    /// quadrature fails, the last root is returned, and its error bound is the whole power loss. If
-    /// a root of the search cannot be refined with the first quadrature, it is the starting value
-    /// for the next quadrature.
+    /// The error bound includes the effect of the creep speed. If the root cannot be refined with a
+    /// more accurate quadrature, the last root is returned, and its error bound is the whole power
+    /// loss. If the search finds a root that cannot be refined with the first quadrature, this root
+    /// is the starting value for the next quadrature.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
@@ -124,8 +124,8 @@ impl Traction {
         Ok((found, case.accuracy, error))
     }
 
-    /// Finds the root and its steady state. If `from` is given, this root of a different quadrature
-    /// is the starting value.
+    /// Finds the root and its steady state. If `from` is given, it is a root for a different
+    /// quadrature and serves as the starting value.
     fn found(
         &self,
         Start { contacts, rolling_ball }: &Start<'_>,
@@ -184,22 +184,22 @@ impl Traction {
     }
 }
 
-/// An operating point and its rolling ball. The solver starts from the rolling ball unless it
-/// already knows a root for another quadrature rule.
+/// An operating point and the solution for a rolling ball at this point. The solver starts from the
+/// rolling ball unless it already knows a root for another quadrature rule.
 pub(crate) struct Start<'a> {
     contacts: &'a ElasticContacts,
     rolling_ball: RollingBall,
 }
 
 impl<'a> Start<'a> {
-    /// Creates the starting value from a rolling ball, or from an estimate if there is no rolling
-    /// ball.
+    /// Creates the starting value from the solution for a rolling ball, or from an estimate if
+    /// there is no rolling ball.
     pub(crate) fn new(
         contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
     ) -> Result<Self, NoAnswer> {
-        // If the centrifugal force is too large for this estimate, the ball without inertia is
-        // used.
+        // If the centrifugal force is too large for the estimate of a rolling ball, a ball without
+        // inertia is used.
         let guess = || {
             RollingBall::guess(contacts)
                 .or_else(|_| RollingBall::guess(&contacts.with_inertia(0.0)))
@@ -211,7 +211,7 @@ impl<'a> Start<'a> {
     }
 }
 
-/// A root together with its steady state.
+/// A root of the traction equations together with its steady state.
 pub(crate) struct SlipResult {
     pub(crate) solved: SteadyState,
     pub(crate) root: SlipRoot,
@@ -222,11 +222,11 @@ pub(crate) struct SlipResult {
     by_creep: f64,
 }
 
-/// Failure to find a root with a given accuracy.
+/// Information about a solve that found no root with a given accuracy.
 #[derive(Debug)]
 struct NotFound {
     why: NoAnswer,
-    /// Root of the search, if it was found but could not be refined with this accuracy.
+    /// Root that the search found but that could not be refined with this accuracy, if any.
     near: Option<Box<SlipRoot>>,
     /// Number of Newton steps of the search.
     steps: usize,

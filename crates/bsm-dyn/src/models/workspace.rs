@@ -1,4 +1,4 @@
-//! Reusable memory for solving all models.
+//! Reusable buffers for solving all models.
 
 use crate::models::ball::LubricatedWorkspace;
 use crate::models::elastic::ElasticWorkspace;
@@ -7,7 +7,7 @@ use crate::models::raceway_control::RacewayWorkspace;
 use crate::models::rigid::RigidWorkspace;
 use crate::models::traction::TractionWorkspace;
 
-/// Reusable memory for solving all models. Each thread uses one workspace for all its points.
+/// Reusable buffers for solving all models. Each thread uses one workspace for all its points.
 #[derive(Default)]
 pub struct ModelWorkspace {
     pub(crate) rigid: RigidWorkspace,

@@ -9,8 +9,8 @@ use rand::{Rng, RngExt};
 
 use crate::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
 
-/// Returns a random screw in practical ranges, as in the benchmarks. For most of these screws, the
-/// rigid model has a root.
+/// Returns a random screw in the practical ranges of the inputs, as in the benchmarks. For most of
+/// these screws, the rigid model has a root.
 pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     let radius = 24.3e-3;
     let speed = rng.random_range(50.0..6000.0) * PI / 30.0;
@@ -31,8 +31,8 @@ pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     }
 }
 
-/// Returns a random screw in extreme ranges. The logarithms of speeds, loads, sizes, moduli,
-/// friction coefficient and density are uniformly distributed.
+/// Returns a random screw in the extreme ranges of the inputs. The logarithms of speeds, loads,
+/// sizes, moduli, friction coefficient and density are uniformly distributed.
 pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
@@ -65,7 +65,7 @@ pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
 
 /// Returns the screw of a 40 mm x 10 mm nut with 6.35 mm balls, for which independent reference
 /// solutions exist. The speed is in rad/s.
-pub(crate) fn of_a_nut(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
+pub(crate) fn nut_operating_point(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
     let radius = 20.668e-3;
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
     ElasticPoint {

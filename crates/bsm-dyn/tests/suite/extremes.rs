@@ -17,11 +17,11 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::elastic::screws::{lin, with};
 
-/// Number of inputs that are set to extreme values one at a time.
+/// Number of inputs that the test sets to extreme values, one at a time.
 const INPUTS: usize = 12;
 
-/// Returns random screws in extreme ranges. Speeds, loads, sizes and elastic moduli vary over
-/// orders of magnitude.
+/// Returns random screws in extreme ranges of the inputs. Speeds, loads, sizes and elastic moduli
+/// vary over orders of magnitude.
 fn extreme_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
@@ -75,7 +75,7 @@ fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
     let words = format!("{o:?}");
     let mut tokens = words.split(|c: char| !c.is_alphanumeric());
     assert!(!tokens.any(|token| ["NaN", "inf"].contains(&token)), "{screw:?} {words}");
-    // The closed form does not solve equations and has no residual.
+    // The closed form evaluates a formula instead of solving equations, so it has no residual.
     let closed = solution.model == Model::ClosedForm;
     assert!(o.info.map_or(closed, |info| info.residual <= 1e-10), "{screw:?} {words}");
     assert!(o.transmission.power_balance.unwrap_or(0.0).abs() <= 1e-9, "{screw:?} {words}");
@@ -170,8 +170,8 @@ fn every_model_returns_in_time_at_extreme_inputs() {
                 // exists.
                 let _ = done.send(problem.solve(&mut ModelWorkspace::default()));
             });
-            // The slowest solve takes a quarter of a second, and about twenty times as long in a
-            // debug build. Other tests run at the same time.
+            // The slowest solve takes a quarter of a second in a release build and about twenty
+            // times as long in a debug build. Other tests run at the same time.
             let answer = answer.recv_timeout(std::time::Duration::from_secs(60));
             let solution = answer.unwrap_or_else(|e| panic!("{input} {value:e} {model}: {e}"));
             let answered = solution.efficiency().is_some_and(f64::is_finite);
@@ -184,7 +184,8 @@ fn every_model_returns_in_time_at_extreme_inputs() {
     }
 }
 
-/// The error bound is finite even if the screw would be self-locking with saturated friction.
+/// The error bound of the model `auto` is finite even if the screw would be self-locking with
+/// saturated friction.
 #[test]
 fn auto_solutions_at_extreme_points_are_consistent() {
     count_unsolved_points(campaign(300), |screw| {
@@ -192,15 +193,15 @@ fn auto_solutions_at_extreme_points_are_consistent() {
     });
 }
 
-/// Results do not depend on the units of length, force and time: inputs with equal ratios give the
-/// same efficiency.
+/// Results do not depend on the units of length, force and time: inputs with the same dimensionless
+/// ratios give the same efficiency.
 #[test]
 fn results_do_not_depend_on_units() {
     let mut work = ModelWorkspace::default();
     let (mut compared, mut differ) = ([0; 3], [0; 3]);
     for screw in extreme_screws(7).take(1000) {
-        // Lengths are multiplied by 4, elastic moduli by 8, and times by 1/2. Multiplication by
-        // powers of two does not change rounding.
+        // Lengths are multiplied by 4, elastic moduli by 8, and times by 1/2. Multiplication by a
+        // power of two is exact.
         let other = with(screw, |ElasticPoint { point, material, .. }| {
             point.helix.radius *= 4.0;
             point.ball.radius *= 4.0;
@@ -219,14 +220,14 @@ fn results_do_not_depend_on_units() {
         for (model, (one, two)) in pairs.into_iter().enumerate() {
             let (one, two) = (one.solve(&mut work), two.solve(&mut work));
             differ[model] += usize::from(one.status() != two.status());
-            // The efficiencies may differ slightly because cube roots are rounded differently.
+            // The efficiencies may differ slightly because the cube roots are rounded differently.
             if let Some((a, b)) = one.efficiency().zip(two.efficiency()) {
                 assert_relative_eq!(a, b, max_relative = 1e-6, epsilon = 1e-6);
                 compared[model] += 1;
             }
         }
     }
-    // The status could change at points near the limit of a tolerance, but no such point is known.
+    // The status could differ at points near the limit of a tolerance, but no such point is known.
     assert_eq!(differ, [0; 3]);
     assert!(compared.into_iter().all(|count| count > 500), "{compared:?}");
 }
@@ -261,8 +262,9 @@ fn driving_and_back_driving_have_equal_losses() {
     assert!(tried > 1000, "{tried}");
 }
 
-/// Without inertia, the results with saturated friction equal the closed form: for rigid contacts
-/// at the given contact angle, and for elastic contacts at the loaded contact angle.
+/// Without inertia, the results with saturated friction equal the closed form. For rigid contacts,
+/// the closed form is evaluated at the given contact angle, and for elastic contacts, at the
+/// contact angle under load.
 #[test]
 fn saturated_friction_without_inertia_equals_the_closed_form() {
     let mut work = ModelWorkspace::default();
@@ -271,7 +273,8 @@ fn saturated_friction_without_inertia_equals_the_closed_form() {
         let Drive { screw_speed, nut_speed } = screw.point.drive;
         let speed = screw.point.drive.relative_speed();
         let fastest = screw_speed.abs().max(nut_speed.abs());
-        // At the speed of the faster part, the inertia force is 1e-8 times the friction force.
+        // The inertia force at the speed of the faster body (screw or nut) is 1e-8 times the
+        // friction force.
         let mass = 1e-8 * screw.point.friction.0 * screw.point.load.axial
             / (screw.point.helix.radius * fastest.powi(2));
         let screw = with(screw, |screw| screw.point.ball.mass = mass);

@@ -1,4 +1,4 @@
-//! On every instruction set, formulas evaluated with lanes give the same results as formulas
+//! On every instruction set, formulas evaluated with SIMD vectors give the same results as formulas
 //! evaluated with single numbers, except for rounding errors.
 
 use bsm_dyn::{
@@ -15,10 +15,10 @@ use rand_chacha::ChaCha8Rng;
 /// Number of inputs per point: pitch circle radius, lead angle, contact angle, conformity, two
 /// Young's moduli, Poisson's ratio, friction coefficient, and rolling ratio.
 const INPUTS: usize = 9;
-/// Number of results per point.
+/// Number of results for each point.
 const OUTPUTS: usize = 13;
 
-/// Evaluates all formulas for a point whose ball has radius 1. `flags` states whether the load
+/// Evaluates all formulas for a point whose ball radius is 1. `flags` states whether the load
 /// back-drives the screw and whether the nut rotates.
 #[inline(always)]
 fn formulas<D: Real>(
@@ -94,7 +94,7 @@ impl WithSimd for Points {
 }
 
 #[test]
-fn lane_formulas_match_scalar_formulas() {
+fn simd_formulas_match_scalar_formulas() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
     for round in 0..500 {
         let mut points = Points {
@@ -132,9 +132,9 @@ fn lane_formulas_match_scalar_formulas() {
                 let sines = Sines { sin_a, cos_a, sin_b, cos_b };
                 let expected = formulas(inputs.map(|x| x[i]), sines, member, flags);
                 for (number, (found, expected)) in found.iter().zip(expected).enumerate() {
-                    // The cube root of a lane differs from the cube root of a number by at most
-                    // four units in the last place (9e-16), and the compliance adds three rounding
-                    // errors. All other arithmetic is identical.
+                    // The cube root of a SIMD vector differs from the cube root of a single number
+                    // by at most four units in the last place (9e-16), and the compliance adds
+                    // three rounding errors. All other arithmetic is identical.
                     let close = (found[i] - expected).abs() <= 1.5e-15 * expected.abs();
                     assert!(close, "{arch:?}: {number}: {} {expected}", found[i]);
                 }

@@ -1,4 +1,4 @@
-//! Limiting cases, failures and campaigns of the models.
+//! Tests of the models: limiting cases, expected failures, and campaigns over random screws.
 
 mod elastic;
 mod extremes;

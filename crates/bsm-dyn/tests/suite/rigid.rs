@@ -31,8 +31,9 @@ fn reason(case: &OperatingPoint) -> (Status, Reason) {
     (none.status(), none.reason().clone())
 }
 
-/// The root satisfies the published equations as printed, in (t, n, b) and SI units. The test
-/// calculates forces and moments independently of the model, and friction from the slip velocities.
+/// The root satisfies the published equations as printed, with components along (t, n, b) and in SI
+/// units. The test calculates forces and moments independently of the model, and friction from the
+/// slip velocities.
 #[test]
 fn root_satisfies_the_published_equations() {
     for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
@@ -63,17 +64,17 @@ fn root_satisfies_the_published_equations() {
         }
         let centripetal = case.ball.mass * r_m * motion.precession.powi(2);
         let gyroscopic = frame.k.cross(&motion.omega) * (case.ball.inertia() * motion.precession);
-        // In these coordinates, the spin terms in the slip at A and B cancel only up to rounding
-        // errors. The spin terms are up to 1e4 times the slip, so the tolerance is 1e-11 instead of
-        // 1e-15.
+        // In these coordinates, the spin terms in the slip at both loaded contacts cancel only up
+        // to rounding errors. The spin terms are up to 1e4 times the slip, so the tolerance is
+        // 1e-11 instead of 1e-15.
         assert!((force - Vector3::y() * centripetal).norm() <= 1e-11 * f_a);
         assert!((moment - gyroscopic).norm() <= 1e-11 * r_b * f_a);
         assert_relative_eq!(nut_force.dot(&frame.k), f_a, max_relative = 1e-13);
     }
 }
 
-/// If the load is large compared with the inertia forces, the result equals the closed form in both
-/// directions. The error is proportional to the inertia ratio.
+/// If the load is large compared with the inertia forces, the result equals the closed form for
+/// driving and back-driving. The error is proportional to the inertia ratio.
 #[test]
 fn rigid_model_approaches_the_closed_form_at_small_inertia() {
     for (speed, direction) in
@@ -107,11 +108,11 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
     let critical = Rigid { point: at(5.0) }.critical_lead_angle().expect("critical angle");
-    // The published value has three digits. At this load, inertia affects only the fourth digit.
+    // The published value has three digits. At this load, inertia changes only the fourth digit.
     assert_relative_eq!(critical.to_degrees(), 7.08, epsilon = 5e-3);
 
-    // At the critical lead angle, the slip at A vanishes. A root exists just above the critical
-    // lead angle, but not just below it.
+    // At the critical lead angle, the slip at the loaded flank of the nut vanishes. A root exists
+    // just above the critical lead angle, but not just below it.
     let above = solved(&at(critical.to_degrees() + 1e-6));
     assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
     assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
@@ -119,8 +120,9 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 
-/// In an earlier version, rounding errors of the loads determined the slip at A at 0.005 rpm. In a
-/// sweep of the lead angle across the critical lead angle, roots appeared and disappeared 43 times.
+/// In an earlier version, rounding errors of the loads determined the slip at the nut at 0.005 rpm.
+/// In a sweep of the lead angle across the critical lead angle, roots appeared and disappeared 43
+/// times.
 #[test]
 fn slow_screws_have_a_single_critical_lead_angle() {
     let mut work = RigidWorkspace::default();
@@ -136,8 +138,8 @@ fn slow_screws_have_a_single_critical_lead_angle() {
             .collect();
         let border = found.iter().position(Option::is_some).expect("a root at 7.15 deg");
         assert!(border > 0 && found[border..].iter().all(Option::is_some), "{rpm} rpm");
-        // Within this short range, the slip at A increases linearly from zero, apart from a small
-        // curvature.
+        // Within this short range of lead angles, the slip at the nut increases linearly from zero,
+        // apart from a small curvature.
         let u: Vec<_> = found[border..].iter().flatten().map(|root| root.u).collect();
         let slope = (u[u.len() - 1] - u[0]) / f64::from(u32::try_from(u.len() - 1).unwrap());
         for pair in u.windows(2) {
@@ -158,8 +160,8 @@ fn inputs_beyond_double_precision_are_rejected() {
     }
 }
 
-/// An earlier version reported self-locking, or tension on the unloaded flank, for points with
-/// large inertia, for which the first-order solution is not valid.
+/// An earlier version reported self-locking or tension on the unloaded flank for points with large
+/// inertia, although the first-order solution is not valid at such points.
 #[test]
 fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     let rpm = std::f64::consts::PI / 30.0;
@@ -181,8 +183,8 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
         drive: Drive { screw_speed: -8561.84345 * rpm, nut_speed: 4745.78072 * rpm },
         load: Load { axial: 10.483_234_1, balls: 1.0 },
     };
-    // This screw is self-locking at rest. At this inertia it has a root, but the root is not
-    // connected to small inertia.
+    // This screw is self-locking without inertia. At the given inertia, it has a root, but this
+    // root is not on the branch that begins at small inertia.
     let none = Rigid { point: locking }
         .solve(&mut RigidWorkspace::default())
         .answer
@@ -195,7 +197,8 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 
-/// Operating points without a solution report the correct reason.
+/// Operating points without a solution report the correct reason, such as self-locking or a contact
+/// in tension.
 #[test]
 fn points_without_a_solution_report_the_correct_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
@@ -212,8 +215,8 @@ fn points_without_a_solution_report_the_correct_reason() {
         Some(true)
     );
 
-    // With a steep contact angle, large friction and back-driving, contact A' would have to act in
-    // tension.
+    // With a steep contact angle, large friction and back-driving, the contact on the unloaded
+    // flank would have to act in tension.
     let steep = OperatingPoint {
         contact_angle: 79.0_f64.to_radians(),
         helix: Helix { lead_angle: 40.0_f64.to_radians(), ..lin().helix },
@@ -229,7 +232,7 @@ fn points_without_a_solution_report_the_correct_reason() {
 /// If friction holds the load against back-driving, the efficiency of the closed form is negative,
 /// and the full equations have no root because the ball would roll on the nut.
 #[test]
-fn screw_that_locks_against_its_load_has_no_root() {
+fn self_locking_screw_under_a_back_driving_load_has_no_root() {
     let case = OperatingPoint {
         contact_angle: 70.0_f64.to_radians(),
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
@@ -246,7 +249,7 @@ fn screw_that_locks_against_its_load_has_no_root() {
 }
 
 /// For inertia ratios from 3e4 down to 3e-12, the model finds a root that satisfies the power
-/// balance, and the efficiency changes smoothly from one limit to the other.
+/// balance, and the efficiency changes smoothly between the limits of large and small inertia.
 #[test]
 fn efficiency_is_continuous_from_large_to_small_inertia() {
     let mut last = f64::NAN;
@@ -256,7 +259,8 @@ fn efficiency_is_continuous_from_large_to_small_inertia() {
         let (eta, balance) =
             (o.transmission.efficiency, o.transmission.power_balance.expect("a balance of forces"));
         assert!(balance.abs() <= 1e-9, "{axial}: {balance}");
-        // In the steepest part, the efficiency rises by 0.05 in a step of a tenth of a decade.
+        // In the steepest part of the curve, the efficiency rises by 0.05 in a step of a tenth of a
+        // decade.
         assert!(last.is_nan() || (eta - last).abs() < 0.06, "{axial}: {eta} after {last}");
         assert!((0.642..0.8602).contains(&eta), "{axial}: {eta}");
         last = eta;
@@ -277,7 +281,7 @@ fn efficiency_at_extreme_inertia_equals_the_large_inertia_limit() {
     }
 }
 
-fn case() -> impl Strategy<Value = OperatingPoint> {
+fn random_case() -> impl Strategy<Value = OperatingPoint> {
     (
         (8.0..45.0_f64, 30.0..70.0_f64, 0.01..0.1_f64, 0.07..0.2_f64),
         (50.0..6000.0_f64, 20.0..3000.0_f64, any::<bool>(), any::<bool>()),
@@ -304,22 +308,22 @@ proptest! {
     /// Whenever the model converges, the root satisfies the power balance and the residual is
     /// small.
     #[test]
-    fn every_root_satisfies_the_power_balance(case in case()) {
+    fn every_root_satisfies_the_power_balance(case in random_case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
             let o = solution.solved().expect("converged");
-            // The tolerance allows for the rounding error of the friction power at A', which is the
-            // product of a load of 1e-4 and a speed of 1e4.
+            // The tolerance allows for the rounding error of the friction power at the unloaded
+            // flank, which is the product of a load of 1e-4 and a speed of 1e4.
             prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
             prop_assert!(o.info.is_some_and(|info| info.residual <= 1e-10), "{:?}", o);
         }
     }
 
-    /// Invariance: a screw of different size, density and load with an equal inertia ratio has the
-    /// same efficiency and load ratios.
+    /// A screw of different size, density and load but with the same inertia ratio has the same
+    /// efficiency and load ratios.
     #[test]
-    fn scaled_screws_have_equal_solutions(case in case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
+    fn scaled_screws_have_equal_solutions(case in random_case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
         let scaled = OperatingPoint { helix: Helix { radius: case.helix.radius * length, ..case.helix }, ball: Ball {
                 radius: case.ball.radius * length,
                 mass: case.ball.mass * force / length,
@@ -336,10 +340,9 @@ proptest! {
         }
     }
 
-    /// Invariance: Z balls under Z times the load have the same motion as one ball, and Z times the
-    /// torque.
+    /// Z balls under Z times the load have the same motion as one ball, and Z times the torque.
     #[test]
-    fn torque_scales_with_load_and_number_of_balls(case in case(), balls in 2_u8..80) {
+    fn torque_scales_with_load_and_number_of_balls(case in random_case(), balls in 2_u8..80) {
         let z = f64::from(balls);
         let many = OperatingPoint { load: Load { axial: case.load.axial * z, balls: z }, ..case };
         let mut work = RigidWorkspace::default();
@@ -347,7 +350,7 @@ proptest! {
         prop_assert_eq!(one.status(), other.status());
         let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
         if let (Some(t), Some(t_z)) = (torque(&one), torque(&other)) {
-            // The axial load per ball may differ in its last bit.
+            // The axial load per ball may differ in the last bit.
             prop_assert!((t * z - t_z).abs() <= 1e-11 * t_z.abs());
         }
     }

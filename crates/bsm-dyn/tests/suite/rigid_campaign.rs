@@ -1,4 +1,5 @@
-//! Campaigns over ten thousand random cases each. Every case must converge or have no solution.
+//! Campaigns that each solve ten thousand random operating points. Every point must converge or
+//! have no solution.
 
 use bsm_dyn::{
     Ball, Coulomb, Load, OperatingPoint, Status,
@@ -9,15 +10,15 @@ use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Counts of the outcomes of a campaign.
+/// Numbers of points with each outcome of a campaign.
 #[derive(Debug, Default)]
 struct Tally {
     converged: usize,
     no_solution: usize,
     not_converged: usize,
-    /// Number of roots that the first-order solution excludes.
+    /// Number of roots that exist although the first-order solution excludes them.
     against: usize,
-    /// Number of cases without a root although the first-order solution predicts a root.
+    /// Number of points without a root although the first-order solution predicts a root.
     refuted: usize,
     /// Largest relative margin by which the first-order solution excludes an existing root, divided
     /// by min(1, inertia/friction).
@@ -69,8 +70,8 @@ impl Tally {
     }
 }
 
-/// Solves random cases in the ranges for which the rigid model is specified. `pitch` returns a
-/// random pitch circle radius.
+/// Solves random operating points within the ranges for which the rigid model is specified. `pitch`
+/// returns a random pitch circle radius.
 fn solve_random_screws(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut work = RigidWorkspace::default();
@@ -97,14 +98,15 @@ fn solve_random_screws(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) 
     tally
 }
 
-/// All cases have the pitch circle of Lin's screw.
+/// All points have the pitch circle of Lin's screw.
 #[test]
 fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
     let tally = solve_random_screws(10_000, 1994, |_| 24.3e-3);
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
     assert!(tally.more_than_twelve * 100 < tally.converged, "{tally:#?}");
-    // Sweeps stop at rounding errors, or if the friction directions change by less than 1e-12.
+    // The sweeps stop when only rounding errors remain, or when the friction directions change by
+    // less than 1e-12.
     assert!(tally.worst_balance <= 1e-11 && tally.worst_residual <= 1e-11, "{tally:#?}");
     assert_agreement_with_the_first_order_solution(&tally);
 }
@@ -115,25 +117,25 @@ fn screws_with_catalog_pitch_circles_converge_or_have_no_solution() {
     let tally = solve_random_screws(10_000, 2026, |rng| rng.random_range(4e-3..50e-3));
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
-    // Larger balls at 6000 rpm and 20 N have inertia ratios of up to 30, for which the starting
-    // value is far from the root.
+    // At 6000 rpm and 20 N, larger balls have inertia ratios of up to 30. The starting value is
+    // then far from the root.
     assert!(tally.more_than_twelve * 25 < tally.converged, "{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
     assert_agreement_with_the_first_order_solution(&tally);
 }
 
-/// Checks that roots exist where the first-order solution predicts them. A band around the limit of
-/// existence, as wide as the error of the first-order solution, is excluded. The solver relies on a
-/// band width of 0.1 when it excludes a root.
+/// Checks that roots exist where the first-order solution predicts them. Points near the limit of
+/// existence are excluded if their distance from the limit is less than the error of the
+/// first-order solution. The solver assumes an error of 0.1 when it excludes a root.
 fn assert_agreement_with_the_first_order_solution(tally: &Tally) {
     assert!(tally.against + tally.refuted <= 20, "{tally:#?}");
     assert!(tally.farthest <= 0.08, "{tally:#?}");
     assert!(tally.no_solution > 1000 && tally.converged > 8000, "{tally:#?}");
 }
 
-/// The ranges are far beyond practice: both parts rotate at 1e-3 to 1e5 rpm, with 1e-3 to 1e6 N per
-/// ball, balls of 0.5 to 40 mm and friction coefficients of 1e-4 to 1. Almost every case must
-/// converge or have no solution.
+/// The ranges are far beyond practice: screw and nut both rotate at 1e-3 to 1e5 rpm, with 1e-3 to
+/// 1e6 N per ball, balls of 0.5 to 40 mm and friction coefficients of 1e-4 to 1. Almost every point
+/// must converge or have no solution.
 #[test]
 fn nearly_all_extreme_screws_converge_or_have_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -157,7 +159,7 @@ fn nearly_all_extreme_screws_converge_or_have_no_solution() {
     println!("{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
     // The continuation fails for one nut drive with extremely large inertia, close to a point at
-    // which a slip reverses.
+    // which a slip changes its sign.
     assert!(tally.not_converged <= 1, "{tally:#?}");
     assert!(tally.converged > 7000 && tally.no_solution > 2000, "{tally:#?}");
 }

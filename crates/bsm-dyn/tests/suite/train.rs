@@ -27,7 +27,7 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
     ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
 }
 
-/// Creates a ball in a ball train that is solved by the traction model.
+/// Creates a ball in a ball train and solves it with the traction model.
 ///
 /// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
@@ -37,8 +37,8 @@ fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> Tra
     traction.in_train(&free, friction, work).expect("a ball that moves")
 }
 
-/// Screw speed \[rpm\], push forces \[N\], precession rate, and a triple of torque \[N·m\], power
-/// loss at the raceways \[W\] and angular speed relative to the neighbors \[rad/s\].
+/// Screw speed \[rpm\], push forces \[N\], precession rate, and three results: torque \[N·m\],
+/// power loss at the raceways \[W\], and angular speed relative to the neighbors \[rad/s\].
 type Reference = (f64, [f64; 2], f64, [f64; 3]);
 
 const REFERENCES: [Reference; 9] = [
@@ -81,7 +81,7 @@ fn push_forces_at_a_given_precession_rate_match_the_reference() {
     ] {
         let ball = train_ball(ball(rpm), BALLS, work);
         let held = ball.at_rate(ball.free(), rate, 1.0, work).expect("a motion");
-        // The reference values have six and seven digits.
+        // The reference values are given with six and seven digits.
         assert_near("push behind", held.pushes[1], back, 1e-6);
         assert_near("torque", held.screw_torque, torque, 1e-6);
         assert_near("power", held.raceway_power, power, 1e-6);
@@ -110,7 +110,7 @@ fn pushed_ball_satisfies_power_balance() {
         let ball = train_ball(at, BALLS, work);
         for pushes in [[0.0; 2], [1.0, 0.0], [0.3, 2.0], [3.0, 2.5]] {
             let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
-            // The residual of the root is 1e-10, and the losses are about a hundredth of the
+            // The residual of the equations is 1e-10, and the losses are about a hundredth of the
             // transmitted power.
             assert!(power_balance_error(rpm, &at, &moved).abs() < 1e-9, "{rpm} {pushes:?}");
         }
@@ -124,8 +124,8 @@ fn compliance_is_the_derivative_of_the_precession_rate() {
     let step = 1e-5;
     let there = ball.pushed(ball.free(), [0.0, step], work).expect("a motion");
     let slope = (there.rate - ball.free().rate) / step;
-    // The compliance changes by 20 % over a tenth of f Q = 0.4 N, so it changes by 1e-4 over the
-    // step. The roots have an error of 1e-9.
+    // The step is a small fraction of f Q = 0.4 N. Over a tenth of f Q, the compliance changes by
+    // 20 %, so over the step, it changes by 1e-4. The roots have an error of 1e-9.
     let [front, back] = ball.free().compliances();
     assert_near("compliance", back, slope, 1e-3);
     let there = ball.pushed(ball.free(), [step, 0.0], work).expect("a motion");
@@ -143,11 +143,12 @@ fn given_precession_rate_and_given_push_force_lead_to_the_same_motion() {
     let ball = train_ball(ball(100.0), BALLS, work);
     let pushed = ball.pushed(ball.free(), [0.8, 0.5], work).expect("a motion");
     let held = ball.at_rate(ball.free(), pushed.rate, 0.8, work).expect("a motion");
-    // Both roots have a residual of 1e-10.
+    // Both solutions have a residual of 1e-10.
     assert_near("push behind", held.pushes[1], 0.5, 1e-6);
     assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);
     for (held, pushed) in held.compliances().into_iter().zip(pushed.compliances()) {
-        // The tolerance is large because a solve stops updating its Jacobian at a residual of 1e-3.
+        // The tolerance is large because the solver no longer updates its Jacobian when the
+        // residual is below 1e-3.
         assert_near("compliance", held, pushed, 1e-2);
     }
 }
@@ -166,7 +167,7 @@ fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
-/// The reference table lists load, screw speed, compliance at these fractions of `f Q`, and
+/// The reference table lists load, screw speed, compliance at several fractions of `f Q`, and
 /// increase of the power loss at `f Q`.
 #[test]
 fn compliances_match_the_reference_table() {
@@ -179,7 +180,7 @@ fn compliances_match_the_reference_table() {
     ] {
         for (part, slope) in parts.into_iter().zip(slopes) {
             let (got, lost) = relative_compliance(load, rpm, part);
-            // The reference values have two digits.
+            // The reference values are given with two digits.
             assert_near(&format!("{load} N, {rpm} rpm, {part} f Q"), got, slope, 0.03);
             if (part - 1.0).abs() < 1e-9 {
                 assert!((lost - growth).abs() < 0.006, "{load} N, {rpm} rpm: {lost}");

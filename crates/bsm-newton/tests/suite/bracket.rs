@@ -10,7 +10,8 @@ fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
     Bracket::new(ends, ends.map(&f)).root(&f).root().expect("a sign change")
 }
 
-/// Checks the root of `f`, and that the search needs at most `evaluations` evaluations.
+/// Checks that the search finds the root of `f` and that it needs at most `evaluations`
+/// evaluations.
 fn check_root(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
     let found = root(f, ends);
     // The tolerance is the rounding error of the root.
@@ -28,7 +29,7 @@ fn smooth_functions_need_few_evaluations() {
 
 /// With derivatives, the search uses Newton's method and ends when a step is short.
 #[test]
-fn derivatives_and_a_good_start_need_three_evaluations() {
+fn search_with_derivatives_and_a_good_start_needs_three_evaluations() {
     let bracket =
         Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
     let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
@@ -71,16 +72,17 @@ fn reported_value_at_a_pole_is_large() {
     assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
 }
 
-/// Infinite values at the ends specify only their signs.
+/// Infinite values at the two ends of a bracket specify only the signs of the function.
 #[test]
-fn signs_of_the_end_values_are_sufficient() {
+fn bracket_needs_only_the_signs_at_its_ends() {
     let bracket = Bracket::new([0.0, 10.0], [f64::NEG_INFINITY, f64::INFINITY]);
     let found = bracket.root(f64::ln).root().expect("a sign change");
     assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
 }
 
-/// For a predicate, the final ends are adjacent doubles on both sides of the transition, including
-/// transitions at zero and over many orders of magnitude.
+/// For a predicate, the final bracket consists of two adjacent doubles on either side of the
+/// transition, even if the transition is at zero or the initial bracket spans many orders of
+/// magnitude.
 #[test]
 fn predicate_transition_is_enclosed_by_adjacent_doubles() {
     for edge in [1e-300, 1e-5, 0.0, 0.7, 3e200] {
@@ -115,7 +117,8 @@ fn difficult_functions_stay_within_the_evaluation_limit() {
     }
 }
 
-/// With larger tolerances, the search ends earlier, and its result is within these tolerances.
+/// With larger tolerances, the search ends earlier, and the error of the root is within these
+/// tolerances.
 #[test]
 fn results_are_within_the_tolerances() {
     let f = |x: f64| x.exp() - 10.0;

@@ -30,7 +30,7 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
             }
         }
     }
-    // Each diagonal entry dominates its row.
+    // Each diagonal entry exceeds the sum of the absolute values of all other entries in its row.
     all.extend(sums.into_iter().enumerate().map(|(i, sum)| (i, i, sum)));
     all
 }
@@ -57,7 +57,7 @@ fn assert_solutions_agree<const K: usize>(count: usize, border: usize, seed: u64
 }
 
 #[test]
-fn blocks_with_a_border_agree_with_a_dense_solve() {
+fn bordered_block_matrix_matches_the_dense_solver() {
     assert_solutions_agree::<2>(100, 10, 1);
     assert_solutions_agree::<2>(100, 0, 2);
     assert_solutions_agree::<5>(7, 5, 3);
@@ -93,7 +93,7 @@ fn ring_is_solved_as_a_chain_with_a_border() {
 /// A matrix with fixed unknowns equals a matrix that was filled without the entries of these
 /// unknowns.
 #[test]
-fn fixed_unknowns_have_unit_rows() {
+fn fixed_unknowns_have_rows_of_the_identity_matrix() {
     let (count, border, fixed) = (6, 3, [0, 5, 6, 11, 13]);
     let [mut all, mut without] = [0, 1].map(|_| BorderedMatrix::<2>::new(count, border));
     for (i, j, value) in entries::<2>(count, border, 9) {
@@ -169,7 +169,7 @@ fn singular_matrices_are_reported() {
     assert_eq!(blocks.factorize(), Err(Singular));
 }
 
-/// The solution of the system is exact in double precision for every order of its rows.
+/// The exact solution can be represented in double precision, and the row order does not matter.
 #[test]
 fn small_matrices_are_solved_with_pivoting() {
     let rows = [[0.0, 2.0, 1.0], [4.0, 0.0, 0.0], [2.0, 2.0, -1.0]];
@@ -188,7 +188,7 @@ fn small_matrices_are_solved_with_pivoting() {
 /// points, which is similar to many balls between two nuts. If all springs have the same k, the
 /// displacement is u = 2 (F/(n k))^{2/3}, regardless of the stiffness of the bars.
 #[test]
-fn newton_converges_on_blocks_with_a_border() {
+fn newton_converges_with_a_bordered_block_matrix() {
     const N: usize = 200;
     let (bar, load, k) = (5.0, 50.0, 1.3);
     let mut x: Vec<f64> = (0..=N).map(|i| if i == N { 0.5 } else { 0.2 }).collect();

@@ -38,14 +38,14 @@ fn follow_curve(
 
 /// A circle crosses a line twice in either direction, and the path is closed.
 #[test]
-fn closed_curve_is_followed_once_around() {
+fn closed_curve_is_traced_exactly_once() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
         let seed = ([1.0, 0.0], towards);
         let seen = follow_curve(circle, seed, 0.6, |_| true, &StepControl::default());
         assert_eq!(seen.end, PathEnd::Closed, "{seen:?}");
         assert_eq!(seen.crossings.len(), 2, "{seen:?}");
         for (crossing, expected) in seen.crossings.iter().zip([first, -first]) {
-            // The tolerance is ten times the residual to which points are refined.
+            // The tolerance is ten times the residual to which the points on the path are refined.
             assert!((crossing.z[0] - expected).abs() < 1e-9, "{seen:?}");
         }
         assert_eq!(seen.unresolved, 0, "{seen:?}");
@@ -67,10 +67,10 @@ fn path_passes_through_a_fold() {
     assert!((places[0] - 1.0).abs() < 1e-9 && (places[1] + 1.0).abs() < 1e-9, "{places:?}");
 }
 
-/// Both crossings within a single step are found. A tangent line has no crossing, but the step is
-/// counted as unresolved because it may hide a pair of crossings.
+/// Two sign changes within a single step are found. If the curve only touches the line, there is no
+/// sign change, but the step is counted as unresolved because it may hide a pair of them.
 #[test]
-fn close_pair_is_found_or_counted_as_unresolved() {
+fn close_pair_of_sign_changes_is_found_or_counted_as_unresolved() {
     let seed = ([1.0, 0.0], [0.0, 1.0]);
     for (height, crossings, resolved, points) in
         [(1.0 - 1e-4, 2, true, 37), (1.0, 0, false, 42), (1.0 + 1e-2, 0, true, 19)]
@@ -85,7 +85,7 @@ fn close_pair_is_found_or_counted_as_unresolved() {
 
 /// The curve y = 1/(1 − x) crosses every height before its pole. The caller then ends the path.
 #[test]
-fn path_follows_a_pole_until_the_caller_ends_it() {
+fn path_toward_a_pole_continues_until_the_caller_ends_it() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
     let seed = ([0.0, 1.0], [1.0, 0.0]);
     let seen = follow_curve(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &StepControl::default());

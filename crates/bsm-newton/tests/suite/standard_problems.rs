@@ -90,7 +90,8 @@ fn rosenbrock_needs_at_most_ten_steps() {
     let report = run(rosenbrock, &mut x);
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
-    // These limits are the cost of the monotone line search of Dennis and Schnabel.
+    // These limits are the numbers of steps and evaluations that the monotone line search of Dennis
+    // and Schnabel needs.
     assert!(report.steps.len() <= 10 && report.n_residual <= 33, "{report:?}");
     assert_eq!(report.n_jacobian, report.steps.len(), "{report:?}");
 }
@@ -130,7 +131,7 @@ fn powell_singular_converges_linearly() {
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     for pair in report.steps.windows(2).skip(1) {
         let ratio = pair[1].residual / pair[0].residual;
-        // In exact arithmetic, the ratio is 1/4.
+        // In exact arithmetic, each step reduces the residual to one quarter.
         assert!((ratio - 0.25).abs() < 1e-3, "{report:?}");
     }
     assert!(report.n_jacobian <= 19, "{report:?}");
@@ -207,7 +208,7 @@ fn failed_chord_step_is_replaced_by_a_newton_step() {
 /// The failure is expected: x² + 1 has no root, so the line search ends near the minimum of its
 /// square.
 #[test]
-fn missing_root_ends_in_the_line_search_or_a_singular_jacobian() {
+fn equation_without_root_ends_with_failed_line_search_or_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
     assert_eq!(report.status, Termination::LineSearchFailed, "{report:?}");
     assert!(report.residual >= 1.0);
@@ -265,7 +266,7 @@ fn step_limit_is_reported() {
     assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
 
-/// The failure is expected because a scale is not positive and finite.
+/// The failure is expected because a scaling factor is not positive and finite.
 #[test]
 fn invalid_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -288,7 +289,7 @@ fn derivatives_of_a_root_match_the_closed_form() {
         let f = [x[0] * x[0] + x[1] * x[1] - r * r, x[1] - p * x[0]];
         Ok((f, [[2.0 * x[0], 2.0 * x[1]], [-p, 1.0]]))
     });
-    // The columns are ∂F/∂r and ∂F/∂p. The scales must not influence the result.
+    // The columns are ∂F/∂r and ∂F/∂p. The scaling factors must not influence the result.
     let mut columns = [[-2.0 * r, 0.0], [0.0, -x[0]]];
     let mut work = Workspace::default();
     implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work).expect("a regular root");

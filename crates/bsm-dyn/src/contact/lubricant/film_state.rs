@@ -1,18 +1,18 @@
-//! Results for a lubricated ball.
+//! Film thickness, friction and losses of a lubricated ball.
 
 use super::losses::OutsidePower;
 use super::mixed::MixedFriction;
 use crate::outcome::named;
 
 named! {
-    /// Lubrication regime of a contact. The regime is only a label and enters no equation.
+    /// Lubrication regime of a contact. It is only a label and does not affect the calculation.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Regime {
         /// Asperities carry most of the load.
         Boundary = "boundary",
-        /// Asperities and film share the load.
+        /// Asperities and the oil film both carry significant parts of the load.
         Mixed = "mixed",
-        /// The film carries the load.
+        /// The oil film carries nearly the whole load.
         FullFilm = "full film",
     }
 }
@@ -28,19 +28,19 @@ impl Regime {
     }
 }
 
-/// The oil film of a contact, with its friction and rolling resistance.
+/// The oil film of one contact, with its friction and rolling resistance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactFilm<F = f64> {
-    /// Film thickness \[m\].
+    /// Thickness of the oil film \[m\].
     pub thickness: F,
     /// Film ratio `$\lambda$`: film thickness divided by the combined roughness of both surfaces.
     pub ratio: F,
-    /// Film ratio at the minimum film thickness, at the edge of the contact (Y36).
+    /// Film ratio at the minimum film thickness, which occurs at the edge of the contact (Y36).
     pub least_ratio: F,
-    /// Share of the load that asperities carry `$\xi$`.
+    /// Asperity load share `$\xi$`: fraction of the load that asperities carry.
     pub asperity_share: F,
-    /// Mean friction coefficient: ratio of the sliding power to the sliding power for a coefficient
-    /// of one (Y22).
+    /// Mean friction coefficient: sliding power divided by the sliding power that a friction
+    /// coefficient of one would cause (Y22).
     pub friction: F,
     /// Moment that resists rolling \[N·m\].
     pub rolling_moment: F,
@@ -66,15 +66,15 @@ pub struct FilmState<F = f64> {
     pub nut: ContactFilm<F>,
     /// Oil film at the screw contact.
     pub screw: ContactFilm<F>,
-    /// Power loss due to sliding in the contacts.
+    /// Power loss of all balls due to sliding in the contacts.
     pub sliding_power: F,
-    /// Power loss due to rolling resistance.
+    /// Power loss of all balls due to rolling resistance.
     pub rolling_power: F,
-    /// Power loss outside the contacts.
+    /// Power losses outside the contacts of balls and raceways.
     pub outside: OutsidePower<F>,
     /// Temperature rise of the hotter film above the oil temperature due to sliding \[K\] (Y29).
     pub heating: F,
-    /// Constant friction coefficient for which the contacts have the same power loss (Y30).
+    /// Constant friction coefficient that would cause the same power loss in the contacts (Y30).
     pub equivalent_friction: F,
     /// Friction coefficient of a plain thread that has the same efficiency (Y31).
     pub catalog_friction: F,

@@ -1,4 +1,4 @@
-//! Power losses outside the contacts between balls and raceways.
+//! Power losses outside the contacts of balls and raceways.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
 
@@ -6,7 +6,7 @@ use bsm_kin::Real;
 
 use crate::contact::jam::viscous_drag;
 
-/// Parameters of the losses outside the contacts. The default is no losses.
+/// Parameters of the power losses outside the contacts. By default, there are no such losses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses<D = f64> {
     /// Torque of the seals \[N·m\].
@@ -17,14 +17,13 @@ pub struct Losses<D = f64> {
     pub ball_contact_friction: D,
     /// Number of ball returns.
     pub return_circuits: D,
-    /// Ratio of the kinetic energy that a ball loses in a ball return to its kinetic energy,
-    /// `$\zeta$`.
+    /// Fraction `$\zeta$` of its kinetic energy that a ball loses in a ball return.
     pub return_loss: D,
-    /// Drag coefficient of a ball in the lubricant.
+    /// Drag coefficient of a ball that moves through the lubricant.
     pub drag_coefficient: D,
 }
 
-/// Power losses outside the contacts \[W\].
+/// Power losses outside the contacts of balls and raceways \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutsidePower<D = f64> {
     /// Power loss in the seals.
@@ -33,13 +32,13 @@ pub struct OutsidePower<D = f64> {
     pub ball_contact: D,
     /// Power loss in the ball returns.
     pub ball_return: D,
-    /// Power loss due to drag of the lubricant on the balls.
+    /// Power loss due to the drag of the lubricant on the balls.
     pub drag: D,
 }
 
 impl<D: Real> OutsidePower<D> {
-    /// Returns the power losses of the balls. Seal losses also heat the lubricant, but their torque
-    /// belongs to the whole screw.
+    /// Returns the sum of the power losses due to the balls. The seal loss is excluded: it also
+    /// heats the lubricant, but its torque belongs to the whole screw.
     #[inline(always)]
     pub fn of_balls(&self) -> D {
         self.ball_contact + self.ball_return + self.drag
@@ -57,7 +56,8 @@ impl<D: Real> OutsidePower<D> {
 /// Motion of a ball that travels around the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct BallOrbit<D> {
-    /// Angular speed of sliding between balls `$|(\omega - P k) \times t|$` \[rad/s\].
+    /// Angular speed with which neighboring balls slide on each other, `$|(\omega - P k) \times
+    /// t|$` \[rad/s\].
     pub sliding_speed: D,
     /// Precession rate relative to the nut `$|P - \Omega_n|$` \[rad/s\].
     pub rate: D,
@@ -76,7 +76,7 @@ pub struct BallOrbit<D> {
 }
 
 impl<D: Real> Losses<D> {
-    /// Returns the power losses for a motion of the balls.
+    /// Returns the power losses for a given motion of the balls.
     ///
     /// * `density`: density of the lubricant \[kg/m³\].
     #[inline(always)]

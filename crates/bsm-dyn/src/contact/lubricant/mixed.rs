@@ -8,22 +8,23 @@ use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::transition::Transition;
 
-/// Mixed friction: friction of asperities in contact, and of the oil that is sheared between them.
+/// Mixed friction: friction of asperities in contact, and friction of the oil that is sheared
+/// between the surfaces.
 ///
 /// ```math
 /// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},
 /// \qquad \tau_y = \tau_E\,\mathrm{arsinh}\frac{\eta(p)\,s}{h\,\tau_E}
 /// ```
 ///
-/// Source: Eyring's law with the limiting shear stress of Bair and Winer (1979). The two parts are
-/// added with their shares of the load as weights, as in Zhou and Hoeprich (1991).
+/// Source: Eyring's law with the limiting shear stress of Bair and Winer (1979). The two friction
+/// coefficients are averaged with their load fractions as weights, as in Zhou and Hoeprich (1991).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixedFriction<D = f64> {
-    /// Share of the load that asperities carry `$\xi$`.
+    /// Asperity load share `$\xi$`: fraction of the load that asperities carry.
     pub asperity_share: D,
     /// Friction coefficient of asperities in contact `$\mu_b$`.
     pub boundary: D,
-    /// Ratio of the limiting shear stress of the oil to the pressure `$\Lambda$`.
+    /// Ratio `$\Lambda$` of the limiting shear stress of the oil to the pressure.
     pub limiting_shear: D,
     /// Eyring stress `$\tau_E$` \[Pa\].
     pub eyring_stress: D,
@@ -31,7 +32,8 @@ pub struct MixedFriction<D = f64> {
     pub max_pressure: D,
     /// Pressure parameter `$a_p$` of (Y5) \[Pa\].
     pub pressure_scale: D,
-    /// Factor `$\eta/(h\,\tau_E)$` of the slip speed in (Y11), divided by the unit of speed.
+    /// Factor `$\eta/(h\,\tau_E)$` by which (Y11) multiplies the slip speed, for the unit of speed
+    /// in use.
     pub shear: D,
 }
 
@@ -52,9 +54,9 @@ impl<D> MixedFriction<D> {
 }
 
 impl<D: Real> MixedFriction<D> {
-    /// Creates the friction law of an oil in a film with a given thickness \[m\].
+    /// Creates the friction law of an oil film with a given thickness \[m\].
     ///
-    /// * `speed_unit`: unit of the slip speed \[m/s\].
+    /// * `speed_unit`: unit in which slip speeds are given \[m/s\].
     #[inline(always)]
     pub(crate) fn of<P: Real>(
         (oil, limiting_shear, boundary): (&OilState<P>, P, P),
@@ -81,15 +83,15 @@ impl<D: Real> MixedFriction<D> {
         }
     }
 
-    /// Converts the law to a different unit of speed. The argument is the old unit, measured in the
-    /// new unit.
+    /// Converts the friction law to a different unit of speed. The argument is the old unit,
+    /// measured in the new unit.
     #[inline(always)]
     pub(crate) fn in_unit(self, speed_unit: D) -> Self {
         Self { shear: self.shear / speed_unit, ..self }
     }
 
-    /// Returns the friction coefficient at a point. The arguments are the pressure, divided by the
-    /// maximum pressure, and the slip speed.
+    /// Returns the friction coefficient at a point of the contact. The arguments are the pressure,
+    /// divided by the maximum pressure, and the slip speed.
     #[inline(always)]
     pub(crate) fn at(&self, pressure: D, speed: D) -> D {
         let p = self.max_pressure * pressure;
@@ -103,7 +105,7 @@ impl<D: Real> MixedFriction<D> {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * fluid
     }
 
-    /// Returns the friction coefficient that would apply if the oil reached its limiting shear
+    /// Returns the friction coefficient that would result if the oil reached its limiting shear
     /// stress everywhere in the contact.
     #[inline(always)]
     pub fn most(&self) -> D {
@@ -137,7 +139,7 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
 }
 
 impl Transition {
-    /// Returns the transition of a friction law.
+    /// Returns the pressure transition of a friction law.
     pub(crate) fn of(law: &MixedFriction) -> Self {
         Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
     }

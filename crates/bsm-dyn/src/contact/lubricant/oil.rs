@@ -19,9 +19,9 @@ pub enum BaseOil {
     Pag,
 }
 
-/// Typical properties of a base oil.
+/// Typical properties of a kind of base oil.
 struct Typical {
-    /// Parameters `$s$` and `$t$` of (Y4).
+    /// Parameters `$s$` and `$t$` of the pressure-viscosity coefficient (Y4).
     pressure_viscosity: (f64, f64),
     limiting_shear: f64,
     density: f64,
@@ -44,17 +44,17 @@ impl BaseOil {
         }
     }
 
-    /// Returns the ratio of the limiting shear stress to the pressure `$\Lambda$`.
+    /// Returns the ratio `$\Lambda$` of the limiting shear stress to the pressure.
     pub fn limiting_shear(self) -> f64 {
         self.typical().limiting_shear
     }
 
-    /// Returns the density at 15 °C \[kg/m³\].
+    /// Returns the typical density of the base oil at 15 °C \[kg/m³\].
     pub fn density(self) -> f64 {
         self.typical().density
     }
 
-    /// Returns the thermal conductivity \[W/(m·K)\].
+    /// Returns the thermal conductivity of the base oil \[W/(m·K)\].
     pub fn conductivity(self) -> f64 {
         self.typical().conductivity
     }
@@ -68,7 +68,7 @@ pub const VISCOSITY_GRADES: [f64; 11] =
 const HOT_GRADES: [f64; 11] =
     [2.64, 3.38, 4.25, 5.29, 6.64, 8.53, 11.07, 14.54, 18.75, 23.95, 30.34];
 
-/// Properties of an oil.
+/// Properties of an oil that do not depend on its temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil<D = f64> {
     /// Base oil, which determines default properties.
@@ -77,9 +77,10 @@ pub struct Oil<D = f64> {
     pub viscosities: [D; 2],
     /// Density at 15 °C \[kg/m³\].
     pub density: D,
-    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\], if known.
+    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\]; `None` if it is unknown and therefore
+    /// estimated from the base oil.
     pub pressure_viscosity: Option<D>,
-    /// Ratio of the limiting shear stress to the pressure `$\Lambda$`, positive.
+    /// Ratio `$\Lambda$` of the limiting shear stress to the pressure, positive.
     pub limiting_shear: D,
 }
 
@@ -94,7 +95,7 @@ pub struct OilState<D = f64> {
     pub density: D,
     /// Dynamic viscosity `$\eta$` \[Pa·s\].
     pub viscosity: D,
-    /// Relative decrease of the dynamic viscosity with temperature `$\beta$` \[1/K\].
+    /// Relative decrease `$\beta$` of the dynamic viscosity per kelvin \[1/K\].
     pub temperature_coefficient: D,
     /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\].
     pub pressure_viscosity: D,
@@ -102,7 +103,8 @@ pub struct OilState<D = f64> {
     pub pressure_scale: D,
 }
 
-/// Thermal expansion of oil relative to 15 °C, `$\rho_{15}^{-1} d\rho/dT$` \[1/K\].
+/// Thermal expansion coefficient of oil, relative to the density at 15 °C, `$-\rho_{15}^{-1}
+/// d\rho/dT$` \[1/K\].
 const EXPANSION: f64 = 6.5e-4;
 
 /// Pressure parameter `$b_p$` of (Y5) (dimensionless).
@@ -124,8 +126,8 @@ impl<D: Real> Oil<D> {
     /// \log_{10}\log_{10}(\nu + 0.7) = A - B\log_{10}\theta, \qquad \eta = \nu\rho
     /// ```
     ///
-    /// Source: ASTM D341 (Walther) for the temperature dependence, Gold et al. for the pressure
-    /// dependence.
+    /// Source: ASTM D341 (Walther equation) for the temperature dependence, and Gold et al. for the
+    /// pressure dependence.
     #[inline(always)]
     pub fn at(&self, temperature: D) -> OilState<D> {
         let (warm, hot) = (40.0 + ZERO_CELSIUS, 100.0 + ZERO_CELSIUS);

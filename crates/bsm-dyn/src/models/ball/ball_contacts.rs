@@ -13,7 +13,8 @@ use crate::contact::{
 };
 use crate::ellipse::pressed_radius;
 
-/// A ball between elastic raceways, in scaled units. Pairs contain the values at nut and screw.
+/// A ball between elastic raceways, in scaled units. Arrays with two elements contain the values at
+/// nut and screw.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ScaledBall<P = f64> {
     /// Sine and cosine of the lead angle.
@@ -26,7 +27,7 @@ pub struct ScaledBall<P = f64> {
     pub mass: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub nut_speed: P,
-    /// Radial distance of the groove arc centers `$A_2$` (J2).
+    /// Radial distance `$A_2$` between the groove arc centers (J2).
     pub radial_distance: P,
     /// Distances `$l_0$` between arc center and ball center at first contact.
     pub offsets: [P; 2],
@@ -116,7 +117,7 @@ pub struct GrooveContact<F> {
     pub pressed_radius: F,
     /// Relative curvatures of ball and groove.
     pub curvatures: Curvatures<F>,
-    /// Hertz contact, in units of the axial load per ball.
+    /// Hertz contact for loads in units of the axial load per ball.
     pub hertz: Hertz<F>,
 }
 
@@ -132,7 +133,7 @@ pub struct BallContacts<F: Real> {
     /// Hertz contacts at nut and screw.
     pub pressed: [GrooveContact<F>; 2],
     /// True if no number overflows or underflows and the aspect ratios of both contact ellipses are
-    /// within the practical range.
+    /// within the range that occurs in practice.
     pub regular: F::Mask,
 }
 
@@ -172,8 +173,8 @@ impl<D: Real> LoadedContact<D> {
         Self { cot: cos / sin, sin, cos, load, cbrt_load, approach, length: approach + offset }
     }
 
-    /// Creates the contact without friction whose normal load carries the axial load at a given
-    /// cotangent of the contact angle.
+    /// Creates a contact without friction from the cotangent of its contact angle. The normal load
+    /// follows from the axial load.
     ///
     /// * `stiffness`: the arguments `offset` and `compliance` of [`of`](Self::of).
     /// * `axial`: ratio `$1/\cos\alpha$` of the load component along the binormal to the axial
@@ -189,7 +190,8 @@ impl<D: Real> LoadedContact<D> {
         Self { cot, ..Self::of(stiffness, length * axial, (sin, cot * sin)) }
     }
 
-    /// Returns the radial component `$l\cos\beta$` of the distance from the arc center to the ball center.
+    /// Returns the radial component `$l\cos\beta$` of the distance from the arc center to the ball
+    /// center.
     #[inline(always)]
     pub fn radial_component(&self) -> D {
         self.length * self.cos
@@ -199,7 +201,7 @@ impl<D: Real> LoadedContact<D> {
     /// cotangent of the contact angle, for a contact without friction. The derivative is positive.
     #[inline(always)]
     pub fn radial_slope(&self) -> D {
-        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
+        // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ because δ ~ Q^{2/3}
         self.sin.square() * self.sin * self.length
             + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
     }
@@ -219,7 +221,7 @@ impl<D: Real> LoadedContact<D> {
 
 impl<F: Real> GrooveContact<F> {
     /// Creates the contact of the ball with a groove, together with a mask that is true if the
-    /// aspect ratio of the contact ellipse is within the practical range.
+    /// aspect ratio of the contact ellipse is within the range that occurs in practice.
     #[inline(always)]
     fn of(groove: &Groove<F>, tan_a: F, cos_b: F, size: &ScaledSize<F>) -> (Self, F::Mask) {
         let one = cos_b.constant(1.0);
@@ -281,7 +283,8 @@ impl<F: Real> BallContacts<F> {
         self.scaled.arc.constant(x)
     }
 
-    /// Returns the contact at the nut (0) or the screw (1) from its load and the sine and cosine of its contact angle.
+    /// Returns the contact at the nut (0) or the screw (1) from its load and the sine and cosine of
+    /// its contact angle.
     #[inline(always)]
     pub fn loaded(&self, i: usize, load: F, angle: (F, F)) -> LoadedContact<F> {
         let GrooveContact { offset, hertz, .. } = self.pressed[i];
@@ -297,14 +300,14 @@ impl<F: Real> BallContacts<F> {
 }
 
 /// Motion of a ball on two elastic contacts, with lengths divided by the ball radius and speeds
-/// divided by `$W$`. Pairs contain the values at nut and screw.
+/// divided by `$W$`. Arrays with two elements contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct ElasticMotion<F> {
     /// Slip speeds at the contact centers, not negative.
     pub slip: [F; 2],
     /// Spins about the contact normals, relative to nut and screw.
     pub spin: [F; 2],
-    /// Directions of the friction forces \[rad\], if requested.
+    /// Directions of the friction forces \[rad\]; `None` if they were not requested.
     pub slip_angles: Option<[F; 2]>,
     /// Absolute precession rate `$P/W$`.
     pub rate: F,
@@ -359,7 +362,7 @@ impl<F: Real> ElasticMotion<F> {
 }
 
 /// Returns the friction power at two contacts with a constant friction coefficient. For a contact
-/// ellipse, the slip speed is the mean over the ellipse, weighted with the pressure.
+/// ellipse, the slip speed is the pressure-weighted mean over the ellipse.
 #[inline(always)]
 pub fn friction_power<F: Real>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
     // P_f = Σ f Q_c |V_c|, or Σ f Q ∫ dP                                  (R21), (P7)

@@ -26,7 +26,8 @@ pub(crate) mod unknown {
     pub(crate) const SLIP: usize = 4;
     /// Direction of the slip at A \[rad\].
     pub(crate) const SLIP_ANGLE: usize = 5;
-    /// Scaled gyroscopic moment of the spin about the common normal, `$s = I P\sigma/(r_b F_a)$`.
+    /// Gyroscopic moment that is caused by the spin about the common normal, in scaled units: `$s =
+    /// I P\sigma/(r_b F_a)$`.
     pub(crate) const SPIN: usize = 6;
 }
 
@@ -36,7 +37,7 @@ pub(crate) mod equation {
     pub(crate) const FORCE: [usize; 3] = [0, 1, 2];
     /// Moment balance in the triad (t, N, e_x); the second equation is about the contact normal.
     pub(crate) const MOMENT: [usize; 3] = [3, 4, 5];
-    /// Equilibrium between the nut and its axial load.
+    /// Balance between the axial contact force of the nut and its external axial load.
     pub(crate) const AXIAL_LOAD: usize = 6;
 }
 
@@ -51,15 +52,16 @@ pub(crate) const ROWS: [&str; BALL] = [
     "axial load",
 ];
 
-/// Combines the residuals of the Newton-Euler equations and of the axial load into one array.
+/// Combines the residuals of the Newton-Euler equations of the ball and of the axial force balance
+/// of the nut into one array.
 pub(crate) fn rows<D: Scalar>(residual: &Wrench<D>, axial_load: D) -> [D; BALL] {
     let [force, moment] = [residual.force, residual.moment];
     [force.x, force.y, force.z, moment.x, moment.y, moment.z, axial_load]
 }
 
-/// Returns the weight of an equation: the reciprocal of the magnitude of its terms, limited to the
-/// range of double precision. If the magnitude is NaN, the weight is one; the solve then reports
-/// the NaN in the equation.
+/// Returns the weight of an equation, which is the reciprocal of the magnitude of its terms,
+/// limited to the range of double precision. If the magnitude is NaN, the weight is one; the solver
+/// then reports the NaN in the equation.
 pub(crate) fn weight(size: f64) -> f64 {
     if size.is_nan() { 1.0 } else { size.clamp(1e-300, 1e300).recip() }
 }

@@ -1,4 +1,4 @@
-//! A ball between elastic raceways: inputs, scaled units, and the state for given loads and tilt.
+//! A ball between elastic raceways: inputs, scaled units, and contacts under given loads.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
 
@@ -42,7 +42,7 @@ impl<D: Scalar> ElasticPoint<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
+    /// Returns [`Reason::CurvaturesNotHertzian`] if a contact ellipse is not longer across the
     /// groove than along it.
     pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
@@ -106,7 +106,7 @@ impl<D: Scalar> ElasticPoint<D> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the inputs are invalid.
+    /// Returns [`NoAnswer`] if the inputs are invalid.
     pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, NoAnswer> {
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
@@ -144,7 +144,7 @@ impl<D: Scalar> ElasticPoint<D> {
     }
 }
 
-/// An operating point in scaled units.
+/// An operating point of a screw with elastic contacts, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ElasticContacts<P = f64> {
     /// Helix of the ball centers, with radius `$r_m/r_b$`.
@@ -157,12 +157,12 @@ pub(crate) struct ElasticContacts<P = f64> {
     pub(crate) friction: P,
     /// Direction of the drive, which determines the sign of `$W$`.
     pub(crate) direction: Direction,
-    /// Contacts in SI units.
+    /// Hertz contacts at nut and screw, in SI units.
     pub(crate) hertz: [Hertz<P>; 2],
 }
 
-/// Returns the motions relative to nut and screw that correspond to a motion relative to the nut.
-/// All speeds are divided by `$W$`.
+/// Returns the motion relative to the nut together with the motion relative to the screw. All
+/// speeds are divided by `$W$`.
 pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [Motion<D>; 2] {
     [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
 }
@@ -172,7 +172,7 @@ pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [M
 pub(crate) struct BallLoads<D> {
     /// Normal loads at nut and screw.
     pub(crate) loads: [D; 2],
-    /// Half the difference of the contact angles \[rad\].
+    /// Half the difference between the contact angles at screw and nut \[rad\].
     pub(crate) tilt: D,
     /// Contact angles at nut and screw \[rad\].
     pub(crate) angles: [D; 2],
@@ -186,7 +186,7 @@ pub(crate) struct BallLoads<D> {
 
 impl<P: Scalar> ElasticContacts<P> {
     /// Changes the sign of a friction force or power if `$W$` is negative. This is necessary for
-    /// values that were calculated from the slip divided by `$W$`.
+    /// quantities that were calculated from the slip divided by `$W$`.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }
@@ -202,24 +202,25 @@ impl<P: Scalar> ElasticContacts<P> {
         self.scaled.inertia_ratio()
     }
 
-    /// Returns the approaches, divided by the ball radius, from the loads, divided by the axial
-    /// load (P2).
+    /// Returns the elastic approaches, divided by the ball radius, for given loads, divided by the
+    /// axial load (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the approach at nut (0) or screw (1), divided by the ball radius, from the load,
-    /// divided by the axial load (P2).
+    /// Returns the elastic approach at nut (0) or screw (1), divided by the ball radius, for a
+    /// given load, divided by the axial load (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }
 
-    /// Calculates both contacts and the displacement from two loads and a tilt (P2), (P3), (J7), (J8).
+    /// Calculates both contacts and the displacement from two loads and a tilt (P2), (P3), (J7),
+    /// (J8).
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     pub(crate) fn loaded<D: Over<P>>(
         &self,
         loads: [D; 2],
@@ -239,7 +240,7 @@ impl<P: Scalar> ElasticContacts<P> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     pub(crate) fn loaded_by_nut_angle<D: Over<P>>(
         &self,
         loads: [D; 2],
@@ -262,7 +263,7 @@ impl<P: Scalar> ElasticContacts<P> {
             return Err(EvalError {
                 quantity: "ratio of normal load to axial load at a contact",
                 value: least,
-                requirement: "positive; otherwise the contact is lost",
+                requirement: "must be positive; otherwise the contact is lost",
             });
         }
         let [nut_offset, screw_offset] = self.scaled.offsets.map(D::from);
@@ -280,11 +281,11 @@ impl<P: Scalar> ElasticContacts<P> {
         Self { friction, ..*self }
     }
 
-    /// Returns the residuals of the seven equations (P5): force and moment balance in the triad (t,
-    /// N, e_x) of the loaded contacts, and the axial load.
+    /// Returns the residuals of the seven equations (P5): force and moment balance of the ball in
+    /// the triad (t, N, e_x) of the loaded contacts, and axial force balance of the nut.
     ///
     /// * `motion`: absolute motion of the ball.
-    /// * `wrenches`: wrenches of nut and screw on the ball.
+    /// * `wrenches`: forces and moments that nut and screw exert on the ball.
     pub(crate) fn balance<D: Over<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -299,8 +300,8 @@ impl<P: Scalar> ElasticContacts<P> {
         ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
-    /// Returns the friction powers of the ellipses at nut and screw, divided by `$W$`, for a motion
-    /// relative to the nut (P7).
+    /// Returns the friction powers of the contact ellipses at nut and screw, divided by `$W$`, for
+    /// a motion relative to the nut (P7).
     pub(crate) fn friction_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -314,7 +315,8 @@ impl<P: Scalar> ElasticContacts<P> {
         from_fn(|i| loaded.loads[i] * self.directed_friction() * powers[i])
     }
 
-    /// Returns the friction powers at nut and screw for a friction coefficient of one.
+    /// Returns the friction powers at nut and screw that would result with a friction coefficient
+    /// of one.
     pub(crate) fn unit_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -334,9 +336,9 @@ impl<P: Scalar> ElasticContacts<P> {
         to_nut.relative_to(D::from(-self.scaled.nut_speed), frame)
     }
 
-    /// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse under the
-    /// axial load if the ball rotates at `$W$` relative to a raceway. The result is at least 1
-    /// (T9).
+    /// Returns the largest slip speed, divided by `$r_b W$`, of a ball that rotates at `$W$`
+    /// relative to a raceway. The slip is evaluated at the ends of the longer contact ellipse under
+    /// the axial load. The result is at least 1 (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
         slip_scale(
             [0, 1].map(|i| self.scaled.semi_axes[i].0.re()),
@@ -344,9 +346,9 @@ impl<P: Scalar> ElasticContacts<P> {
         )
     }
 
-    /// Creates the patches over which friction is integrated at nut and screw (P6).
+    /// Creates the contact patches at nut and screw over which friction is integrated (P6).
     ///
-    /// * `motions`: motions relative to the raceways.
+    /// * `motions`: motions of the ball relative to the raceways.
     pub(crate) fn patches<D: Over<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -375,7 +377,7 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns efficiency and torque from the scaled wrench of the screw on the ball.
+    /// Returns efficiency and torque from the scaled force and moment of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
         contacts: &ElasticContacts<D>,
@@ -405,7 +407,7 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if a contact angle is not in \[0, π/2). At angle 0, the bottom of a gothic
+    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). At 0, the bottom of a gothic
     /// arch, the ball touches the other flank. At π/2, the contact normal is axial, and no groove
     /// extends beyond this point.
     pub(crate) fn ball_state(
@@ -446,7 +448,7 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the power balance is violated.
+    /// Returns [`NoAnswer`] if the power balance is violated.
     pub(crate) fn transmission_at(
         &self,
         torque: f64,

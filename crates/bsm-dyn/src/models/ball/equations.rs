@@ -5,10 +5,11 @@ use bsm_newton::EvalError;
 
 use super::ball_unknowns::BALL;
 
-/// Memory of a Newton solve with `N` unknowns.
+/// Reusable buffers for solving `N` equations with Newton's method.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
 
-/// Converts numbers into jets that are the independent variables of a derivative.
+/// Converts the values of unknowns into jets that carry the derivatives with respect to these
+/// unknowns.
 pub(crate) fn variables<const N: usize>(x: &[f64; N]) -> [Jet<N>; N] {
     std::array::from_fn(|i| Jet::variable(x[i], i))
 }
@@ -27,8 +28,8 @@ pub(crate) fn linear<const N: usize, const M: usize>(
     Ok((std::array::from_fn(|i| f[i].re), std::array::from_fn(|i| f[i].eps)))
 }
 
-/// Implements [`bsm_newton::Equations`] with `$n` equations for a type. The arguments are a
-/// residual function that is generic over the scalar type, and the names of the equations.
+/// Implements [`bsm_newton::Equations`] with `$n` equations for a type. The arguments of the macro
+/// are a residual function that is generic over the scalar type, and the names of the equations.
 macro_rules! equations {
     ($system:ty, $n:ident, $residual:path, $names:expr) => {
         impl bsm_newton::Equations<$n> for $system {

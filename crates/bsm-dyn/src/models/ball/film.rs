@@ -1,4 +1,4 @@
-//! Oil film between ball and raceway, load share of the asperities, and rolling resistance.
+//! Oil film between ball and raceway, asperity load share, and rolling resistance.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
@@ -62,7 +62,7 @@ pub struct EhlPoint<P = f64> {
     pub(crate) units: EhlUnits<P>,
 }
 
-/// Factors that convert scaled quantities to SI units.
+/// Factors that convert scaled lubrication quantities to SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct EhlUnits<P = f64> {
     /// Unit of force: axial load per ball `$F_a$`.
@@ -80,15 +80,15 @@ pub struct ScaledFilm<D> {
     pub rolling_speed: D,
     /// Magnitude of the entrainment speed, including the creep speed (Y14).
     pub entrainment: D,
-    /// Film thickness \[m\].
+    /// Thickness of the oil film \[m\].
     pub thickness: D,
-    /// Ratio of film thickness to roughness.
+    /// Film ratio: film thickness divided by combined roughness.
     pub ratio: D,
     /// Local friction law of the contact.
     pub law: MixedFriction<D>,
     /// Rolling force of the oil `$F_R$` (Y16).
     pub(crate) force: D,
-    /// Couple of the rolling resistance `$C$` (Y18).
+    /// Couple (pure moment) of the rolling resistance `$C$` (Y18).
     pub couple: D,
     /// Lever arm `$2 R_x/r_b - 1$` of (Y19).
     lever: D,
@@ -119,9 +119,9 @@ impl<P: Real> EhlPoint<P> {
         Self { lubricant: *lubricant, oil, gaps, units }
     }
 
-    /// Calculates the film for a load and a motion in contact coordinates.
+    /// Calculates the oil film for a load and a motion in contact coordinates.
     ///
-    /// * `i`: nut (0) or screw (1).
+    /// * `i`: index of the contact: 0 for the nut, 1 for the screw.
     /// * `[rate, speed, around]`: precession rate, speed of the ball center along `$t$` and angular
     ///   velocity about `$t \times N$`, relative to the raceway.
     /// * `k_c`: component `$k \cdot (t \times N)$` of the screw axis.
@@ -184,9 +184,9 @@ pub struct FilmLoss<F = f64> {
     pub film: ScaledFilm<F>,
     /// Sliding power in the contact.
     pub sliding: F,
-    /// Sliding power for a friction coefficient of one.
+    /// Power that sliding would dissipate with a friction coefficient of one.
     pub unit: F,
-    /// Power of the rolling resistance.
+    /// Power dissipated by rolling resistance.
     pub rolling: F,
     /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (F, F),
@@ -215,10 +215,10 @@ impl<F: Real> FilmLoss<F> {
 }
 
 impl<F: Real> EhlPoint<F> {
-    /// Returns the state of the films at nut and screw with the power losses of all balls, in SI
-    /// units.
+    /// Returns the state of the oil films at nut and screw with the power losses of all balls, in
+    /// SI units.
     ///
-    /// * `losses`: contacts at nut and screw.
+    /// * `losses`: oil films and power losses of the contacts at nut and screw.
     /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
     /// * `outside`: power losses outside the contacts \[W\].
     /// * `(back, tan_a, efficiency)`: mask that is true if the load back-drives the screw, tangent
@@ -285,7 +285,7 @@ fn film_heating<F: Real>(
 /// loss (Y30).
 ///
 /// * `power`: sum of sliding and rolling power.
-/// * `of_one`: sliding power for a friction coefficient of one.
+/// * `of_one`: sliding power that would result with a friction coefficient of one.
 #[inline(always)]
 fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
     // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
@@ -336,7 +336,7 @@ impl<P: Scalar> EhlPoint<P> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the inputs are invalid.
+    /// Returns [`NoAnswer`] if the inputs are invalid.
     pub(crate) fn new(
         screw: &ElasticPoint<P>,
         lubricant: &Lubricant<P>,
@@ -356,7 +356,7 @@ impl<P: Scalar> EhlPoint<P> {
 }
 
 impl<P: Real> Gap<P> {
-    /// Creates the constants of the contact between ball and raceway.
+    /// Creates the constants of the lubricated contact between ball and raceway.
     ///
     /// * `modulus`: reduced modulus `$E' = 2 E^*$` \[Pa\].
     /// * `raceway`: roughness of the groove surface \[m\].
@@ -391,7 +391,7 @@ impl<P: Real> Gap<P> {
             weight: (modulus * radius.square()).recip(),
             heat: heat.powf(0.62),
             film: radius * stiffening * shape * lubricant.film_factor * 2.69,
-            // B^{1/4} k of M                                              (Y17)
+            // B^{1/4} k in M                                              (Y17)
             elastic: (log_inlet * 0.25).exp() * flatness,
             // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
             rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
@@ -444,7 +444,7 @@ pub(crate) struct EhlLoss<D> {
 impl<P: Scalar> EhlPoint<P> {
     /// Calculates films, friction and rolling resistance at nut and screw.
     ///
-    /// * `motions`: motions relative to the raceways.
+    /// * `motions`: motions of the ball relative to the raceways.
     pub(crate) fn losses<D: Integrate<P>>(
         &self,
         (contacts, loaded): (&ElasticContacts<P>, &BallLoads<D>),
@@ -504,7 +504,7 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
 
-    /// Returns the film at nut (0) or screw (1), the direction `$t \times N$`, and the angular
+    /// Returns the oil film at nut (0) or screw (1), the direction `$t \times N$`, and the angular
     /// velocity about this direction.
     fn film_at<D: Over<P>>(
         &self,
@@ -555,7 +555,7 @@ impl<D: Real> ScaledFilm<D> {
     }
 }
 
-/// Reusable memory for solving lubricated models.
+/// Reusable buffers for solving lubricated models.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
     pub(crate) oil: Rules,
@@ -563,8 +563,8 @@ pub struct LubricatedWorkspace {
 }
 
 impl LubricatedWorkspace {
-    /// Returns two quadrature rules with the given accuracy: one for oil, and one for a constant
-    /// friction coefficient.
+    /// Returns two quadrature rules with the given accuracy: one for lubricated contacts, and one
+    /// for a constant friction coefficient.
     pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
         let ([[oil, _]], [[dry, _]]) = (self.oil.of_oil([accuracy]), self.dry.dry([accuracy]));
         [oil, dry]
@@ -585,18 +585,19 @@ pub(crate) struct LubricatedState<D = f64> {
 pub(crate) struct SteadyRoot {
     pub(crate) contacts: ElasticContacts,
     pub(crate) steady: LubricatedState,
-    /// Sliding powers at nut and screw for a friction coefficient of one.
+    /// Sliding powers at nut and screw that would result with a friction coefficient of one.
     pub(crate) unit: [f64; 2],
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
     pub(crate) control: Option<ControllingRaceway>,
-    /// Error bound of the efficiency due to quadrature (T25), if it was estimated.
+    /// Error bound of the efficiency due to quadrature (T25); `None` if it was not estimated.
     pub(crate) error: Option<f64>,
 }
 
 impl EhlPoint {
-    /// Returns the larger of the friction coefficients at nut and screw that result if the oil
-    /// reaches its limiting shear stress everywhere in the contact.
+    /// Returns the friction coefficient that would result if the oil reached its limiting shear
+    /// stress everywhere in the contact. Of the coefficients at nut and screw, the larger one is
+    /// returned.
     pub(crate) fn friction_scale(
         &self,
         contacts: &ElasticContacts,

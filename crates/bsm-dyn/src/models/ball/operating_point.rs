@@ -60,7 +60,7 @@ pub struct OperatingPoint<D = f64> {
 /// An operating point in scaled units: ball radius, axial load per ball and relative speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallUnits<D> {
-    /// Helix with radius `$r_m/r_b$`.
+    /// Helix of the ball centers, whose radius is the ratio `$r_m/r_b$` in scaled units.
     pub(crate) helix: Helix<D>,
     /// Dimensionless mass of the ball `$m r_b W^2/F_a$`.
     pub(crate) mass: D,
@@ -90,7 +90,8 @@ impl<F: Real> AnswerUnits<F> {
         self.speed.lt(self.speed.constant(0.0))
     }
 
-    /// Returns efficiency, torque and powers, together with the error of the power balance.
+    /// Returns efficiency, torque and powers, together with the relative error of the power
+    /// balance.
     ///
     /// * `ideal`: torque of the frictionless screw \[N·m\].
     /// * `torque`: scaled torque on the screw.
@@ -127,7 +128,7 @@ impl<D: Scalar> OperatingPoint<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::Frictionless`] if the friction coefficient is too small.
+    /// Returns [`Reason::Frictionless`] if the friction coefficient is too small.
     pub(crate) fn require_friction(&self) -> Result<(), NoAnswer> {
         if !is_friction_in_range(self.friction.0.re()) {
             return Err(NoAnswer::invalid(Reason::Frictionless));
@@ -140,7 +141,8 @@ impl<D: Scalar> OperatingPoint<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::NoRelativeSpeed`] or [`Reason::InertiaOutOfRange`].
+    /// Returns [`Reason::NoRelativeSpeed`] if nut and screw turn at the same speed, and
+    /// [`Reason::InertiaOutOfRange`] if the inertia ratio is too small or too large.
     pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, NoAnswer> {
         let Self { helix, ball, drive, load, .. } = self;
         let w = drive.relative_speed();

@@ -1,8 +1,8 @@
 //! Derivatives of efficiency and torque at a solved point, calculated with the implicit function
 //! theorem.
 //!
-//! Each input is a jet with its derivatives. Theory: `docs/theory/12-sensitivities.md`, equations
-//! (V1) to (V3), (V5).
+//! Each input is a jet, which contains a value and its derivatives. Theory:
+//! `docs/theory/12-sensitivities.md`, equations (V1) to (V3), (V5).
 
 use std::array::from_fn;
 
@@ -17,13 +17,13 @@ use crate::outcome::{NoAnswer, Reason, domain_error};
 pub struct Performance<D> {
     /// Efficiency of the screw.
     pub efficiency: D,
-    /// Torque of all balls on the screw \[N·m\], if the model calculates the torque.
+    /// Torque of all balls on the screw \[N·m\]; `None` if the model does not calculate the torque.
     pub screw_torque: Option<D>,
 }
 
 impl<D: Scalar> Performance<D> {
-    /// Extrapolates linearly from `far` through `self`. The distance beyond `self` is `ratio` times
-    /// their difference.
+    /// Extrapolates linearly from `far` through `self`, beyond `self` by `ratio` times the
+    /// difference between the two.
     fn extrapolated(&self, far: &Self, ratio: f64) -> Self {
         let extrapolated = |near: D, far: D| near + (near - far) * ratio;
         let torques = self.screw_torque.zip(far.screw_torque);
@@ -36,13 +36,15 @@ impl<D: Scalar> Performance<D> {
 
 /// Returns the root `x` of `system` with its derivatives with respect to the inputs (V1), (V2).
 ///
-/// * `weights`: weights of the equations, equal to the weights in the solve.
-/// * `residual`: the equations of `system`, evaluated with jets whose inputs carry the derivatives.
+/// * `weights`: weights of the equations, which must equal the weights with which the root was
+///   found.
+/// * `residual`: function that evaluates the equations of `system` with inputs that carry
+///   derivatives.
 ///
 /// # Errors
 ///
-/// [`Reason::SingularRoot`] if the Jacobian is singular, and [`Reason::Refused`] if the equations
-/// cannot be evaluated.
+/// Returns [`Reason::SingularRoot`] if the Jacobian is singular, and [`Reason::Refused`] if the
+/// equations cannot be evaluated.
 pub(crate) fn moving_root<const N: usize, const M: usize>(
     system: &impl Equations<N>,
     x: &[f64; N],
@@ -61,15 +63,15 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }
 
-/// Returns the performance at an operating point. If `factor` is above one, the inertia is too
-/// small compared with the rounding errors of the loads; the result is then extrapolated from
-/// operating points with `factor` times and `2 factor` times the inertia (V5).
+/// Returns the performance at an operating point. If `factor` is above one, the inertia forces at
+/// this point are too small compared with the rounding errors of the loads. The result is then
+/// extrapolated from two points with `factor` and `2 factor` times the inertia (V5).
 ///
-/// * `at`: returns the performance with the inertia multiplied by the argument.
+/// * `at`: function that returns the performance with the inertia multiplied by its argument.
 ///
 /// # Errors
 ///
-/// Returns the error of `at`.
+/// Returns the first error of the function `at`.
 pub(crate) fn inertia_limit<D: Scalar, E>(
     factor: f64,
     mut at: impl FnMut(f64) -> Result<Performance<D>, E>,

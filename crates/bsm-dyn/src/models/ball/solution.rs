@@ -34,23 +34,24 @@ impl Solution {
         self.answer.as_ref().err().map(NoAnswer::reason)
     }
 
-    /// Returns the evidence that no solution exists; `None` unless the status is [`Status::NoSolution`].
+    /// Returns the evidence that no solution exists; `None` unless the status is
+    /// [`Status::NoSolution`].
     pub fn evidence(&self) -> Option<Evidence> {
         self.answer.as_ref().err()?.evidence()
     }
 
-    /// Returns the steady state, if the solve converged.
+    /// Returns the steady state; `None` if the solve did not converge.
     pub fn solved(&self) -> Option<&SteadyState> {
         self.answer.as_ref().ok()
     }
 
-    /// Returns the state of the contact at a site, if the solve converged and the model has this
-    /// contact.
+    /// Returns the contact at the given flank; `None` if the solve failed or the model does not
+    /// include this contact.
     pub fn contact(&self, site: Site) -> Option<&ContactState> {
         self.solved()?.ball.contact(site)
     }
 
-    /// Returns the efficiency, if the solve converged.
+    /// Returns the efficiency; `None` if the solve did not converge.
     pub fn efficiency(&self) -> Option<f64> {
         Some(self.solved()?.transmission.efficiency)
     }
@@ -67,7 +68,7 @@ impl Solution {
     }
 }
 
-/// Reason for a choice of model that is based on error bounds.
+/// Reason why the model `auto` chose a particular model, based on error bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
     /// Slip regime or quadrature on which the error bound is based.
@@ -81,26 +82,26 @@ pub struct Choice {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Basis {
-    /// The ball rolls.
+    /// The ball rolls, so raceway control is accurate.
     Rolling {
-        /// Onset number (W11).
+        /// Onset number of the ball (W11).
         onset_number: f64,
     },
-    /// The ball skids.
+    /// The ball skids, so the gross-slip model is accurate.
     GrossSkid {
-        /// Onset number (W11).
+        /// Onset number of the ball (W11).
         onset_number: f64,
     },
     /// Friction is integrated over the contact ellipses, because the ball is between rolling and
     /// gross skid.
     Integrated {
-        /// Accuracy of the quadrature.
+        /// Accuracy of the quadrature over the contact ellipses.
         accuracy: f64,
     },
 }
 
 impl Basis {
-    /// Returns the model that belongs to this basis.
+    /// Returns the model that is used in this slip regime or with this quadrature.
     pub fn model(&self) -> Model {
         match self {
             Self::Rolling { .. } => Model::RacewayControl,

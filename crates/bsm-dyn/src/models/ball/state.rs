@@ -12,19 +12,21 @@ use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
 /// State of the ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallState<F = f64> {
-    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; `None` if the model does not determine the motion.
+    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; `None` if the model does
+    /// not determine the motion.
     pub motion: Option<Motion<F>>,
     /// Contact with the loaded flank of the nut.
     pub nut: ContactState<F>,
     /// Contact with the loaded flank of the screw.
     pub screw: ContactState<F>,
-    /// Contact with the unloaded flank of the nut, if the model has this contact.
+    /// Contact with the unloaded flank of the nut; `None` if the model does not include this
+    /// contact.
     pub unloaded: Option<ContactState<F>>,
     /// Displacement of the nut along the screw axis \[m\] (J15); `None` for rigid contacts.
     pub axial_displacement: Option<F>,
-    /// Axial play of one nut \[m\] below which friction presses the ball onto a far flank (AC7).
-    /// The value is zero if friction presses the ball onto no far flank even without play, and
-    /// `None` if the force balance of the model does not include friction across the grooves.
+    /// Axial play of one nut \[m\] below which friction presses the ball against a far flank (AC7).
+    /// The value is zero if friction does not press the ball against a far flank even without play,
+    /// and `None` if the force balance of the model does not include friction across the grooves.
     pub threshold_play: Option<F>,
 }
 
@@ -35,9 +37,9 @@ pub struct ContactState<F = f64> {
     pub angle: F,
     /// Normal load \[N\]; `None` if the axial load is not given.
     pub load: Option<F>,
-    /// Direction of friction on the ball \[rad\].
+    /// Direction of the friction force on the ball at this contact \[rad\].
     pub slip_angle: Option<F>,
-    /// Slip at the contact center, and spin, if the model determines the motion.
+    /// Slip at the contact center, and spin; `None` if the model does not determine the motion.
     pub slip: Option<Slip<F>>,
     /// Contact ellipse; `None` for rigid contacts.
     pub pressed: Option<HertzContact<F>>,
@@ -47,13 +49,13 @@ pub struct ContactState<F = f64> {
 /// play.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FarFlank<F = f64> {
-    /// Gap between the ball and the nearer far flank \[m\], negative if the ball is pressed against
+    /// Gap between the ball and the nearer far flank \[m\]; negative if the ball presses against
     /// this flank.
     pub gap: F,
-    /// Contact with the more heavily loaded far flank, if the ball is pressed against a far flank.
+    /// Contact with the more heavily loaded far flank; `None` if the ball touches no far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls \[W\] if each ball has only two contacts, provided that such a
-    /// ball has a steady motion.
+    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if such a ball
+    /// has no steady motion.
     pub two_contact_power: Option<F>,
 }
 
@@ -70,7 +72,7 @@ pub struct ThirdContact<F = f64> {
     pub power_share: F,
 }
 
-/// Slip and spin of the ball relative to the body at a contact.
+/// Slip and spin of the ball at a contact, relative to the nut or the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slip<F = f64> {
     /// Slip speed at the contact center \[m/s\].
@@ -79,7 +81,7 @@ pub struct Slip<F = f64> {
     pub spin: F,
 }
 
-/// A Hertz contact under load.
+/// Ellipse, pressure and deformation of a Hertz contact under load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzContact<F = f64> {
     /// Semi-axes of the ellipse across and along the groove \[m\].
@@ -93,7 +95,7 @@ pub struct HertzContact<F = f64> {
 /// Efficiency, torque and power balance of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission<F: Real = f64> {
-    /// Ratio of output power to input power; not positive if the screw is self-locking.
+    /// Ratio of output power to input power; zero or negative if the screw is self-locking.
     pub efficiency: F,
     /// True if friction prevents the motion in this direction.
     pub self_locking: F::Mask,
@@ -101,14 +103,16 @@ pub struct Transmission<F: Real = f64> {
     pub screw_torque: Option<F>,
     /// Input, output and dissipated powers \[W\]; `None` if the speed is not given.
     pub power: Option<Power<F>>,
-    /// Relative error of the power balance (B10); `None` if the model does not calculate the friction power separately.
+    /// Relative error of the power balance (B10); `None` if the model does not calculate the
+    /// friction power separately.
     pub power_balance: Option<F>,
 }
 
 /// Dimensionless numbers that distinguish rolling balls from skidding balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkidNumbers<F = f64> {
-    /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without friction.
+    /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without
+    /// friction.
     pub skid_number: Option<F>,
     /// Ratio of the slip across the grooves due to the lead to the slip due to spin (W10); `None`
     /// without spin.
@@ -116,21 +120,21 @@ pub struct SkidNumbers<F = f64> {
 }
 
 impl SkidNumbers {
-    /// Creates the numbers. Numbers that are not finite become `None`.
+    /// Creates the skid numbers. A number that is not finite becomes `None`.
     pub(crate) fn new(skid_number: f64, cross_slip: f64) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
         Self { skid_number: finite(skid_number), cross_slip: finite(cross_slip) }
     }
 
-    /// Returns the slip regime of the ball, if both skid numbers are defined.
+    /// Returns the slip regime of the ball; `None` if a skid number is undefined.
     pub fn regime(&self) -> Option<SlipRegime> {
         self.onset_number().map(SlipRegime::of)
     }
 }
 
 impl<F: Real> SkidNumbers<F> {
-    /// Returns the onset number (W11), a skid number for balls whose friction also opposes the slip
-    /// due to the lead.
+    /// Returns the onset number (W11), which is the skid number of a ball whose friction also has
+    /// to oppose the slip due to the lead.
     ///
     /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If it is above 2, friction is
     /// nearly saturated.
@@ -156,20 +160,21 @@ pub struct SteadyState<F: Real = f64> {
     pub ball: BallState<F>,
     /// Efficiency, torque and powers.
     pub transmission: Transmission<F>,
-    /// Skid numbers, if the model calculates them.
+    /// Skid numbers; `None` if the model does not calculate them.
     pub skid: Option<SkidNumbers<F>>,
     /// Cost and accuracy of the solve; `None` for closed forms.
     pub info: Option<SolveInfo>,
-    /// Controlling raceway; only for the model raceway control.
+    /// Controlling raceway; `None` except for the model `raceway-control`.
     pub control: Option<ControllingRaceway>,
-    /// Other admissible solutions; `None` if the model did not search for other solutions.
+    /// Other admissible solutions; `None` if the model did not search for them.
     pub alternatives: Option<Alternatives>,
-    /// Error bound. In the model `traction`, it is a bound of the quadrature error. After an
-    /// automatic choice of model, it is a bound of the difference from `traction`.
+    /// Error bound. For the model `traction`, it limits the quadrature error. For the model `auto`,
+    /// it limits the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
-    /// Films of a lubricated ball; `None` for a constant friction coefficient.
+    /// Oil films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
-    /// Friction powers of all balls at nut and screw \[W\], for raceway control, lubricated balls and balls on a far flank.
+    /// Friction powers of all balls at nut and screw \[W\]; only for raceway control, lubricated
+    /// balls, and balls that touch a far flank.
     pub contact_power: Option<[F; 2]>,
     /// State of the far flanks; `None` if no axial play is given.
     pub far_flank: Option<FarFlank<F>>,
@@ -185,31 +190,31 @@ pub struct ErrorBound<F = f64> {
 }
 
 impl ErrorBound {
-    /// Calculates both bounds from an efficiency and its error bound, if the given load acts on the
-    /// driven side (screw or nut).
+    /// Calculates the error bound of the power loss from an efficiency and its error bound. The
+    /// given load must act on the driven side (screw or nut).
     pub fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
         Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MAX_LOSS_ERROR) }
     }
 }
 
-/// Maximum relative error bound of the power loss that is reported. Above this limit, the true loss
-/// may differ by a large factor.
+/// Largest relative error bound of the power loss that is reported. With a larger bound, the true
+/// loss could differ by a large factor.
 const MAX_LOSS_ERROR: f64 = 0.5;
 
 /// Returns the error bound of an efficiency that was calculated by integrating friction over the
 /// contact ellipses (T25).
 ///
-/// * `difference`: difference from the efficiency of a second quadrature rule.
-/// * `accuracy`: accuracy of the quadrature rule that was used.
+/// * `difference`: difference between the efficiencies of two quadrature rules.
+/// * `accuracy`: accuracy of the quadrature rule for the reported efficiency.
 pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
     let (error, least) = (20.0 * difference.abs(), (accuracy / 200.0).max(1e-9));
-    // The comparison keeps a NaN difference as NaN.
+    // If the difference is NaN, this comparison returns NaN.
     if error < least { least } else { error }
 }
 
-/// Returns the error bound of an efficiency due to both quadrature and creep speed (A6).
+/// Returns the error bound of an efficiency, due to both the quadrature and the creep speed (A6).
 ///
 /// * `by_quadrature`: error bound due to the quadrature.
 /// * `by_creep`: relative effect of the creep speed on the friction power, from 0 to 1 (A8).
@@ -243,13 +248,13 @@ pub fn friction_angle<F: Real>([across, along]: [F; 2]) -> F {
     along.atan2(across)
 }
 
-/// Returns the relative error bound of the power loss (A7), which is not finite if the error bound
-/// exceeds the efficiency.
+/// Returns the relative error bound of the power loss (A7). The result is not finite if the error
+/// bound of the efficiency exceeds the efficiency.
 ///
 /// * `back`: true if the load back-drives the screw.
 /// * `bound`: error bound of the efficiency.
 fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
-    // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
+    // P_f/P_out = 1/η − 1 for driving, P_f/P_in = 1 − η for back-driving:
     // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
     let least = if back { 1.0 } else { (efficiency - bound).max(0.0) };
     bound / (least * (1.0 - efficiency).abs())
@@ -265,17 +270,17 @@ pub struct ControllingRaceway {
     pub consistent: Option<bool>,
 }
 
-/// Other admissible solutions of the same equations.
+/// Other admissible solutions of the same model equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternatives {
     /// Number of other admissible solutions.
     pub count: usize,
-    /// Efficiency of the alternative solution that differs most from this solution.
+    /// Efficiency of the other solution whose efficiency differs most.
     pub farthest_efficiency: Option<f64>,
 }
 
 impl<F: Real> SteadyState<F> {
-    /// Creates a steady state that consists only of the state of the ball and the transmission.
+    /// Creates a steady state that contains only the state of the ball and the transmission.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
         Self {
@@ -294,8 +299,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Returns the state, supplemented with the number of other solutions of the same equations and
-    /// with the efficiency that differs most.
+    /// Adds the number of other solutions of the same equations, and the efficiency among them that
+    /// differs most.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();
@@ -308,7 +313,7 @@ impl SteadyState {
 }
 
 impl<F: Copy> BallState<F> {
-    /// Returns the contact at a site, if the model has this contact.
+    /// Returns the contact at the given flank; `None` if the model does not include this contact.
     #[inline(always)]
     pub fn contact(&self, site: Site) -> Option<&ContactState<F>> {
         match site {
@@ -361,7 +366,7 @@ impl<F: Real> Transmission<F> {
         }
     }
 
-    /// Adds the error of the power balance, calculated from a friction power \[W\].
+    /// Adds the relative error of the power balance, calculated from a friction power \[W\].
     #[inline(always)]
     #[must_use]
     pub fn against(self, friction_power: F) -> Self {
@@ -372,8 +377,8 @@ impl<F: Real> Transmission<F> {
         Self { power_balance, ..self }
     }
 
-    /// Returns true if the error of the power balance is at most the tolerance, and false if there
-    /// is no power balance.
+    /// Returns true if the error of the power balance is at most the tolerance, and false if this
+    /// error is unknown.
     #[inline(always)]
     pub fn is_balanced(&self) -> F::Mask {
         let imbalance = self.power_balance.unwrap_or(self.efficiency.constant(f64::NAN));
@@ -386,7 +391,8 @@ impl Transmission {
     ///
     /// # Errors
     ///
-    /// [`Reason::PowerDoesNotBalance`] if the error of the power balance exceeds the tolerance.
+    /// Returns [`Reason::PowerDoesNotBalance`] if the error of the power balance exceeds the
+    /// tolerance.
     pub(crate) fn balanced(self) -> Result<Self, NoAnswer> {
         if self.is_balanced() {
             return Ok(self);
@@ -396,10 +402,10 @@ impl Transmission {
     }
 }
 
-/// Maximum onset number (dimensionless, W11) of a rolling ball, for any cross slip.
+/// Largest onset number (dimensionless, W11) at which a ball rolls, for any cross slip.
 pub const MAX_ROLLING_ONSET: f64 = 0.1;
 
-/// Minimum onset number (dimensionless, W11) of a ball whose friction is nearly saturated.
+/// Smallest onset number (dimensionless, W11) at which the friction of a ball is nearly saturated.
 const MIN_SKIDDING_ONSET: f64 = 2.0;
 
 named! {
@@ -408,7 +414,7 @@ named! {
     pub enum SlipRegime {
         /// The ball rolls on both raceways.
         Rolling = "rolling",
-        /// The ball is between rolling and gross skid.
+        /// The ball is in a state between rolling and gross skid.
         PartialSkid = "partial skid",
         /// Friction is nearly saturated at both contacts.
         GrossSkid = "gross skid",

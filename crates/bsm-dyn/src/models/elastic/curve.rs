@@ -1,4 +1,5 @@
-//! Search for the first steady motion on the curve of force balance, for a single operating point.
+//! Search for the first steady motion on the curve of force balance (states in which all forces
+//! balance), for a single operating point.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
@@ -26,8 +27,8 @@ const STEP_CONTROL: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// Step control for roots that Newton's method does not refine. The roots are accurate to rounding
-/// errors.
+/// Step control for a continuation whose roots are not refined by Newton's method. The roots are
+/// accurate to rounding errors.
 const EXACT_STEP_CONTROL: StepControl =
     StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
@@ -44,12 +45,12 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 ///
 /// # Errors
 ///
-/// [`NoAnswer`] if there is no root, or if no root is found.
+/// Returns [`NoAnswer`] if there is no root, or if no root is found.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
-    // The first attempt is Newton's method from the beginning of the curve.
+    // First, Newton's method is started from the beginning of the curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
@@ -57,12 +58,12 @@ pub(super) fn root(
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
-    // The second attempt is continuation along the curve.
+    // If Newton's method fails, the root is found by continuation along the curve.
     let (root, sign) = SlidingCurve::of(contacts, &mut steps)?.root()?;
     Ok((ball.unknowns(&root, sign), steps))
 }
 
-/// The curve of force balance at an operating point, along which a root is searched.
+/// The curve of force balance at an operating point, on which a root is sought.
 struct SlidingCurve<'a> {
     ball: SlidingBall<f64>,
     /// Beginning of the curve, where inertia is zero.
@@ -76,7 +77,7 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if there is no root, or if no root is found.
+    /// Returns [`NoAnswer`] if there is no root, or if no root is found.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
         // Newton's method refines the roots of a coarse continuation. If it converges to a
         // different root, the continuation is repeated with an accurate step control.
@@ -84,13 +85,13 @@ impl<'a> SlidingCurve<'a> {
         found.unwrap_or(Err(NoAnswer::LOST))
     }
 
-    /// Returns forces and motion at a point of the curve.
+    /// Returns the forces on the ball and its motion at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
 
-    /// Adds to the number of Newton steps.
+    /// Adds `steps` to the counter of Newton steps.
     fn count(&mut self, steps: f64) {
         *self.steps += count_of(steps);
     }
@@ -99,7 +100,7 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the
+    /// Returns [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the
     /// beginning of the curve is not found.
     fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, NoAnswer> {
         let ball = SlidingBall::from(contacts);
@@ -122,8 +123,8 @@ impl<'a> SlidingCurve<'a> {
         Ok(curve)
     }
 
-    /// Returns the distance in `$\ln q$` from the beginning of the curve to the root, if the curve
-    /// were straight.
+    /// Returns the distance in `$\ln q$` that the root would have from the beginning of the curve
+    /// if the curve were straight.
     fn rise(&self) -> f64 {
         self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
     }
@@ -168,7 +169,8 @@ impl<'a> SlidingCurve<'a> {
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
-                // Beyond these limits, friction would act in the direction of the slip.
+                // The continuation ends at the limits of x_A and x_B, beyond which friction would
+                // act in the direction of the slip.
                 let [log, nut, screw, _] = *z;
                 root.is_none()
                     && refined
@@ -231,7 +233,8 @@ impl<'a> SlidingCurve<'a> {
         let (ball, start) = (self.ball, self.start);
         let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
-        // The search starts at about a seventh (exp(−2)) of the inertia.
+        // The search starts at about a seventh (exp(−2)) of the inertia that the root would have on
+        // a straight curve.
         let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
             // The inertia ratio at a root contains the factor (`inertia / drive`)². Along a
@@ -292,7 +295,7 @@ mod tests {
             *found += 1;
         }
         // Of 1000 practical and 1000 extreme points, nearly all practical points and the slow
-        // extreme points have a direct root.
+        // extreme points are solved directly by Newton's method.
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 

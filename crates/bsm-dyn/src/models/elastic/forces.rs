@@ -1,5 +1,5 @@
-//! The curve on which the forces on a ball with saturated friction are in equilibrium, for any
-//! inertia.
+//! The curve of states in which the forces on a ball with saturated friction are in equilibrium,
+//! for any inertia.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
@@ -28,11 +28,11 @@ pub(super) const HELD: usize = 3;
 /// Number of unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
 pub(super) const CURVE: usize = HELD + 1;
 
-/// Error at points where the forces cannot be in equilibrium.
+/// Error that is returned at points where the forces cannot be in equilibrium.
 const NO_FORCES: EvalError = EvalError {
     quantity: "ratio of normal load to axial load",
     value: f64::NAN,
-    requirement: "positive",
+    requirement: "must be positive",
 };
 
 impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
@@ -59,8 +59,8 @@ impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
 }
 
 impl SlidingBall<f64> {
-    /// Returns the state at a point of the curve, and the residuals of (S14), (S20) and (S19).
-    /// Returns `None` if the forces cannot be in equilibrium.
+    /// Returns the state of the ball at a point of the curve, and the residuals of (S14), (S20) and
+    /// (S19). Returns `None` if the forces cannot be in equilibrium.
     pub(super) fn state_at<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
@@ -72,8 +72,8 @@ impl SlidingBall<f64> {
         Some((state, [rotation, closure, nut.square() - square]))
     }
 
-    /// Returns the state for given `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the
-    /// residuals of (S14) and (S20). Returns `None` if the forces cannot be in equilibrium.
+    /// Returns the state of the ball for given `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`,
+    /// and the residuals of (S14) and (S20). Returns `None` if the forces cannot be in equilibrium.
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],
@@ -86,7 +86,7 @@ impl SlidingBall<f64> {
         (along > 0.0 && along.is_finite()).then_some((state, residual))
     }
 
-    /// Returns the unknowns (S1) at a root of (S26).
+    /// Returns the unknowns (S1) of the ball at a root of (S26).
     ///
     /// * `sign`: sign of `$P/W$`.
     pub(super) fn unknowns(&self, at: &SlidingPoint<f64>, sign: f64) -> [f64; BALL] {
@@ -108,7 +108,7 @@ impl SlidingBall<f64> {
     /// `None` if no estimate is found.
     ///
     /// * `unloaded`: unloaded contact angle \[rad\].
-    /// * `steps`: counter of the evaluations.
+    /// * `steps`: counter of function evaluations.
     pub(super) fn beginning(&self, unloaded: f64, steps: &mut usize) -> Option<[f64; 2]> {
         let bracket = Bracket {
             start: Some(-unloaded.tan().ln()),
@@ -116,8 +116,8 @@ impl SlidingBall<f64> {
             f_tol: START_RESIDUAL_TOL,
             ..Bracket::new(COTANGENT_RANGE.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
         };
-        // The function is the residual of (S20) as a function of the logarithm of the cotangent. It
-        // is infinite if friction holds the load.
+        // The residual of (S20) is evaluated as a function of the logarithm of the cotangent. It is
+        // infinite if friction holds the load.
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();
@@ -139,7 +139,8 @@ impl SlidingBall<f64> {
     }
 }
 
-/// Returns `$x$` and `$c$` for equal contact angles if contacts at these angles carry the load.
+/// Returns `$x$` and `$c$` for equal contact angles, or `None` if contacts at these angles cannot
+/// carry the load.
 fn carried<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
     (effect.re() > 0.0).then_some(point)
 }

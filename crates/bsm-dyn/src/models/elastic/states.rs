@@ -10,10 +10,10 @@ use crate::cost;
 use crate::models::ball::{ElasticContacts, ScaledBall};
 
 /// A ball that slides at both contacts, in scaled units (ball radius, axial load per ball, relative
-/// speed). Pairs contain the values at nut and screw.
+/// speed). Arrays with two elements contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
-    /// Friction coefficient with the sign of the speed, `$F = f\,\mathrm{sign} W$`.
+    /// Friction coefficient with the sign of the relative speed, `$F = f\,\mathrm{sign} W$`.
     pub friction: P,
     /// Sine of the lead angle, `$\sin\alpha$`.
     pub sin: P,
@@ -31,11 +31,11 @@ pub struct SlidingBall<P> {
     pub offsets: [P; 2],
     /// Hertz approaches under a normal load that equals the axial load per ball.
     pub approaches: [P; 2],
-    /// Radial distance `$A_2$` of the groove arc centers.
+    /// Radial distance `$A_2$` between the groove arc centers.
     pub radial_distance: P,
 }
 
-/// Forces on a ball in equilibrium. Pairs contain the values at nut and screw.
+/// Forces on a ball in equilibrium. Arrays with two elements contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingState<D> {
     /// Cotangents `$x$` of the slip angles.
@@ -51,7 +51,7 @@ pub struct SlidingState<D> {
     pub push: D,
     /// Scaled centrifugal force `$M$` (S16).
     pub centrifugal: D,
-    /// Sine and cosine of the difference of the contact angles, `$2\nu$`.
+    /// Sine and cosine of the difference between the contact angles, `$2\nu$`.
     pub angle_difference: (D, D),
 }
 
@@ -77,7 +77,7 @@ pub struct SlidingPoint<D> {
 }
 
 impl<P: Real> SlidingBall<P> {
-    /// Creates a sliding ball from a ball in scaled units.
+    /// Creates a sliding ball from the scaled description of a ball.
     ///
     /// * `friction`: friction coefficient with the sign of the speed.
     #[inline(always)]
@@ -105,11 +105,11 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
 }
 
 impl<F: Real> SlidingBall<F> {
-    /// Returns the efficiency without inertia at the loaded contact angle, accurate to two digits.
-    /// The result is zero if friction holds any load.
+    /// Returns the efficiency of a ball without inertia, accurate to two digits. The contact angle
+    /// under load is used. The result is zero if friction holds any load.
     ///
     /// The contact angle is calculated with a few steps of a fixed-point iteration. If friction
-    /// holds the load at a contact angle, the contact angle is increased.
+    /// holds the load at an intermediate contact angle, this angle is increased.
     ///
     /// * `back`: true if the load back-drives the screw.
     #[inline(always)]
@@ -138,7 +138,7 @@ impl<F: Real> SlidingBall<F> {
         F::select(carried, sines.efficiency(back, friction), zero)
     }
 
-    /// Returns sines and cosines of the lead angle and of the contact angle with a given cosine.
+    /// Returns sines and cosines of the lead angle and of the contact angle whose cosine is given.
     #[inline(always)]
     fn at_angle(&self, cos_b: F) -> Sines<F> {
         let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();
@@ -162,7 +162,8 @@ impl<P: Real> SlidingBall<P> {
         (load_excess, screw.square() * (load_excess + 1.0) + load_excess * inverse)
     }
 
-    /// Returns the forces for `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the residuals of (S14) and (S20).
+    /// Returns the forces on the ball for given `$x$` at nut and screw, `$\delta$`, `$q$` and
+    /// `$c$`, and the residuals of (S14) and (S20).
     #[inline(always)]
     pub fn state<D: RealOver<P>>(
         &self,
@@ -210,7 +211,7 @@ impl<P: Real> SlidingBall<P> {
     }
 
     /// Returns `$x$` and `$c$` for equal contact angles with a given cotangent, together with the
-    /// effective load component. The load component is positive unless friction holds the load.
+    /// effective load component. This component is positive unless friction holds the load.
     #[inline(always)]
     pub fn equal_angles<D: RealOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();
@@ -221,7 +222,7 @@ impl<P: Real> SlidingBall<P> {
         ([x, (w * cos + x * sin * f) / effect], effect)
     }
 
-    /// Returns the motion that corresponds to forces in equilibrium.
+    /// Returns the motion of the ball that belongs to forces in equilibrium.
     ///
     /// Assumes: `$r_m > 1.21\,r_b$`, so that `$Y > 0$` for slips opposite to friction.
     #[inline(always)]
@@ -266,8 +267,8 @@ impl<F: Real> SlidingPoint<F> {
             & cos[1].gt(zero)
     }
 
-    /// Returns true if the centrifugal force is `factor` times the centrifugal force at `begin` and
-    /// all other factors of (S27) are equal to their values at `begin`, within a relative tolerance
+    /// Returns true if this state differs from `begin` only in its centrifugal force, which is
+    /// `factor` times as large. All other factors of (S27) may differ by the relative tolerance
     /// `change`.
     #[inline(always)]
     pub(super) fn has_only_grown(&self, begin: &Self, factor: F, change: f64) -> F::Mask {
@@ -276,8 +277,8 @@ impl<F: Real> SlidingPoint<F> {
             & is_near(self.motion.drive, begin.motion.drive, change)
     }
 
-    /// Returns the logarithm of the inertia ratio `$\mu$` for which the point is a steady motion
-    /// (S27).
+    /// Returns the logarithm of the inertia ratio `$\mu$` for which this point of the curve is a
+    /// steady motion (S27).
     #[inline(always)]
     pub(super) fn log_inertia(&self) -> F {
         let SlidingMotion { inertia, drive, .. } = self.motion;

@@ -26,7 +26,7 @@ pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 const MAX_POSITION_CHANGE: f64 = 3.0;
 
 /// Residual tolerance of (S14) and (S20) for a final result (dimensionless). Newton's method
-/// converges to rounding errors.
+/// converges until the residual consists of rounding errors.
 const RESIDUAL_TOL: f64 = 1e-10;
 
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
@@ -43,12 +43,14 @@ const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, m
 /// the starting value for the state at zero inertia.
 const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, max_steps: 8 };
 
-/// Maximum ratio of normal load to axial load (dimensionless) of a direct root. Above this ratio,
-/// friction nearly holds the axial load, and rounding errors affect the result.
+/// Largest ratio of normal load to axial load (dimensionless) at which a root found directly by
+/// Newton's method is accepted. Above this ratio, friction nearly holds the axial load, and
+/// rounding errors affect the result.
 const MAX_LOAD: f64 = 1e3;
 
-/// Maximum ratio of nut speed to relative speed (dimensionless) of a direct root. Above this ratio,
-/// rounding errors of both speeds dominate the residual.
+/// Largest ratio of nut speed to relative speed (dimensionless) at which a root found directly by
+/// Newton's method is accepted. Above this ratio, rounding errors of both speeds dominate the
+/// residual.
 const MAX_NUT_SPEED: f64 = 1e4;
 
 /// Distance in `$\ln\mu$` (dimensionless) between the first state of the continuation and the root.
@@ -75,7 +77,8 @@ const PREDICTOR_STEP_TOL: f64 = 1e-4;
 /// from (S19).
 pub(super) type Coordinates<F> = [F; 3];
 
-/// A state on the curve of force balance, with the solve that found it.
+/// A state on the curve of force balance, together with the residual and the number of steps of the
+/// solve.
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Real> {
     pub(super) point: Coordinates<F>,
@@ -92,7 +95,7 @@ pub(super) struct CurveState<F: Real> {
 /// A steady motion of a ball that slides at both contacts.
 #[derive(Clone, Copy)]
 pub struct SlidingRoot<F: Real> {
-    /// The sliding ball.
+    /// Ball, friction and speeds at the operating point.
     pub ball: SlidingBall<F>,
     /// Forces on the ball, and its motion.
     pub at: SlidingPoint<F>,
@@ -106,7 +109,7 @@ pub struct SlidingRoot<F: Real> {
     pub residual: F,
     /// True if the result is a steady motion and can serve as a starting value.
     pub steady: F::Mask,
-    /// True if the result is certain to be the first steady motion on the curve.
+    /// True if the result is certainly the first steady motion on the curve of force balance.
     pub found: F::Mask,
 }
 
@@ -185,7 +188,8 @@ impl<F: Real> SlidingBall<F> {
         self.friction.lt(self.cot)
     }
 
-    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is a change of about a third.
+    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is a change of the coordinate
+    /// by about one third.
     #[inline(always)]
     pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
         // sinα/d is an upper limit of −x_A.
@@ -231,7 +235,7 @@ where
     /// steps, and a mask that is true if the estimate was found.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
-    /// * `expected`: mask of the points for which a result is requested.
+    /// * `expected`: mask of the points for which an estimate is requested.
     #[inline(always)]
     pub(super) fn static_beginning(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
         let mut at = LaneIterate::starting_at([unloaded.ln()], expected);
@@ -240,24 +244,24 @@ where
         (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
     }
 
-    /// Finds the state at zero inertia near given `$x$` and `$c$`.
+    /// Finds the state of balanced forces at zero inertia near given `$x$` and `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
         let guess = [x.constant(LOG_NO_INERTIA), x, c];
         self.iterate::<false>(guess, &self.scale([x, x], c), expected)
     }
 
-    /// Finds the first steady motion if the inertia (S27) increases monotonically from the
-    /// beginning of the curve, so that no root comes before this motion. If the curve is straight,
-    /// the motion is found by Newton's method, otherwise by continuation.
+    /// Finds the first steady motion, provided that the inertia (S27) increases monotonically from
+    /// the beginning of the curve to this motion. If the curve is straight, the motion is found by
+    /// Newton's method, otherwise by continuation.
     ///
     /// * `any`: true if any root is acceptable because it only serves as a starting value.
     #[inline(always)]
     pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
-        // On a straight curve, M is proportional to q. If nut and screw rotate together, the
-        // inertia at the beginning of the curve underflows, but its logarithm does not.
+        // On a straight curve, M is proportional to q. If the speeds of nut and screw are nearly
+        // equal, the inertia at the beginning of the curve underflows, but its logarithm does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
         let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
@@ -311,7 +315,7 @@ where
     /// steady motion on the straight part of the curve. It stops if a step is long compared with
     /// the scale of the state or if the inertia does not increase.
     ///
-    /// * `root`: `$\ln q$` of the root if the curve were straight.
+    /// * `root`: value of `$\ln q$` at the root if the curve were straight.
     #[inline(always)]
     fn continued(
         &self,
@@ -368,7 +372,8 @@ where
         (point, arrived, steps)
     }
 
-    /// Finds the state near a starting value: a steady motion, or the state with the given `$q$`.
+    /// Finds a state of balanced forces near a starting value, which is either a steady motion or
+    /// the state with the given `$q$`.
     #[inline(always)]
     pub(super) fn iterate<const STEADY: bool>(
         &self,
@@ -380,7 +385,7 @@ where
         self.iterate_to::<STEADY>((STATE_NEWTON.step_tol, RESIDUAL_TOL), at, scale, expected)
     }
 
-    /// Finds the state near a starting value, with given tolerances.
+    /// Finds a state of balanced forces near a starting value, with the given tolerances.
     ///
     /// * `below`: distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
     #[inline(always)]
@@ -410,7 +415,7 @@ where
     }
 
     /// Finds the first steady motion by Newton's method from the beginning of the curve. The field
-    /// `found` of the result is false if another root could come before the result or if rounding
+    /// `found` of the result is false if another root could precede the result or if rounding
     /// errors could affect the result.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
@@ -432,8 +437,8 @@ where
     }
 }
 
-/// Equation (S20) at zero inertia. The unknown is the logarithm of the cotangent of the equal
-/// contact angles.
+/// Equation (S20) at zero inertia. Both contact angles are equal, and the unknown is the logarithm
+/// of their cotangent.
 struct StaticAngle<'a, F> {
     ball: &'a SlidingBall<F>,
 }
@@ -453,7 +458,8 @@ where
     }
 }
 
-/// Equations (S14) and (S20), together with (S27) for a steady motion or with a fixed `$q$`.
+/// Equations (S14) and (S20), together with a third equation: (S27) for a steady motion, or a given
+/// value of `$q$`.
 struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
@@ -495,7 +501,8 @@ where
 }
 
 impl<F: Real> SlidingRoot<F> {
-    /// Returns the angular velocity relative to the nut, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
+    /// Returns the angular velocity relative to the nut, divided by `$W$`, in the Frenet-Serret
+    /// triad `$(t, n, b)$`.
     #[inline(always)]
     pub fn rotation(&self) -> [F; 3] {
         let Self { ball, at, rate, tilt: (s, c), .. } = self;

@@ -1,4 +1,4 @@
-//! Tests the elastic model: compares the roots on the curve of force balance with the seven
+//! Tests of the elastic model: the roots on the curve of force balance are compared with the seven
 //! equations, with limiting cases, and with searches from many starting values.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -24,11 +24,12 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     let (circling, slip, noise) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
     let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
-    // The slip direction is (R12) plus random noise.
+    // The slip direction is the direction of (R12) plus random noise.
     let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
-    // The precession rate is either a few W, or the rate for a random centrifugal force.
+    // The precession rate is either a few times the relative speed W, or the rate that corresponds
+    // to a random centrifugal force.
     let rate = if rng.random_bool(0.5) {
         rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {
@@ -45,8 +46,8 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     (load > 0.0).then_some(y)
 }
 
-/// Returns an admissible root of the seven equations that is found from random starting values, or
-/// `None`.
+/// Searches from random starting values for an admissible root of the seven equations, and returns
+/// the root or `None`.
 fn root_from_random_starts(
     contacts: &ElasticContacts,
     starts: usize,
@@ -63,8 +64,9 @@ fn root_from_random_starts(
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
         // With the weights of the starting value, any state with P → 0 or P → ∞ would look like a
-        // root. Therefore, each residual is compared with a force at the final state: moments with
-        // friction, and the moment about the mean normal with inertia.
+        // root. Therefore, the residuals are compared with the forces at the final state: the
+        // moments with the friction force, and the moment about the mean normal with the inertia
+        // force.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force = load
@@ -72,7 +74,8 @@ fn root_from_random_starts(
         let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
             && (residual[MOMENT[1]] * weights(contacts, &y)[MOMENT[1]]).abs() < 1e-6;
-        // Slips below the rounding error of the moment about N (R23) have no defined direction.
+        // If the slip is smaller than the rounding error of the moment about N (R23), its direction
+        // is undefined.
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         let resolved =
             contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
@@ -80,7 +83,7 @@ fn root_from_random_starts(
     })
 }
 
-/// Comparison of random searches with the results of the model.
+/// Counts that compare random searches with the results of the model.
 #[derive(Debug, Default)]
 struct Tally {
     no_solution: usize,
@@ -89,15 +92,15 @@ struct Tally {
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Runs random searches at equal numbers of points with and without a solution.
-fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
+/// Runs random searches at an equal number of points with and without a solution.
+fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
     while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
-        // The random search cannot resolve the roots of balls with less inertia.
+        // The random search cannot resolve the roots of balls with very small inertia.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
             continue;
         }
@@ -126,7 +129,7 @@ fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
 /// a root.
 #[test]
 fn random_starts_find_no_root_where_there_is_no_solution() {
-    let tally = search_points(12, 12, 100);
+    let tally = compare_with_random_searches(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
 }
@@ -134,7 +137,7 @@ fn random_starts_find_no_root_where_there_is_no_solution() {
 #[test]
 #[ignore = "takes minutes: 1000 points with 1000 starting values each"]
 fn thousands_of_random_starts_find_no_root_where_there_is_no_solution() {
-    let tally = search_points(2026, 500, 1000);
+    let tally = compare_with_random_searches(2026, 500, 1000);
     println!(
         "{} no_solution, {} refuted, {} of {} seen",
         tally.no_solution,

@@ -18,7 +18,7 @@ use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
 use crate::models::traction::turned;
 
-/// Number of unknowns: position of ball and nut, precession rate, and angular velocity relative to
+/// Number of unknowns: positions of ball and nut, precession rate, and angular velocity relative to
 /// the nut.
 pub(super) const UNKNOWNS: usize = PLACE + 4;
 
@@ -32,8 +32,8 @@ const ROWS: [&str; UNKNOWNS] = [
     "axial position of the nut",
 ];
 
-/// Maximum Newton steps: change of position divided by the approach, and relative change of the
-/// motion.
+/// Maximum length of a Newton step: change of position divided by the approach, and relative change
+/// of the motion.
 const MAX_STEP: [f64; 2] = [0.5, 0.2];
 
 /// Node counts of the quadrature at the four contacts, which stay fixed near a root.
@@ -56,7 +56,7 @@ pub(super) struct Balance<'a, P = f64> {
     /// Creep speed divided by `$r_b |W|$`.
     pub(super) creep: f64,
     pub(super) quadrature: &'a Quadrature,
-    /// True for evaluations before convergence; see [`Placement::coarse`].
+    /// True for evaluations before Newton's method has converged; see [`Placement::coarse`].
     pub(super) coarse: bool,
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
@@ -69,13 +69,13 @@ pub(super) struct Pressed<D> {
     pub(super) approach: D,
     pub(super) load: D,
     pub(super) semi_axes: (D, D),
-    /// Friction force on the ball.
+    /// Friction force on the ball at this contact.
     friction: [D; 3],
-    /// Force of normal load and friction on the ball.
+    /// Sum of normal force and friction force on the ball at this contact.
     force: [D; 3],
     /// Moment of the friction about the ball center.
     moment: [D; 3],
-    /// Friction power \[W\], without derivatives.
+    /// Friction power at this contact \[W\], without derivatives.
     pub(super) power: f64,
 }
 
@@ -88,12 +88,12 @@ pub(super) struct ArchState<D> {
     /// Approaches of all contacts \[m\]; a negative approach is a gap.
     pub(super) approaches: [D; FLANKS],
     pub(super) pressed: [Option<Pressed<D>>; FLANKS],
-    /// Scaled residual of the equations.
+    /// Scaled residuals of the force and moment balance.
     pub(super) residual: [D; UNKNOWNS],
 }
 
 impl<D: Scalar> ArchState<D> {
-    /// Returns the total wrench of the given flanks on the ball.
+    /// Returns the total force and moment of the given flanks on the ball.
     pub(super) fn wrench(&self, flanks: std::ops::Range<usize>) -> Wrench<D> {
         let pressed = self.pressed[flanks].iter().flatten();
         pressed.fold(Wrench::zero(), |sum, Pressed { force, moment, .. }| {
@@ -102,7 +102,7 @@ impl<D: Scalar> ArchState<D> {
     }
 }
 
-/// Arguments for evaluating the equations.
+/// Arguments for evaluating the force and moment balance.
 struct Evaluate<'a, 'b, P, D> {
     balance: &'a Balance<'b, P>,
     y: &'a [D; UNKNOWNS],
@@ -129,13 +129,14 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, '_, P, D> {
 }
 
 impl<P: Scalar> Balance<'_, P> {
-    /// Evaluates the equations.
+    /// Evaluates the force and moment balance for given unknowns.
     pub(super) fn evaluated<D: Integrate<P>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
         cost::evaluated();
         Arch::new().dispatch(Evaluate { balance: self, y })
     }
 
-    /// Determines the approaches, and normal loads and friction of the loaded contacts.
+    /// Calculates the approaches at all flanks, and the normal loads and friction at the loaded
+    /// flanks.
     #[inline(always)]
     fn press<S: Simd, D: Integrate<P>>(&self, simd: S, state: &mut ArchState<D>) {
         let point = &self.at.point;
@@ -177,7 +178,7 @@ impl<P: Scalar> Balance<'_, P> {
         }
     }
 
-    /// Returns the quadrature nodes at a flank.
+    /// Returns the placement of the quadrature nodes at a flank.
     fn nodes(&self, flank: usize) -> Placement<'_> {
         Placement {
             rule: self.quadrature,
@@ -186,8 +187,8 @@ impl<P: Scalar> Balance<'_, P> {
         }
     }
 
-    /// Returns a loaded contact without friction, together with the patch over which friction is
-    /// integrated.
+    /// Returns a loaded contact without friction, together with the contact patch over which
+    /// friction is integrated.
     ///
     /// * `(rate, omega)`: motion relative to the nut, divided by `$|W|$`.
     #[inline(always)]
@@ -200,8 +201,8 @@ impl<P: Scalar> Balance<'_, P> {
         let point = &self.at.point;
         let (zero, radius) = (approach.constant(0.0), point.ball.radius);
         let arc = point.helix.arc_length_per_radian();
-        // The normal (K9) has components sinβ along b and cosβ along n at the nut, and the opposite
-        // ones at the screw.
+        // At the nut, the normal (K9) has the components sinβ along b and cosβ along n. At the
+        // screw, both components have the opposite sign.
         let angle = if i < 2 { (b, n) } else { (-b, -n) };
         let (rate, omega) = if i < 2 {
             (rate, omega)
@@ -227,7 +228,7 @@ impl<P: Scalar> Balance<'_, P> {
         (Pressed { angle, approach, load, semi_axes, friction, force, moment, power: 0.0 }, patch)
     }
 
-    /// Adds up the forces and moments, and stores the scaled residual.
+    /// Adds up the forces and moments on the ball, and stores the scaled residuals.
     #[inline(always)]
     fn add_up<D: Over<P>>(&self, y: &[D; UNKNOWNS], state: &mut ArchState<D>) {
         let point = &self.at.point;
@@ -276,7 +277,7 @@ impl<P: Scalar> Balance<'_, P> {
         ];
     }
 
-    /// Returns the scaled residual of the equations.
+    /// Returns the scaled residuals of the force and moment balance.
     #[expect(
         clippy::unnecessary_wraps,
         reason = "the macro `equations!` requires this return type"
@@ -306,7 +307,7 @@ impl Balance<'_> {
         let point = &self.at.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.lead.1);
-        // Components of t × N along b at nut and screw
+        // These are the components of t × N along b at nut and screw.
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
         // Without slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));
@@ -314,8 +315,8 @@ impl Balance<'_> {
         [-radius / arc * around * nut, along, 0.0, around]
     }
 
-    /// Returns the sum of inertia force and friction forces at the selected flanks for given values
-    /// of the unknowns.
+    /// Returns the sum of the inertia force and of the friction forces at the selected flanks for
+    /// given unknowns.
     pub(super) fn friction(&self, y: &[f64; UNKNOWNS], flanks: [bool; FLANKS]) -> FixedForces {
         let ArchState { to_nut: (rate, _), pressed, .. } = self.evaluated(y);
         let friction = |i: usize| {
@@ -332,7 +333,7 @@ impl Balance<'_> {
         FixedForces { ball: [sum.z, sum.y], of_nut: axial_force(&of_nut, &frame) }
     }
 
-    /// Runs one damped Newton solve from `y`.
+    /// Solves the force and moment balance with the damped Newton method, starting from `y`.
     pub(super) fn run(
         &self,
         y: &mut [f64; UNKNOWNS],

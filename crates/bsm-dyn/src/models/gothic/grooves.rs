@@ -15,12 +15,12 @@ use crate::models::ball::{
 /// −. The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
-/// Fit of a ball in the gothic arches.
+/// Fit of a ball in the gothic arches: axial play, radial gap and oversize.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ArchFit<D = f64> {
     /// Axial play `$s$` of one nut with a ball of nominal diameter \[m\], not negative. Half of the
-    /// play shifts the far flank of each groove; the contact angle at first contact remains
-    /// `$\beta_0$`. Infinite play means that no ball touches a far flank.
+    /// play shifts the far flank of each groove, and the contact angle at first contact remains
+    /// `$\beta_0$`. If the play is infinite, no ball touches a far flank.
     pub axial_play: D,
     /// Radial gap `$g$` between nut and screw grooves \[m\], which increases the contact angle at
     /// first contact.
@@ -34,8 +34,8 @@ pub struct ArchFit<D = f64> {
 pub enum AxialCondition<D = f64> {
     /// Axial force of the nut on the ball \[N\], not negative.
     Force(D),
-    /// Axial displacement of the nut \[m\] from the middle position, in which both diagonals have
-    /// equal length.
+    /// Axial displacement of the nut \[m\] from its middle position, in which both diagonals have
+    /// equal lengths.
     Displacement(D),
 }
 
@@ -62,12 +62,12 @@ pub struct Grooves<D = f64> {
 }
 
 /// Maximum shift of an arc center due to play, divided by `$l_0\sin\beta_0$`. At this shift, the
-/// arc of the far flank ends beside the ball and the gap is largest. More play does not increase
-/// the gap.
+/// arc of the far flank ends beside the ball and the gap is largest. Additional play does not
+/// increase the gap.
 const MAX_SHIFT_RATIO: f64 = 0.5;
 
 impl ArchFit {
-    /// Fit with infinite play, for which no ball touches a far flank.
+    /// Fit with infinite axial play, for which no ball touches a far flank.
     pub const WIDE: Self = Self { axial_play: f64::INFINITY, radial_gap: 0.0, oversize: 0.0 };
 }
 
@@ -82,23 +82,23 @@ impl<D: Scalar> ArchFit<D> {
     }
 }
 
-/// State of one contact for a given position of the ball.
+/// Approach and normal at one contact for a given position of the ball.
 #[derive(Debug, Clone, Copy)]
 pub struct FlankApproach<D = f64> {
     /// Elastic approach \[m\]; a negative approach is a gap.
     pub approach: D,
     /// Distance from the ball center to the arc center \[m\].
     pub length: D,
-    /// Unit vector from the ball center to the arc center: components along the binormal and the
-    /// principal normal.
+    /// Unit vector from the ball center to the arc center, with components along the binormal and
+    /// the principal normal.
     pub normal: [D; 2],
 }
 
-/// Number of position coordinates \[m\]: the ball along the binormal and the principal normal, and
-/// the nut along the binormal.
+/// Number of coordinates that describe the positions \[m\]: two for the ball (along the binormal
+/// and the principal normal) and one for the nut (along the binormal).
 pub(super) const PLACE: usize = 3;
 
-/// Returns the body (nut or screw) at a contact.
+/// Returns the body (nut or screw) to which a flank belongs.
 pub(super) fn site(flank: usize) -> Site {
     if flank < 2 { Site::Nut } else { Site::Screw }
 }
@@ -108,14 +108,14 @@ impl<P: Scalar> Grooves<P> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
+    /// Returns [`Reason::CurvaturesNotHertzian`] if a contact ellipse is not longer across the
     /// groove than along it.
     pub fn without_play(at: &ElasticPoint<P>) -> Result<Self, Reason> {
         Ok(Self::with_hertz(at, at.hertz()?))
     }
 
-    /// Returns the arches with a different ball radius and with a radial gap. The contact stiffness
-    /// stays unchanged.
+    /// Returns the gothic arches with a different ball radius and with a radial gap. The contact
+    /// stiffness stays unchanged.
     #[must_use]
     pub fn fitted(&self, radial_gap: P, oversize: P) -> Self {
         Self { radial_gap, oversize, ..*self }
@@ -138,15 +138,15 @@ impl<P: Scalar> Grooves<P> {
         }
     }
 
-    /// Creates the gothic arches around a ball.
+    /// Creates the gothic arches of nut and screw around a ball with the given fit.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the play is negative, or if the ball has no contact angle between 0 and 90
-    /// degrees.
+    /// Returns [`NoAnswer`] if the play is negative, or if the ball has no contact angle between 0
+    /// and 90 degrees.
     pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
-        // The curvatures are calculated for a ball with nominal diameter at first contact.
+        // The curvatures are calculated for a ball of nominal diameter at first contact.
         let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(NoAnswer::invalid)?;
         let nominal = Self::with_hertz(at, hertz);
         let [nut, screw] = nominal.across;
@@ -156,23 +156,24 @@ impl<P: Scalar> Grooves<P> {
         let shift = if shift.re() < widest.re() { shift } else { widest };
         let grooves = Self { radial_gap, oversize, shift, ..nominal };
         if axial_play.re().is_nan() || axial_play.re() < 0.0 {
-            return Err(refused("axial play [m]", axial_play.re(), "not negative"));
+            return Err(refused("axial play [m]", axial_play.re(), "must not be negative"));
         }
         let height = grooves.height().re();
         if !(height > 0.0 && grooves.diagonal().re() > height) {
             let requirement =
                 "the ball must touch the grooves at contact angles between 0 and 90 degrees";
-            return Err(refused("radial gap of a ball [m]", radial_gap.re(), requirement));
+            return Err(refused("radial groove gap [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
     }
 
-    /// Returns the distance `$L$` between the arc centers of a diagonal at first contact \[m\].
+    /// Returns the distance `$L$` between the two arc centers on a diagonal at first contact \[m\].
     fn diagonal(&self) -> P {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Returns the distance between the arc centers of a diagonal along the principal normal \[m\].
+    /// Returns the component of the distance between the two arc centers on a diagonal along the
+    /// principal normal \[m\].
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
@@ -184,7 +185,8 @@ impl<P: Scalar> Grooves<P> {
         self.across[body] - self.shift
     }
 
-    /// Calculates a contact for a given position of ball and nut \[m\] (AC4).
+    /// Calculates approach and normal at one flank for a given position of ball and nut \[m\]
+    /// (AC4).
     #[inline(always)]
     pub fn flank<D: Over<P>>(
         &self,
@@ -198,7 +200,7 @@ impl<P: Scalar> Grooves<P> {
         let moved = if body == 0 { [*w_b - *x_b, -*x_n - self.radial_gap] } else { [-*x_b, -*x_n] };
         let v = [moved[0] + c[0], moved[1] + c[1]];
         let length = (v[0].square() + v[1].square()).sqrt();
-        // |C₀|² − l₀² due to the shift by play alone
+        // This is the part of |C₀|² − l₀² that is due to the shift by play.
         let by_play = self.shift * (self.across[body] * 2.0 - self.shift);
         let by_motion =
             moved[0] * (moved[0] + c[0] * 2.0) + moved[1] * (moved[1] + c[1] * 2.0) - by_play;
@@ -208,7 +210,7 @@ impl<P: Scalar> Grooves<P> {
         FlankApproach { approach, length, normal: [v[0] * per_length, v[1] * per_length] }
     }
 
-    /// Returns the normal load for an approach \[N\], which is zero for a gap (H9).
+    /// Returns the normal load \[N\] for a given approach; it is zero for a gap (H9).
     #[inline(always)]
     pub fn load<D: Over<P>>(&self, flank: usize, approach: D) -> D {
         if approach.re() <= 0.0 {
@@ -217,8 +219,8 @@ impl<P: Scalar> Grooves<P> {
         approach * approach.sqrt() * self.stiffness[flank / 2]
     }
 
-    /// Returns the semi-axes for a positive approach \[m\]. They are not calculated from the cube
-    /// root of the load, which has an infinite slope at zero.
+    /// Returns the semi-axes of the contact ellipse \[m\] for a positive approach. They are not
+    /// calculated from the cube root of the load, which has an infinite slope at zero.
     #[inline(always)]
     pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
         let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
@@ -228,14 +230,14 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the distance between the arc centers of a diagonal along the binormal \[m\], for the
-    /// middle position of the nut.
+    /// Returns the component of the distance between the two arc centers on a diagonal along the
+    /// binormal \[m\], for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
 
     /// Returns the displacement of the nut along the binormal at which the + flanks touch the ball
-    /// \[m\], which is negative if the ball is already clamped in the middle position.
+    /// \[m\]. It is negative if the ball is already clamped in the middle position.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
         let (l, y) = (self.diagonal(), self.height());
@@ -257,8 +259,8 @@ impl Grooves {
         self.normal_forces(place).1[0] * self.lead.1
     }
 
-    /// Returns the axial play below which the far flank of nut or screw touches a ball on two
-    /// contacts \[m\], or zero if no far flank touches the ball even without play.
+    /// Returns the axial play \[m\] below which a far flank touches a ball that has two contacts,
+    /// or zero if no far flank touches the ball even without play.
     ///
     /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
@@ -298,7 +300,8 @@ impl Grooves {
         (ball, nut)
     }
 
-    /// Returns the largest normal load \[N\] at a position, together with its approach \[m\].
+    /// Returns the largest normal load \[N\] for given positions of ball and nut, together with the
+    /// approach at this contact \[m\].
     pub(super) fn largest(&self, place: &[f64; PLACE]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
             let approach = self.flank(flank, place).approach;
@@ -307,11 +310,12 @@ impl Grooves {
         loads.fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
     }
 
-    /// Returns the position of ball and nut without friction and inertia \[m\].
+    /// Returns the positions of ball and nut at rest \[m\], that is, without friction and inertia.
     ///
     /// # Errors
     ///
-    /// [`Reason::Refused`] if no flank touches the ball or the flanks cannot carry the force.
+    /// Returns [`Reason::Refused`] if no flank touches the ball or the flanks cannot carry the
+    /// force.
     pub(super) fn at_rest(
         &self,
         condition: AxialCondition,
@@ -351,10 +355,10 @@ impl Grooves {
         self.settled(condition, &FixedForces::default(), (&y, units), newton)
     }
 
-    /// Returns the position of ball and nut \[m\] in equilibrium under the normal loads and the
-    /// given fixed forces.
+    /// Returns the positions of ball and nut \[m\] at which the normal loads and the given fixed
+    /// forces are in equilibrium.
     ///
-    /// * `near`: starting value of the position \[m\].
+    /// * `near`: starting values of the positions \[m\].
     /// * `units`: units of force \[N\] and length \[m\].
     pub(super) fn settled(
         &self,
@@ -385,16 +389,16 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
     domain_error(EvalError {
         quantity,
         value,
-        requirement: "the + flanks or an oversize ball must be able to carry the load",
+        requirement: "must press the ball against the loaded flanks of the grooves",
     })
 }
 
 /// Forces that do not depend on the position of the ball \[N\].
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FixedForces {
-    /// Forces on the ball along the binormal and along the principal normal.
+    /// Forces on the ball along the binormal and along the principal normal \[N\].
     pub(super) ball: [f64; 2],
-    /// Axial force of the nut on the ball, in addition to the normal loads.
+    /// Axial force of the nut on the ball \[N\], in addition to the normal loads.
     pub(super) of_nut: f64,
 }
 

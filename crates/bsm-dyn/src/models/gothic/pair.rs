@@ -1,5 +1,5 @@
-//! Running preload and drag torque of two nuts that are preloaded against each other by an offset,
-//! with one ball in each nut.
+//! Running preload and drag torque of two nuts that are preloaded against each other by an offset.
+//! Each nut is represented by one ball.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC8) and (AC9).
 
@@ -8,7 +8,8 @@ use bsm_newton::{Bracket, EvalError};
 use super::{AxialCondition, GothicBall, GothicState, GothicWorkspace};
 use crate::models::ball::{NoAnswer, domain_error};
 
-/// A pair of nuts with one ball each, preloaded against each other by an offset of their grooves.
+/// Two nuts that are preloaded against each other by an offset of their grooves. Each nut is
+/// represented by one ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicPair {
     /// Ball of the nut that moves against its axial force. The ball of the other nut is the mirror
@@ -19,7 +20,7 @@ pub struct GothicPair {
     pub offset: f64,
 }
 
-/// A pair of nuts in steady motion.
+/// Two preloaded nuts in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningPair {
     /// Ball of the nut that moves against its axial force.
@@ -40,17 +41,17 @@ impl GothicPair {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the offset does not load the balls.
+    /// Returns [`NoAnswer`] if the offset does not load the balls.
     pub fn force_at_rest(&self, work: &mut GothicWorkspace) -> Result<f64, NoAnswer> {
         self.driving.force_at_rest(0.5 * self.offset, work)
     }
 
-    /// Creates the pair for which the force between the nuts without friction and external load is
-    /// `preload` \[N\].
+    /// Creates the pair of nuts in which the force between the nuts without friction and external
+    /// load is `preload` \[N\].
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the grooves cannot carry the preload.
+    /// Returns [`NoAnswer`] if the grooves cannot carry the preload.
     pub fn of_preload(
         driving: GothicBall,
         preload: f64,
@@ -60,12 +61,13 @@ impl GothicPair {
         Ok(Self { driving, offset })
     }
 
-    /// Solves for the steady motion of the pair under an external load \[N\] on the driving ball
+    /// Solves for the steady motion of both nuts under an external load \[N\] on the driving ball
     /// (AC8).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the external load unloads the other nut, or if a ball has no steady motion.
+    /// Returns [`NoAnswer`] if the external load unloads the other nut, or if a ball has no steady
+    /// motion.
     pub fn solve(
         &self,
         external: f64,
@@ -111,7 +113,7 @@ impl GothicPair {
         let lifted = domain_error(EvalError {
             quantity: "external load on a preloaded pair [N]",
             value: external,
-            requirement: "small enough for both nuts to stay loaded",
+            requirement: "must be small enough for both nuts to stay loaded",
         });
         let root = found.root().ok_or_else(|| lifted.clone())?;
         let [driving, back_driven] = at(root.x, balls.as_ref(), work)?;
@@ -127,8 +129,8 @@ impl GothicPair {
 }
 
 impl RunningPair {
-    /// Returns the mean force on both nuts \[N\], which is the running preload of a pair without
-    /// external load.
+    /// Returns the mean force on both nuts \[N\]. Without external load, this is the running
+    /// preload.
     pub fn force(&self) -> f64 {
         0.5 * (self.driving.axial_force + self.back_driven.axial_force)
     }

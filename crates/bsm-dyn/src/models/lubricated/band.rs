@@ -9,7 +9,7 @@ use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::Traction;
 use crate::models::workspace::ModelWorkspace;
 
-/// 90 % interval from random draws of the uncertain inputs.
+/// 90 % interval of the power loss, calculated from random draws of the uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LossInterval {
     /// Power loss of the contacts divided by the nominal power loss.
@@ -18,7 +18,7 @@ pub struct LossInterval {
     pub screw_torque: [f64; 2],
     /// Efficiency, for the lower and the upper limit of the power loss.
     pub efficiency: [f64; 2],
-    /// Model that was used for the draws.
+    /// Model that was solved for each random draw.
     pub model: Model,
 }
 
@@ -29,14 +29,14 @@ const DRAWS: u32 = 250;
 /// number of [`DRAWS`] is about one percent.
 const ACCURACY: f64 = 1e-4;
 
-/// Ranges of the uncertain inputs.
+/// Ranges of the twelve uncertain inputs of the lubricant model.
 const UNCERTAIN: [(f64, f64); 12] = [
-    // Factors for boundary friction, for the rolling force, and for the film ratio in the load
-    // share.
+    // Factors for boundary friction, rolling force, and film ratio in the formula of the asperity
+    // load share.
     (0.75, 1.25),
     (0.5 / 0.85, 1.2 / 0.85),
     (0.8 / 1.4, 2.3 / 1.4),
-    // Factors for roughness, for the oil supply, and for the limiting shear stress.
+    // Factors for the roughness, the oil supply and the limiting shear stress.
     (0.6, 1.4),
     (0.6, 1.0),
     (0.8, 1.2),
@@ -45,19 +45,19 @@ const UNCERTAIN: [(f64, f64); 12] = [
     (0.85, 1.15),
     (0.9, 1.1),
     (0.3, 3.4),
-    // Offsets of the temperature [K] and of the conformity.
+    // Offsets of the oil temperature [K] and of the conformity.
     (-5.0, 5.0),
     (-0.005, 0.005),
 ];
 
 impl LubricatedBall {
-    /// Returns the uncertainty interval at a solved operating point, or `None` if too few draws
-    /// have a solution.
+    /// Returns the uncertainty interval at a solved operating point, or `None` if too few random
+    /// draws have a solution.
     ///
-    /// The draws are uniform over the ranges, and the same draws are used for every point. While
-    /// the ball rolls, the power losses of the draws are calculated by raceway control with one
-    /// friction coefficient per contact. From the onset of skidding, they are calculated by
-    /// traction.
+    /// The draws are uniform over the ranges of the inputs, and the same draws are used for every
+    /// point. While the ball rolls, the power losses of the draws are calculated with the
+    /// raceway-control model and one friction coefficient per contact. Once the ball skids, they
+    /// are calculated with the traction model.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);
@@ -87,8 +87,8 @@ impl LubricatedBall {
         })
     }
 
-    /// Returns the operating point with the inputs of a draw at an oil temperature \[K\], for
-    /// raceway control or traction. If `number` is `None`, the inputs stay unchanged.
+    /// Returns the operating point with the inputs of one random draw at an oil temperature \[K\],
+    /// for raceway control or traction. If `number` is `None`, the inputs stay unchanged.
     fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {
@@ -107,9 +107,10 @@ impl LubricatedBall {
         lubricant.boundary_friction *= factor(0);
         let film = factor(6);
         lubricant.film_factor *= factor(4) * film;
-        // The uncertainty of the film formula must not change the rolling force.
+        // The rolling force must not depend on the uncertainty factor of the film thickness.
         lubricant.rolling_factor *= factor(1) / film;
-        // A larger exponent in the load share has the same effect as smoother surfaces.
+        // A larger exponent in the formula of the asperity load share has the same effect as
+        // smoother surfaces.
         let rough = factor(3) / factor(2);
         let Roughness { ball, nut, screw: raceway } = lubricant.roughness;
         lubricant.roughness =

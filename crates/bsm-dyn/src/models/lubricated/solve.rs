@@ -1,4 +1,5 @@
-//! Solution of a lubricated ball by raceway control or traction, including its heat balance.
+//! Steady state of a lubricated ball with raceway control or traction, including the heat balance
+//! of the lubricant.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
@@ -20,11 +21,11 @@ use crate::models::workspace::ModelWorkspace;
 use crate::outcome::named;
 
 named! {
-    /// Friction law of the raceway-control model.
+    /// Way in which the raceway-control model evaluates the friction law.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum RacewayFriction {
         /// The friction coefficient is calculated from pressure and slip at each point of the
-        /// ellipses.
+        /// contact ellipses.
         #[default]
         Local = "local",
         /// Each contact has a single friction coefficient (Y23).
@@ -46,7 +47,7 @@ pub enum LubricatedModel<D = f64> {
 pub struct LubricatedBall<D = f64> {
     /// Lubricant that determines the friction.
     pub lubricant: Lubricant<D>,
-    /// Model of the ball.
+    /// Model with which the lubricated ball is solved.
     pub model: LubricatedModel<D>,
 }
 
@@ -61,15 +62,15 @@ impl RacewayFriction {
     }
 }
 
-/// Returns the power loss of both contacts divided by `$W$`, in scaled units.
+/// Returns the power loss of both contacts, in scaled units and divided by `$W$`.
 pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
     let [nut, screw] = losses;
     nut.sliding + nut.rolling + screw.sliding + screw.rolling
 }
 
 impl RacewayFriction {
-    /// Calculates the sliding powers for a friction coefficient of one, and the wrenches and power
-    /// losses at both contacts of a rolling ball.
+    /// Calculates the sliding powers for a friction coefficient of one, and the forces, moments and
+    /// power losses at both contacts of a rolling ball.
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
@@ -100,7 +101,7 @@ impl<D: Scalar> LubricatedBall<D> {
         }
     }
 
-    /// Returns the power losses outside the contacts \[W\].
+    /// Returns the power losses of the screw outside the ball contacts \[W\].
     pub(super) fn outside(
         &self,
         contacts: &ElasticContacts<D>,
@@ -124,17 +125,18 @@ impl<D: Scalar> LubricatedBall<D> {
     }
 }
 
-/// Temperature step of the search for the lubricant temperature \[K\].
+/// Temperature step with which the lubricant temperature is searched upward from the ambient
+/// temperature \[K\].
 const TEMPERATURE_STEP: f64 = 5.0;
 
-/// Maximum lubricant temperature in the search \[K\].
+/// Maximum lubricant temperature that the search considers \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
 /// Tolerance of the lubricant temperature \[K\].
 const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
 impl LubricatedBall {
-    /// Returns the model of the ball.
+    /// Returns the model with which the ball is solved.
     pub fn name(&self) -> Model {
         match self.model {
             LubricatedModel::RacewayControl(..) => Model::RacewayControl,
@@ -142,7 +144,7 @@ impl LubricatedBall {
         }
     }
 
-    /// Solves for the steady motion of the ball and the power loss.
+    /// Solves for the steady motion and the power loss of the lubricated ball.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solved = match self.lubricant.temperature {
             Temperature::Known(kelvin) => self.at(kelvin, work),
@@ -153,8 +155,8 @@ impl LubricatedBall {
         Solution::new(self.name(), solved)
     }
 
-    /// Creates a ball in a ball train. Returns `None` if the model is not traction, if the
-    /// temperature is not given, or if the motion without push forces is not found.
+    /// Creates a lubricated ball in a ball train. Returns `None` if the model is not traction, if
+    /// the temperature is not given, or if the motion without push forces is not found.
     ///
     /// * `free`: steady state of the ball without push forces.
     /// * `contact_friction`: friction coefficient between balls.
@@ -170,8 +172,8 @@ impl LubricatedBall {
         TrainBall::of(case, Some(&ehl), free, contact_friction, work)
     }
 
-    /// Returns the steady state at the lowest lubricant temperature at which power loss and cooling
-    /// are equal (Y28).
+    /// Returns the steady state at the lowest lubricant temperature at which power loss equals
+    /// cooling power (Y28).
     ///
     /// * `heat_transfer`: product of heat transfer coefficient and area \[W/K\].
     /// * `ambient`: ambient temperature \[K\].
@@ -212,7 +214,8 @@ impl LubricatedBall {
                 }
             }
         });
-        // If the root is an end of the bracket, `answer` may belong to a different temperature.
+        // If the root is an end of the bracket, `answer` may have been calculated at a different
+        // temperature.
         match found.root() {
             Some(root) if ends.contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
             _ => answer,
@@ -254,7 +257,7 @@ impl LubricatedBall {
         self.results(&ehl, &found)
     }
 
-    /// Converts a root into a steady state.
+    /// Converts a root of the model equations into a steady state in SI units.
     fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, NoAnswer> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let LubricatedState { loaded, to_nut, losses, torque } = steady;

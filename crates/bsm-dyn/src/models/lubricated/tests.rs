@@ -1,5 +1,5 @@
-//! Tests the lubricant model: compares its parts with published results, independent results and
-//! limiting cases, and the whole model with an independent solution.
+//! Tests of the lubricant model: its parts are compared with published results, independent results
+//! and limiting cases, and the whole model with an independent solution.
 
 use std::f64::consts::PI;
 
@@ -109,7 +109,7 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // The tolerance covers the quadrature error over the ellipse.
+    // The tolerance covers the error of the quadrature over the contact ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
@@ -120,7 +120,7 @@ fn intermediate_results_match_an_independent_solution() {
 /// Compares the torque of the feed drive with the printed digits of an independent table. The
 /// speeds cover lubrication regimes from boundary friction to a full film.
 #[test]
-fn torque_over_speed_matches_an_independent_table() {
+fn torque_as_a_function_of_speed_matches_an_independent_table() {
     let rows = [
         (10.0, 26.224, 0.97104, 0.057, 0.1137, 0.78, 0.02, 0.0045),
         (100.0, 26.118, 0.97501, 0.27, 0.0953, 6.40, 0.44, 0.0038),
@@ -146,10 +146,10 @@ fn torque_over_speed_matches_an_independent_table() {
     }
 }
 
-/// Compares the 5 % and 95 % quantiles of the relative power loss with the quantiles of a second
-/// set of random draws.
+/// The 5 % and 95 % quantiles of the relative power loss match the quantiles of a second set of
+/// random draws.
 #[test]
-fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
+fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
     let mut work = ModelWorkspace::default();
     for (rpm, axial, low, high) in [
         (100.0, 8000.0, 0.81, 1.26),
@@ -163,7 +163,7 @@ fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
         // Each set of 250 draws has a sampling error of a few percent, and the reference does not
-        // state its distributions over the ranges.
+        // state the distributions from which its inputs were drawn.
         assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
         assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
     }
@@ -173,7 +173,7 @@ fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
 /// shear stress. For these points, an independent program solved the full model with 25, 40 and 30
 /// draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
 #[test]
-fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
+fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
     let mut work = ModelWorkspace::default();
     let vg_32 = Lubricant {
         oil: Oil { viscosities: Oil::of_grade(32.0).unwrap(), ..vg_68().oil },
@@ -295,8 +295,8 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
                         numbers.iter().all(|x| x.is_finite()),
                         "{axial} {rpm} {viscosity}: {film:?}"
                     );
-                    // The friction coefficient is at most the larger of boundary friction and
-                    // limiting shear.
+                    // The friction coefficient cannot exceed both the boundary friction coefficient
+                    // and the ratio of limiting shear stress to pressure.
                     assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
                 }
             }
@@ -306,9 +306,9 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
 }
 
 /// Compares the model that has a single friction coefficient per contact with the model that
-/// evaluates the friction law at each point.
+/// evaluates the friction law at each point of the contact.
 #[test]
-fn one_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
+fn single_friction_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
     let mut off = [const { Vec::new() }; 2];
     for _ in 0..400 {
@@ -388,8 +388,8 @@ fn typical_screws_have_a_solution() {
     assert_eq!(count_unsolved_typical_screws(1886, 60), 0);
 }
 
-/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib typical_screws --
-/// --ignored --nocapture`.
+/// Repeats the test with ten thousand screws. Command: `cargo test --release -p bsm-dyn --lib
+/// typical_screws -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn ten_thousand_typical_screws_have_a_solution() {
@@ -408,7 +408,8 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 /// lubricated in turn, and the fastest of several runs counts. The dry solve uses the friction
 /// coefficient that the lubricated solve reports.
 ///
-/// `cargo test --release -p bsm-dyn --lib measure_cost_of_a_lubricant -- --ignored --nocapture`
+/// Command: `cargo test --release -p bsm-dyn --lib measure_cost_of_a_lubricant -- --ignored
+/// --nocapture`
 #[test]
 #[ignore = "timing"]
 fn measure_cost_of_a_lubricant() {

@@ -30,7 +30,7 @@ const MAX_BOUND_STEPS: usize = 20_000;
 /// Number of intervals that the scan for other roots examines.
 const SCAN_INTERVALS: u8 = 48;
 
-/// Number of interval ends of the scan.
+/// Number of interval boundaries at which the scan evaluates the static balance.
 const SAMPLES: usize = SCAN_INTERVALS as usize + 1;
 
 /// Minimum relative distance between another root and the first root (dimensionless).
@@ -54,7 +54,8 @@ impl<'a, P: Scalar> Balance<'a, P> {
         Self { contacts, control, statics }
     }
 
-    /// Returns the residuals of the radial force balance (W12) and of the radial closure (W13).
+    /// Returns the residuals of the radial force balance (W12) and of the radial closure of the
+    /// groove arcs (W13).
     pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> [D; STATIC] {
         self.statics.residual(x[0], &self.statics.loaded(*x))
     }
@@ -113,28 +114,28 @@ impl Balance<'_> {
     /// terms.
     pub(super) fn weights(&self) -> [f64; STATIC] {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
-        // The limits keep the weights within the range of double precision.
+        // Clamping keeps the weights within the range of double precision.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
     }
 
-    /// Finds the root with the smallest difference of the contact angles.
+    /// Finds the root with the smallest difference between the contact angles.
     ///
     /// # Errors
     ///
-    /// [`Reason::FlanksCannotHold`] if there is provably no root on the flanks, or
-    /// [`Reason::Newton`].
+    /// Returns [`Reason::FlanksCannotHold`] if there is provably no root on the flanks, and
+    /// [`Reason::Newton`] if Newton's method does not converge.
     pub(super) fn first_root(
         &self,
         newton: &mut Workspace<STATIC>,
     ) -> Result<StaticRoot, NoAnswer> {
-        // The first attempt is Newton's method from equal contact angles.
+        // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
         if direct.found {
             return Ok(StaticRoot::from(&direct));
         }
 
-        // The second attempt is bracketing.
+        // If Newton's method fails from equal contact angles, the root is found by bracketing.
         let bracketed = self.bracketed()?;
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
@@ -152,9 +153,8 @@ impl Balance<'_> {
         self.statics.is_unique(true)
     }
 
-    /// Finds the roots on the flanks whose contact angles differ more than the contact angles of
-    /// the first root. The scan may miss pairs of roots that are closer together than its
-    /// resolution.
+    /// Finds roots on the flanks that have a larger difference between the contact angles than the
+    /// first root. The scan may miss pairs of roots that are closer together than its resolution.
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],
@@ -163,7 +163,7 @@ impl Balance<'_> {
         if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
     }
 
-    /// Scans for roots with a larger difference of the cotangents than the first root.
+    /// Scans for roots that have a larger difference of the cotangents than the first root.
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
         searched();
         let farthest = self.farthest();
@@ -211,8 +211,8 @@ impl Balance<'_> {
     fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
-        // The residual goal is the rounding error of the lengths, because the displacement is a
-        // difference of lengths.
+        // The residual goal is the rounding error of the lengths, because the axial displacement is
+        // calculated as a difference of lengths.
         let options = Options {
             convergence: Convergence {
                 residual_goal: 3e-15,
@@ -248,7 +248,7 @@ impl Balance<'_> {
     ///
     /// # Errors
     ///
-    /// [`Reason::FlanksCannotHold`] if there is provably no root.
+    /// Returns [`Reason::FlanksCannotHold`] if there is provably no root.
     fn bracketed(&self) -> Result<[f64; STATIC], NoAnswer> {
         let farthest = self.farthest();
         let outwards = match self.control {
@@ -266,8 +266,8 @@ impl Balance<'_> {
         let c = if outwards * at_rest >= 0.0 {
             self.rising(farthest).ok_or_else(none)?
         } else {
-            // Beyond the sign change of the rate there is no root, so the function returns a
-            // positive value there.
+            // There is no root beyond the sign change of the precession rate, so the function
+            // returns a positive value there.
             let above = |c: f64| {
                 let rate = self.statics.rate_at(c);
                 if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
@@ -306,7 +306,7 @@ equations!(
     Balance<'_>,
     STATIC,
     Balance::residual,
-    ["radial force balance", "triangle of the groove arc centers"]
+    ["radial force balance", "closure of the triangle of arc centers"]
 );
 
 #[cfg(test)]

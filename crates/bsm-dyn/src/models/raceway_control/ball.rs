@@ -8,8 +8,8 @@ use super::rolling::rolling;
 use crate::models::ball::{BallContacts, ElasticContacts, LoadedContact, ScaledBall};
 
 /// Minimum ratio of the relative difference of the spin moments to `$\Delta c$` (W16)
-/// (dimensionless) at which the nut-controlled and the screw-controlled ball have the same
-/// controlling raceway. The margin covers terms of higher order.
+/// (dimensionless). Above this ratio, (W7) selects the same controlling raceway for the
+/// nut-controlled and for the screw-controlled ball. The margin covers terms of higher order.
 const CONTROL_MARGIN: f64 = 4.0;
 
 /// A ball between elastic raceways with the inputs of the raceway-control model, for one point or
@@ -48,11 +48,12 @@ impl<P: Scalar> From<&ElasticContacts<P>> for RacewayBall<P> {
 }
 
 impl<F: Real> RacewayBall<F> {
-    /// Returns the relative excess of the spin friction moment at the nut over the spin friction
-    /// moment at the screw. The moment at the nut is multiplied by the cosine of the difference of
-    /// the contact angles (W7). The nut controls if the excess is positive.
+    /// Returns the relative excess of the spin friction moment at the nut over the moment at the
+    /// screw. The moment at the nut is multiplied by the cosine of the difference between the
+    /// contact angles (W7). The nut is the controlling raceway if the excess is positive.
     ///
-    /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
+    /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway
+    /// control.
     #[inline(always)]
     pub(super) fn nut_excess(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let [(nut_axis, _), (screw_axis, _)] = self.scaled.semi_axes;
@@ -70,7 +71,7 @@ impl<F: Real> RacewayBall<F> {
     /// differ by `$\Delta c$` (W16). To first order, this changes the ratio of the spin moments by
     /// at most `$\Delta c$`.
     ///
-    /// * `excess`: excess of the spin moment (W7) for these contacts.
+    /// * `excess`: relative excess of the spin moment (W7) for the given contacts.
     #[inline(always)]
     pub(super) fn is_control_clear(&self, [a, b]: &[LoadedContact<F>; 2], excess: F) -> F::Mask {
         let ScaledBall { lead, arc, nut_speed, .. } = self.scaled;

@@ -1,5 +1,5 @@
-//! Direct solve of the raceway-control model (static balance, controlling raceway and rolling
-//! motion) for one point or for several points side by side.
+//! Direct solution of the raceway-control model by Newton's method (static balance, controlling
+//! raceway and rolling motion) for one point or for several points side by side.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
 
@@ -19,7 +19,7 @@ const MIN_SPIN_EXCESS: f64 = 1e-9;
 /// be due to rounding errors, and the loaded flank is undecided.
 const MIN_COTANGENT: f64 = 1e-9;
 
-/// Result of the direct solve by Newton's method.
+/// Root of the static balance of a rolling ball, found directly by Newton's method.
 #[derive(Debug, Clone, Copy)]
 pub struct RollingRoot<F: Real> {
     /// True if the nut is the controlling raceway.
@@ -34,14 +34,14 @@ pub struct RollingRoot<F: Real> {
     pub residual: F,
     /// True if this is the first root and (W7) selects the same controlling raceway.
     pub found: F::Mask,
-    /// True if no other rolling ball exists for the same inputs.
+    /// True if the ball has no other rolling motion for the same inputs.
     pub unique: F::Mask,
 }
 
 impl<F: Real> RollingRoot<F> {
-    /// Solves for the rolling ball by Newton's method from equal contact angles. The field `found`
-    /// of the result is false if the root may not be the first root, or if rounding errors could
-    /// affect the controlling raceway or the loaded flank.
+    /// Solves for the state of the rolling ball by Newton's method, starting from equal contact
+    /// angles. The field `found` of the result is false if the root may not be the first root, or
+    /// if rounding errors could affect the controlling raceway or the loaded flank.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     /// * `requested`: mask of the points to solve.
@@ -53,7 +53,7 @@ impl<F: Real> RollingRoot<F> {
         }
     }
 
-    /// Solves for the ball with a given controlling raceway.
+    /// Solves for the state of a rolling ball with a given controlling raceway.
     #[inline(always)]
     fn controlled(ball: &RacewayBall<F>, raceway: Control, requested: F::Mask) -> Self {
         let by_nut = ball.unloaded_cot.mask(raceway == Control::Nut);
@@ -65,7 +65,8 @@ impl<F: Real> RollingRoot<F> {
         Self::checked(&balance, &at, found & (unique | balance.is_first(at.x)), unique)
     }
 
-    /// Solves for the ball whose controlling raceway is selected by criterion (W7).
+    /// Solves for the state of a rolling ball whose controlling raceway is selected by criterion
+    /// (W7).
     #[inline(always)]
     fn selected(ball: &RacewayBall<F>, requested: F::Mask) -> Self {
         let (zero, one) = (ball.unloaded_cot.constant(0.0), ball.unloaded_cot.constant(1.0));
@@ -85,8 +86,8 @@ impl<F: Real> RollingRoot<F> {
         found = found & excess.abs().gt(min_excess);
         let is_screw_unique = screw.is_unique(found);
 
-        // Near a tie, (W7) must not select the screw when it is evaluated for the screw-controlled
-        // ball.
+        // If the two sides of (W7) are nearly equal, this criterion must not select the screw when
+        // it is evaluated for the screw-controlled ball.
         let close = found & by_nut & !ball.is_control_clear(&sides, excess);
         if F::any(close) {
             let mut other = LaneIterate { has_ended: !close, ..at };
@@ -97,14 +98,16 @@ impl<F: Real> RollingRoot<F> {
             found = found & (!close | other.has_ended & is_first & selects_nut);
         }
 
-        // Where the screw controls, Newton's method continues with screw control.
+        // For points at which the screw is the controlling raceway, Newton's method continues with
+        // screw control.
         let balance = StaticBalance { by_nut, ..nut };
         at.has_ended = by_nut | !found;
         balance.iterate(&mut at);
         found = found & at.has_ended & (is_screw_unique | by_nut | balance.is_first(at.x));
         let unique = is_screw_unique & (is_nut_unique | !by_nut);
 
-        // Criterion (W7) must select the same raceway when it is evaluated for the result.
+        // The result is valid only if criterion (W7), evaluated for this result, selects the same
+        // raceway.
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
         let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));
@@ -143,7 +146,7 @@ impl<F: Real> RollingRoot<F> {
 /// Motion of a rolling ball relative to the nut, divided by `$W$`.
 #[derive(Debug, Clone, Copy)]
 pub struct RollingMotion<F> {
-    /// Precession rate relative to the nut `$p$`.
+    /// Precession rate `$p$` relative to the nut.
     pub p: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub omega: [F; 3],

@@ -7,8 +7,8 @@ use bsm_kin::{Real, RealOver};
 /// Returns the rolling motion relative to the nut, divided by the relative speed: the precession
 /// rate `$p$` and the angular velocity in `$(t, n, b)$` (W3) to (W6).
 ///
-/// Both contact centers roll along the groove and share the slip across the groove that is due to
-/// the lead.
+/// The ball rolls along the groove at both contact centers. Each contact has half of the slip
+/// across the groove that is due to the lead.
 ///
 /// * `by_nut`: true if the nut is the controlling raceway.
 /// * `lead`: sine and cosine of the lead angle.

@@ -11,11 +11,11 @@ use crate::models::ball::{
     BallLoads, ElasticContacts, NoAnswer, Performance, Workspace, moving_root,
 };
 
-/// An operating point with the loads and the motion of its ball.
+/// An operating point with the loads and the motion of the ball.
 type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, with a constant controlling raceway.
+    /// Returns efficiency and torque with their derivatives for a fixed controlling raceway.
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,
@@ -28,15 +28,15 @@ impl<const M: usize> RacewayControl<Jet<M>> {
             let (ideal, torque) = self.at.rolling_torques(nut + screw);
             [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
-        // The derivatives need a finer quadrature rule, because they do not include the motion of
-        // the nodes.
+        // Derivatives need a finer quadrature rule, because they neglect the motion of the
+        // quadrature nodes.
         let (values, slopes) = (transmitted(quadrature), transmitted(sensitivity_quadrature));
         let [efficiency, torque] =
             std::array::from_fn(|i| Jet { re: values[i].re, eps: slopes[i].eps });
         Ok(Performance { efficiency, screw_torque: Some(torque) })
     }
 
-    /// Returns the operating point with the loads and the motion of its ball, all with derivatives.
+    /// Returns the operating point with the loads and the motion of the ball, all with derivatives.
     fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
@@ -49,8 +49,8 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         Ok((inputs, loaded, to_nut))
     }
 
-    /// Returns the operating point with the loads and the motion of its ball, all with derivatives.
-    /// The solve uses the memory of a workspace.
+    /// Returns the operating point with the loads and the motion of the ball, all with derivatives.
+    /// The solver uses the buffers of the given workspace.
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,

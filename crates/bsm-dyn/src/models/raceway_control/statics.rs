@@ -29,8 +29,8 @@ const MAX_CLOSURE_STEPS: usize = 60;
 /// contact angle (dimensionless). It corresponds to a few rounding errors.
 const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
-/// Maximum number of steps for the upper bound (W18). Most points need two or three steps; the
-/// remaining points are scanned for roots.
+/// Maximum number of steps for calculating the upper bound (W18). Most points need two or three
+/// steps. Points that need more than the maximum are scanned for roots.
 const MAX_BOUND_STEPS: usize = 4;
 
 /// Tolerance of the cotangent in the solution of (W13) for an upper bound, relative to the
@@ -51,10 +51,10 @@ pub(super) struct StaticBalance<P: Real> {
     pub(super) lever: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// Radial distance of the groove arc centers `$A_2$`.
+    /// Radial distance `$A_2$` between the groove arc centers.
     pub(super) radial_distance: P,
-    /// Distances `$l_0$` and approaches under a normal load that equals the axial load per ball, at
-    /// nut and screw.
+    /// Distances `$l_0$` between arc center and ball center, and approaches under a normal load
+    /// that equals the axial load per ball, at nut and screw.
     pub(super) contacts: [(P, P); 2],
     /// Cotangent of the unloaded contact angle.
     pub(super) unloaded_cot: P,
@@ -89,13 +89,14 @@ impl<P: Real> StaticBalance<P> {
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 
-    /// Returns both contacts for given unknowns.
+    /// Returns the contacts at nut and screw for given unknowns.
     #[inline(always)]
     pub(super) fn loaded<D: RealOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
     }
 
-    /// Returns the precession rate `$p$` of the rolling ball.
+    /// Returns the precession rate `$p$` of the rolling ball relative to the nut, divided by the
+    /// relative speed.
     #[inline(always)]
     fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
     where
@@ -114,7 +115,8 @@ impl<P: Real> StaticBalance<P> {
         self.precession(contacts) + self.nut_speed
     }
 
-    /// Returns the residuals of the radial force balance (W12) and of the radial closure (W13).
+    /// Returns the residuals of the radial force balance (W12) and of the radial closure of the
+    /// groove arcs (W13).
     #[inline(always)]
     pub(super) fn residual<D>(&self, c: D, contacts: &[LoadedContact<D>; 2]) -> [D; STATIC]
     where
@@ -235,7 +237,8 @@ impl<F: Real> StaticBalance<F> {
                 break;
             }
             let screw = self.closed_to(BOUND_CLOSURE_TOL, bound) - unloaded * BOUND_CLOSURE_TOL;
-            // |P| is larger for a smaller cotangent, which is limited for a bound beyond the flanks.
+            // A smaller cotangent gives a larger |P|. A lower limit keeps the cotangent positive if
+            // the bound is beyond the flanks.
             let at = [bound, screw.larger(unloaded * f64::EPSILON)];
             unique = unique | self.is_first(at);
             // c ← μ cosα (P(c)/W)²                                        (W18)
@@ -244,8 +247,8 @@ impl<F: Real> StaticBalance<F> {
         unique
     }
 
-    /// Returns true if (W15) excludes another root on the flanks with a smaller difference of the
-    /// contact angles.
+    /// Returns true if (W15) proves that no other root on the flanks has a smaller difference
+    /// between the contact angles.
     #[inline(always)]
     pub(super) fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
         let (zero, one) = (c.constant(0.0), c.constant(1.0));
@@ -262,7 +265,7 @@ impl<F: Real> StaticBalance<F> {
         zero.le(c) & screw.gt(zero) & (falls | (self.inertia * outwards * slope * 2.0).lt(one))
     }
 
-    /// Returns the scaled residual for given unknowns.
+    /// Returns the scaled residual of the static balance for given unknowns.
     #[inline(always)]
     pub(super) fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
         let [balance, closure] = self.residual(c, &self.loaded([c, screw]));
@@ -297,8 +300,7 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
 }
 
 /// Evaluation of the precession rate `$P/W$` for increasing differences of the cotangents. The
-/// result is zero for differences at which the flanks hold more than the centrifugal force of any
-/// ball.
+/// result is zero if the flanks would hold a larger centrifugal force than any ball has.
 pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
     /// Differences of the cotangents, in ascending order.
@@ -326,7 +328,8 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
             ],
             unloaded_cot: lane,
         };
-        // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|), so that no root is beyond the square of this limit.
+        // The ratio |P|/W is at most max(|1 + ω|, |ω − (r_b/d) cosα|), so no root has a difference
+        // of the cotangents above μ cosα times the square of this maximum.
         let fastest = (one.nut_speed + 1.0).abs().max((one.nut_speed - one.lever).abs());
         let mut rates = [0.0; N];
         for first in (0..N).step_by(Lane::<S>::LEN) {

@@ -8,7 +8,8 @@ use bsm_kin::{Real, RealOver};
 use crate::contact::{Sines, ideal_torque};
 use crate::models::ball::{BALL, is_in_range};
 
-/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$` (along the helix).
+/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$`
+/// (along the helix).
 pub type Plane<D> = [D; 2];
 
 /// An operating point in scaled units: ball radius, axial load per ball and relative speed `$W$`
@@ -42,7 +43,7 @@ pub struct RigidBall<P = f64> {
     pub(super) nut_speed: P,
     /// Length `$h$` of the projection of the screw axis onto the plane of the slip.
     pub(super) h: P,
-    /// Reciprocal `$1/h$`.
+    /// Reciprocal of the length `$h$`.
     pub(super) per_h: P,
     /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
     pub(super) cos_psi: P,
@@ -50,16 +51,16 @@ pub struct RigidBall<P = f64> {
     pub(super) sin_psi: P,
 }
 
-/// Motion and loads of a [`RigidBall`] in scaled units. Arrays of three contain the values at A, A'
-/// and B.
+/// Motion and loads of a [`RigidBall`] in scaled units. Arrays with three elements contain the
+/// values at the contacts A, A' and B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidMotion<D = f64> {
     /// Load ratios `$Q/F_a$`.
     pub loads: [D; 3],
-    /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at A means that the equations were
-    /// continued beyond rolling.
+    /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at contact A means that the
+    /// equations were continued beyond rolling.
     pub speeds: [D; 3],
-    /// Directions of the slips divided by `$W$`. Friction has the opposite direction.
+    /// Directions of the slips, each divided by `$W$`. Friction acts in the opposite direction.
     pub directions: [Plane<D>; 3],
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: D,
@@ -120,19 +121,19 @@ impl<P: Real> RigidBall<P> {
         }
     }
 
-    /// Returns the ball with inertia multiplied by `factor`.
+    /// Returns the ball with its inertia multiplied by `factor`.
     #[must_use]
     pub(super) fn with_inertia(&self, factor: f64) -> Self {
         let (inertia_ratio, inertia) = (self.inertia_ratio * factor, self.inertia * factor);
         Self { inertia_ratio, inertia, ..*self }
     }
 
-    /// Returns the motion for given unknowns.
+    /// Returns the motion of the ball for given unknowns.
     ///
-    /// * `loads`: loads at A, A' and B.
+    /// * `loads`: normal loads at the contacts A, A' and B.
     /// * `[precession, rate]`: precession rate relative to the nut `$p$`, and absolute precession
     ///   rate `$P/W$`.
-    /// * `(slip, along)`: slip speed at A and its direction.
+    /// * `(slip, along)`: slip speed at contact A and its direction.
     /// * `spin_moment`: spin moment `$s$`.
     #[inline(always)]
     pub fn motion<D: RealOver<P>>(
@@ -166,7 +167,7 @@ impl<P: Real> RigidBall<P> {
         }
     }
 
-    /// Returns the friction forces on the ball, divided by `$F_a$`.
+    /// Returns the friction forces on the ball at all three contacts, divided by `$F_a$`.
     #[inline(always)]
     fn friction_forces<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [Plane<D>; 3] {
         let [a, unloaded, b] = m.directions;
@@ -178,14 +179,14 @@ impl<P: Real> RigidBall<P> {
         ]
     }
 
-    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
+    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N,
+    /// e_x)$`, and axial load.
     #[inline(always)]
     pub fn residual<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
         self.residual_under(m, m.rate.constant(1.0))
     }
 
-    /// Returns the residuals (R8) for a given axial load per ball, which is divided by the unit of
-    /// force.
+    /// Returns the residuals (R8) for a given axial load per ball, divided by the unit of force.
     #[inline(always)]
     pub(super) fn residual_under<D: RealOver<P>>(
         &self,
@@ -226,7 +227,8 @@ impl<P: Real> RigidBall<P> {
         ideal_torque(one, self.radius, self.sines.tan_a())
     }
 
-    /// Returns the angular velocity of the ball, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
+    /// Returns the angular velocity of the ball, divided by `$W$`, in the Frenet-Serret triad `$(t,
+    /// n, b)$`.
     #[inline(always)]
     pub fn angular_velocity<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
@@ -239,7 +241,7 @@ impl<P: Real> RigidBall<P> {
         ]
     }
 
-    /// Returns the spins about the contact normals relative to the contacting bodies, divided by `$W$`.
+    /// Returns the spins about the contact normals relative to nut and screw, divided by `$W$`.
     #[inline(always)]
     pub fn spins<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let [_, sigma, tau] = m.omega;
@@ -254,7 +256,8 @@ impl<F: Real> RigidBall<F> {
         self.signed.constant(x)
     }
 
-    /// Returns true if friction and inertia are within the valid range of the model.
+    /// Returns true if friction coefficient and inertia ratio are within the valid range of the
+    /// model.
     #[inline(always)]
     pub fn is_covered(&self) -> F::Mask {
         is_in_range(self.friction(), self.inertia_ratio)
@@ -280,13 +283,13 @@ impl<F: Real> RigidBall<F> {
         self.inertia_ratio * rate.square().larger(self.constant(1.0))
     }
 
-    /// Returns the magnitudes of the terms of the equations. The first value applies to all
-    /// equations except the moment about the contact normal, and the second value applies to the
-    /// moment about the contact normal.
+    /// Returns the typical magnitudes of the residuals. The first value applies to all equations
+    /// except the moment balance about the contact normal, and the second value applies to this
+    /// moment balance.
     ///
-    /// The first magnitude is the larger of axial load and inertia force. All terms of the moment
-    /// about the contact normal are as small as the inertia forces, and only this equation
-    /// determines the slip at A.
+    /// The first magnitude is the larger of axial load and inertia force. In the moment balance
+    /// about the contact normal, all terms are as small as the inertia forces, and only this
+    /// equation determines the slip at contact A.
     #[inline(always)]
     pub(super) fn units(&self, rate: F) -> [F; 2] {
         let one = self.constant(1.0);

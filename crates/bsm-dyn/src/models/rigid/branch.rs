@@ -1,4 +1,5 @@
-//! Continuation of the root in inertia, along the branch that begins at zero inertia.
+//! Continuation of a root from zero inertia to the actual inertia, along the branch that begins at
+//! zero inertia.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on continuation in inertia, equations (R51) to (R54).
 
@@ -16,31 +17,32 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, linear};
 
-/// Number of unknowns of the branch (R51).
+/// Number of unknowns at a point of the branch (R51).
 const BRANCH: usize = BALL + 1;
 
-/// Index of the unknown `$\ln\mu_B$`, which replaces the load at B.
+/// Index of the unknown `$\ln\mu_B$`, which replaces the load at contact B.
 const LOG_INERTIA: usize = SCREW_LOAD;
 
 /// Index of the unknown `$\operatorname{arsinh}(V'/v_0)$`, which replaces the spin moment.
 const UNLOADED_SLIP: usize = SPIN;
 
-/// Index of the additional unknown `$a$`, the ratio of the axial load per ball to the load at B.
+/// Index of the additional unknown `$a$`, the ratio of the axial load per ball to the load at
+/// contact B.
 const AXIAL: usize = BALL;
 
-/// Slip `$v_0$`, divided by `$r_b |W|$`. If a slip is much larger than `$v_0$`, its unknown is
-/// practically its logarithm.
+/// Slip `$v_0$`, divided by `$r_b |W|$`. For slips much larger than `$v_0$`, the unknown is
+/// practically the logarithm of the slip.
 const SLIP_UNIT: f64 = 1e-12;
 
-/// Minimum ratio of the first-order slip at A to the slip `$e_1 p$` of a ball that rolls at B
-/// (dimensionless). Above this ratio, the slip at A does not change its sign near the beginning of
-/// the branch, so its unknown may be a logarithm.
+/// Minimum ratio of the first-order slip at contact A to the slip `$e_1 p$` of a ball that rolls at
+/// contact B (dimensionless). Above this ratio, the slip at A does not change its sign near the
+/// beginning of the branch, so its unknown may be a logarithm.
 const MIN_CLEAR_SLIP: f64 = 0.01;
 
 /// Ratio of centrifugal force to friction force (dimensionless) at which the branch begins.
 /// Newton's method converges from the first-order solution to the branch at all but one of 1084
-/// extreme points (with a ratio of 0.01, at all but nine). With a smaller ratio, rounding errors
-/// would hide the load at A' if the ball orbits very slowly.
+/// extreme points (with a ratio of 0.01, at all but nine). With a smaller ratio, the load at the
+/// unloaded flank would be lost in rounding errors if the ball orbits very slowly.
 const START: f64 = 1e-4;
 
 /// Maximum ratio of inertia force to friction force (dimensionless) at which the branch begins. The
@@ -52,22 +54,22 @@ const MAX_START: f64 = 0.01;
 const MAX_START_PART: f64 = 0.1;
 
 /// Logarithm of the ratio of the inertia on the branch to the actual inertia at which the
-/// continuation stops. No known branch folds back from beyond this ratio.
+/// continuation stops. No known branch returns from beyond this ratio to the actual inertia.
 const MAX_LOG_EXCESS: f64 = 3.0;
 
-/// Minimum slip at A' and B, divided by `$r_b |P - \Omega_n|$`, on the branch. Below this slip, the
-/// branch ends because the slip would reverse. At roots of nut drives with large inertia, the slips
-/// are 1e-5 and less.
+/// Minimum slip at the contacts A' and B, divided by `$r_b |P - \Omega_n|$`, on the branch. Below
+/// this slip, the branch ends because the slip would reverse. At roots of nut drives with large
+/// inertia, the slips are 1e-5 and less.
 const MIN_SLIP: f64 = 1e-8;
 
-/// Maximum slip at A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step is accepted
-/// as the end of the branch. At such small slips, the direction of friction changes too fast for
-/// any step.
+/// Maximum slip at the contact A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step
+/// counts as the end of the branch. At such small slips, the direction of friction changes too fast
+/// for any step.
 const MAX_END_SLIP: f64 = 1e-3;
 
-/// Minimum ratio of nut speed to relative speed (dimensionless) at which the precession unknown is
-/// `$p$`. Below this ratio, cancellation may occur in the sum `$p + \Omega_n/W$`; above this ratio,
-/// it may occur in the difference `$P/W - \Omega_n/W$`.
+/// Minimum ratio of nut speed to relative speed (dimensionless) at which the rate `$p$` is used as
+/// the precession unknown. Below this ratio, cancellation may occur in the sum `$p + \Omega_n/W$`;
+/// above this ratio, it may occur in the difference `$P/W - \Omega_n/W$`.
 const FAST_NUT: f64 = 10.0;
 
 /// Maximum step length along the branch, in units of the scales of the unknowns.
@@ -87,15 +89,15 @@ const STEPS: StepControl = StepControl {
 
 /// The equations of a ball with variable inertia. Forces are divided by `$m r_m W^2$`.
 struct Branch<'a> {
-    /// The ball with its actual inertia.
+    /// The ball at its operating point, with its actual inertia.
     ball: &'a RigidBall<f64>,
     /// The equations of the ball with an inertia ratio of one.
     unit: RigidEquations<f64>,
-    /// Unit `$v_0$` of the slip at A in its unknown.
+    /// Unit `$v_0$` of the slip at contact A.
     slip_unit: f64,
 }
 
-/// Result of following a branch.
+/// Result of following a branch of roots.
 pub(super) struct BranchRoots {
     /// Admissible motions at the actual inertia, in their order along the branch.
     pub(super) motions: Vec<RigidMotion<f64>>,
@@ -131,8 +133,8 @@ impl Homotopy<BALL, BRANCH> for Branch<'_> {
         let [p, rate] = self.unit.rates(z[PRECESSION]);
         let mut sizes = [1.0; BRANCH];
         sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
-        // With increasing inertia, either the ball stops orbiting or it comes to rest in the nut.
-        // One of the two precession rates then approaches zero.
+        // With increasing inertia, either the ball stops orbiting or it comes to rest relative to
+        // the nut. One of the two precession rates then approaches zero.
         sizes[PRECESSION] = p.abs().min(rate.abs());
         sizes[AXIAL] = ball.k_n + z[AXIAL].abs();
         sizes
@@ -150,7 +152,7 @@ impl<'a> Branch<'a> {
     fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
         let from_ground = ball.nut_speed.abs() < FAST_NUT;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
-        // Slip e₁ p of (R27)
+        // The variable `rolling` is the slip e₁ p of (R27).
         let rolling = ball.sines.sin_a * ball.arc * ball.per_h * first.precession.abs();
         let slip_unit = if first.slip > MIN_CLEAR_SLIP * rolling { SLIP_UNIT } else { rolling };
         Self { ball, unit: RigidEquations { ball: unit, from_ground }, slip_unit }
@@ -177,7 +179,7 @@ impl<'a> Branch<'a> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
+    /// Returns [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     fn residual_at<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Result<[D; BALL], EvalError> {
         cost::evaluated();
         let motion = self.unit.motion(&self.unknowns(z));
@@ -186,7 +188,7 @@ impl<'a> Branch<'a> {
         Ok(self.unit.ball.residual_under(motion, z[AXIAL] * (-z[LOG_INERTIA]).exp()))
     }
 
-    /// Returns the beginning of the branch, which is the first-order solution.
+    /// Returns the beginning of the branch, which is calculated from the first-order solution.
     fn start(&self, first: &FirstOrder) -> [f64; BRANCH] {
         let ball = self.ball;
         let square = first.rate * first.rate;
@@ -212,8 +214,8 @@ impl<'a> Branch<'a> {
     }
 
     /// Returns the scaled difference between the inertia at a point of the branch and the actual
-    /// inertia. The difference is between -1 and 1. The second value is its derivative along the
-    /// direction `way`.
+    /// inertia, which is between -1 and 1. The second value is the derivative of this difference
+    /// along the direction `way`.
     fn excess(&self, z: &[f64; BRANCH], way: &[f64; BRANCH]) -> (f64, f64) {
         let per_load = self.ball.inertia_ratio * (-z[LOG_INERTIA]).exp();
         // x = μ a/μ_B,  g = (1 − x)/(1 + |x|)                             (R53)
@@ -241,14 +243,14 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// Returns the smaller slip of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
+/// Returns the smaller of the slips at the contacts A' and B, divided by `$r_b |P - \Omega_n|$`.
 fn least_slip(motion: &RigidMotion<f64>) -> f64 {
     motion.speeds[1].min(motion.speeds[2]) / motion.precession.abs()
 }
 
 impl RigidBall<f64> {
-    /// Returns true if the slip at B in the first-order solution is opposite to the friction at B.
-    /// Otherwise, no branch begins at zero inertia.
+    /// Returns true if the slip at contact B in the first-order solution is opposite to the
+    /// friction there. Otherwise, no branch begins at zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
@@ -284,8 +286,8 @@ impl RigidBall<f64> {
                     }
                 }
                 // The branch ends where the ball would roll, a contact load would become negative,
-                // or a slip would reverse. If the branch begins past the rolling point, its first
-                // point at the actual inertia decides whether a root exists.
+                // or a slip would reverse. If the branch begins beyond the point at which the ball
+                // rolls, its first point at the actual inertia decides whether a root exists.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
                     !(admissible && slides)

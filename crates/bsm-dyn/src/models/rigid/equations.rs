@@ -1,4 +1,4 @@
-//! The seven equations of the rigid model for Newton's method.
+//! The seven equations of the rigid model in a form for Newton's method.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R2) to (R11).
 
@@ -17,35 +17,36 @@ use crate::models::ball::unknown::{
 use crate::models::ball::{BALL, ROWS, equations, weight};
 
 /// Minimum ratio of inertia force to friction force (dimensionless). Below this ratio, rounding
-/// errors of the loads would determine the slip at A in (R8).
+/// errors of the loads would determine the slip at contact A in (R8).
 pub(super) const MIN_INERTIA: f64 = 1e-6;
 
-/// The rigid equations at one operating point.
+/// The equations of the rigid model at one operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidEquations<P> {
     pub(super) ball: RigidBall<P>,
-    /// True if the precession unknown is the absolute rate `$P/W$` instead of the rate `$p$`
+    /// True if the unknown is the absolute precession rate `$P/W$` instead of the rate `$p$`
     /// relative to the nut. For slowly orbiting balls, the sum `$p + \Omega_n/W$` would suffer from
     /// cancellation.
     pub(super) from_ground: bool,
 }
 
-/// The seven unknowns of the rigid model (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
+/// The seven unknowns of the rigid model (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\;
+/// \lambda,\; \theta,\; s$`.
 pub type Unknowns<D> = SVector<D, BALL>;
 
 impl<P: Scalar> RigidEquations<P> {
-    /// Returns `$p$` and `$P/W$` from the precession unknown.
+    /// Returns the precession rates `$p$` and `$P/W$` from the unknown, which is one of the two.
     pub(super) fn rates<D: Over<P>>(&self, unknown: D) -> [D; 2] {
         let nut = self.ball.nut_speed;
         // P = Ω_n + p W                                                   (R3)
         if self.from_ground { [unknown - nut, unknown] } else { [unknown, unknown + nut] }
     }
 
-    /// Returns the motion for given unknowns.
+    /// Returns the motion and the loads of the ball for given unknowns.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
+    /// Returns [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
         let rates = self.rates(y[PRECESSION]);
         if rates[1].re() == 0.0 {
@@ -60,14 +61,16 @@ impl<P: Scalar> RigidEquations<P> {
         Ok(motion)
     }
 
-    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
+    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N,
+    /// e_x)$`, and axial load.
     ///
     /// # Errors
     ///
     /// Returns the errors of [`motion`](Self::motion).
     pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         cost::evaluated();
-        // The motion is borrowed, because a motion of jets takes several kilobytes.
+        // The motion is passed by reference, because a motion with derivatives takes several
+        // kilobytes.
         let motion = self.motion(y);
         let motion = motion.as_ref().map_err(|error| *error)?;
         Ok(self.ball.residual(motion).into())
@@ -84,8 +87,8 @@ impl RigidEquations<f64> {
         Ok(self.residual(&Unknowns::from(*y))?.into())
     }
 
-    /// Returns the equations with the more accurate precession unknown for a given motion, together
-    /// with the unknowns of the motion.
+    /// Returns the equations in the more accurate of the two precession rates, together with the
+    /// unknowns of the given motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
         let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
@@ -104,7 +107,7 @@ impl RigidBall<f64> {
         [load, unloaded, load, first.precession, first.slip, angle, first.spin].into()
     }
 
-    /// Returns the weights of the equations (R10) at a precession rate `$P/W$`.
+    /// Returns the weights of the seven equations (R10) at a precession rate `$P/W$`.
     pub(super) fn weights(&self, rate: f64) -> [f64; BALL] {
         let [unit, normal] = self.units(rate).map(weight);
         let mut weights = [unit; BALL];
@@ -115,8 +118,7 @@ impl RigidBall<f64> {
     /// Returns the weights of the equations, calculated from the magnitudes of their terms at a
     /// root (R44). They are suitable for any ratio of inertia forces to load.
     ///
-    /// * `load`: typical load, divided by the unit of force; its magnitude is the axial load per
-    ///   ball.
+    /// * `load`: typical normal load in the unit of force, of the order of the axial load per ball.
     pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {
         let (p, rate) = (motion.precession.abs(), motion.rate.abs());
         // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
@@ -181,7 +183,8 @@ mod tests {
                 *y += s;
             }
             prop_assume!((nut + y[PRECESSION]).abs() > 0.2);
-            // The third derivative of the friction direction is of the order of 1/slip³.
+            // The third derivative of the friction direction is of the order of 1/slip³, so points
+            // with small slip are skipped.
             let speeds = case.motion(&y).expect("in the domain").speeds;
             prop_assume!(speeds[1..].iter().all(|speed| *speed > 0.1));
             let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
@@ -190,8 +193,8 @@ mod tests {
             // The tolerance covers the truncation error h²/6 F''', where F''' is at most 1e4, and
             // the rounding error 1e-16/h.
             for j in 0..BALL {
-                // This unknown is the product of spin and inertia (R5). The step of the spin itself
-                // is 1e-4.
+                // The last unknown is the product of spin and inertia (R5), so its step corresponds
+                // to a step of 1e-4 in the spin.
                 let h = if j == SPIN { 1e-4 * case.ball.inertia } else { 1e-6 };
                 let at = |step: f64| {
                     let mut moved = y;
@@ -210,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Quadratic convergence requires an exact Jacobian.
+    /// Newton's method converges quadratically only if the Jacobian is exact.
     #[test]
     fn newton_converges_quadratically() {
         let case = case(0.3, 0.7, 0.08, 0.02, 0.0);
@@ -227,7 +230,7 @@ mod tests {
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();
         assert!(small.len() >= 2, "{report:?}");
         for pair in small.windows(2) {
-            // The factor of quadratic convergence is about 10 here.
+            // Each residual is about 10 times the square of the previous residual.
             assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report:?}");
         }
     }

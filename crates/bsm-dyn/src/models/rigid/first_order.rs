@@ -1,5 +1,5 @@
 //! First-order solution of the rigid model for inertia forces that are small compared with the
-//! load. It also provides criteria for existence and uniqueness of a root.
+//! load, and criteria for the existence and uniqueness of a root.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R13) to (R20), (R23), (R45).
 
@@ -8,35 +8,37 @@ use bsm_kin::Real;
 use super::ball::RigidBall;
 use super::sweep::Directions;
 
-/// Maximum ratio of inertia to the square of friction (dimensionless) at which no operating point
-/// has a second root. Among 4 million random points, the smallest ratio with a second root is 23.
+/// Largest ratio of inertia to the square of friction (dimensionless) at which a second root is
+/// considered impossible. Among 4 million random points, the smallest ratio with a second root is
+/// 23.
 pub(super) const UNIQUE_INERTIA: f64 = 10.0;
 
-/// Maximum friction coefficient (dimensionless) in the random tests that determined
+/// Largest friction coefficient (dimensionless) in the random tests that determined
 /// [`UNIQUE_INERTIA`].
 pub(super) const UNIQUE_MAX_FRICTION: f64 = 0.15;
 
-/// Maximum multiplicity (dimensionless, R45) at which no operating point with a steep contact angle
-/// has a second root. Among 4 million random points, the smallest multiplicity with a second root
-/// is 142.
+/// Largest multiplicity (dimensionless, R45) at which a second root is considered impossible for
+/// steep contact angles. Among 4 million random points, the smallest multiplicity with a second
+/// root is 142.
 pub(super) const UNIQUE_MULTIPLICITY: f64 = 30.0;
 
-/// Minimum friction coefficient (dimensionless) in the random tests that determined
+/// Smallest friction coefficient (dimensionless) in the random tests that determined
 /// [`UNIQUE_MULTIPLICITY`].
 const UNIQUE_MIN_FRICTION: f64 = 1e-3;
 
-/// Minimum sine of a steep contact angle (dimensionless), which corresponds to 44.4 degrees.
+/// Sine of the smallest contact angle that counts as steep (dimensionless). The angle is 44.4
+/// degrees.
 pub(super) const MIN_STEEP_SINE: f64 = 0.7;
 
 /// Maximum ratio of normal load to axial load (dimensionless). Up to this ratio, rounding errors of
 /// the loads do not affect whether the sweeps end at an admissible motion.
 const MAX_LOAD: f64 = 1e4;
 
-/// Minimum precession rate `$|P/W|$` (dimensionless) in the random tests that determined
+/// Smallest precession rate `$|P/W|$` (dimensionless) in the random tests that determined
 /// [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`].
 pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 
-/// First-order solution for small inertia ratios.
+/// First-order solution of the rigid model, valid for small inertia ratios.
 ///
 /// The loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, and the motion is exact
 /// to zeroth order.
@@ -44,8 +46,8 @@ pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 pub struct FirstOrder<F: Real = f64> {
     /// Load ratio `$Q_A/F_a = Q_B/F_a$`; negative if the screw is self-locking.
     pub load: F,
-    /// Load ratio `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative if contact A' would have to act
-    /// in tension.
+    /// Load ratio `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative if the contact on the unloaded
+    /// flank would have to act in tension.
     pub unloaded: F,
     /// Ratio of centrifugal force to axial load per ball `$\varepsilon = m r_m P^2/F_a$`.
     pub inertia: F,
@@ -58,11 +60,11 @@ pub struct FirstOrder<F: Real = f64> {
     pub precession: F,
     /// Existence margin, which is positive if a root exists (to first order).
     pub sliding_margin: F,
-    /// Slip speed at A, divided by `$r_b|W|$`, with the sign of `sliding_margin`.
+    /// Slip speed at contact A, divided by `$r_b|W|$`, with the sign of `sliding_margin`.
     pub slip: F,
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
     pub spin: F,
-    /// Multiplicity (R45). Several roots exist only if the multiplicity is large.
+    /// Multiplicity number (R45). Several roots can exist only if it is large.
     pub multiplicity: F,
     /// True if a second root is excluded by the limits found in random tests.
     pub is_unique: F::Mask,
@@ -73,8 +75,8 @@ pub struct FirstOrder<F: Real = f64> {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns the result of the first sweep. The sweep starts with slip along the screw axis at A
-    /// and B, and with slip due to spin at A'.
+    /// Returns the result of the first sweep. The sweep starts with slip along the screw axis at
+    /// the contacts A and B, and with slip due to spin at the contact A'.
     #[inline(always)]
     pub fn first_order(&self) -> FirstOrder<F> {
         let start = self.start();
@@ -115,7 +117,7 @@ impl<F: Real> RigidBall<F> {
 }
 
 impl<F: Real> FirstOrder<F> {
-    /// Returns true if all contact loads are positive in the first-order solution.
+    /// Returns true if all contact loads in the first-order solution are positive (compressive).
     #[inline(always)]
     pub(super) fn pushes(&self) -> F::Mask {
         let zero = self.load.constant(0.0);

@@ -1,7 +1,8 @@
-//! Search for a root at an operating point: direct sweeps, continuation, and the reason if no root
-//! exists.
+//! Search for a root at an operating point by direct sweeps and by continuation. If no root exists,
+//! the search determines the reason.
 //!
-//! Theory: `docs/theory/04-rigid.md`, sections on existence, direct sweeps and continuation in inertia.
+//! Theory: `docs/theory/04-rigid.md`, sections on existence, direct sweeps and continuation in
+//! inertia.
 
 use std::iter::successors;
 
@@ -19,7 +20,7 @@ use crate::models::ball::{BALL, Evidence, NoAnswer, Reason, Workspace};
 /// solution may exclude a root.
 const SMALL_INERTIA: f64 = 0.01;
 
-/// Relative error of the first-order existence test, divided by the ratio of inertia force to
+/// Relative error of the first-order existence criterion, divided by the ratio of inertia force to
 /// friction force (dimensionless).
 const FIRST_ORDER_ERROR: f64 = 0.2;
 
@@ -27,15 +28,15 @@ const FIRST_ORDER_ERROR: f64 = 0.2;
 /// value would not be near the root.
 const MAX_REFINEMENT_STEPS: usize = 8;
 
-/// Maximum relative difference between the loads of two solutions that are treated as the same
-/// root.
+/// Maximum relative difference between the loads of two roots that count as the same root.
 const SAME_ROOT_TOL: f64 = 1e-6;
 
-/// A root of the rigid equations.
+/// A root of the rigid equations of one ball.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BallRoot {
     pub(crate) motion: RigidMotion<f64>,
-    /// Number of sweeps, or number of Newton steps that refined a root of the continuation.
+    /// Number of sweeps, or number of Newton steps if the root was found by continuation and then
+    /// refined.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
     /// Other admissible roots on the branch; `None` if the branch was not followed to its end.
@@ -50,7 +51,7 @@ impl BallRoot {
     }
 }
 
-/// Reusable memory for solving rigid models.
+/// Reusable buffers for solving rigid models.
 #[derive(Default)]
 pub struct RigidWorkspace(pub(super) Workspace);
 
@@ -58,16 +59,16 @@ pub struct RigidWorkspace(pub(super) Workspace);
 ///
 /// # Errors
 ///
-/// [`NoAnswer`] with the reason why the branch has no root at the actual inertia, or why no root
-/// was found.
+/// Returns [`NoAnswer`] with the reason why the branch has no root at the actual inertia, or why
+/// the search failed.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
     let first = ball.first_order();
     if let Some(none) = excluded_by_first_order(ball, &first) {
         return Err(none);
     }
 
-    // The first attempt uses sweeps from the first-order solution. If the sweeps converge, their
-    // root is on the branch.
+    // The first attempt uses sweeps from the first-order solution. If the sweeps converge, they
+    // have found a root on the branch.
     let swept = ball.sweeps(&first);
     if swept.is_root() {
         let alternatives = first.is_unique.then(Vec::new);
@@ -75,20 +76,20 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });
     }
     // If the sweeps converge to an inadmissible motion, this motion is the point of the branch at
-    // the actual inertia. The same holds for a stationary inadmissible motion if a second root is
-    // excluded.
+    // the actual inertia. The same applies to a stationary inadmissible motion, provided that a
+    // second root is excluded.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
     }
 
-    // The second attempt follows the branch in inertia from the first-order solution.
+    // The second attempt follows the branch from the first-order solution to the actual inertia.
     let branch = ball.follow_branch(&first);
     if let Some(found) = first_on(ball, &branch, work) {
         return found;
     }
 
-    // There is no root if the complete branch was followed. Otherwise, the continuation failed.
+    // If the branch was followed completely, there is no root. Otherwise, the continuation failed.
     if !branch.is_complete {
         return Err(NoAnswer::LOST);
     }
@@ -97,7 +98,8 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
 }
 
-/// Finds the root, together with the other roots on the same branch at the actual inertia.
+/// Finds all roots on the branch at the actual inertia and returns the first root with the others
+/// as alternatives.
 ///
 /// # Errors
 ///
@@ -118,8 +120,8 @@ pub(crate) fn find_all(
     Ok(BallRoot { alternatives, ..root })
 }
 
-/// Returns the first root on a branch, together with the other roots, or `None` if the branch has
-/// no root.
+/// Returns the first root on a branch together with the other roots on this branch, or `None` if
+/// the branch has no root.
 fn first_on(
     ball: &RigidBall<f64>,
     branch: &BranchRoots,
@@ -128,7 +130,8 @@ fn first_on(
     let (first, others) = branch.motions.split_first()?;
     let first = match refined(ball, first, work) {
         Ok(first) if first.motion.is_admissible() => first,
-        // Newton's method converged to a different root.
+        // If the refined motion is not admissible, Newton's method has converged to a different
+        // root.
         Ok(_) => return Some(Err(NoAnswer::LOST)),
         Err(none) => return Some(Err(none)),
     };
@@ -147,7 +150,7 @@ fn first_on(
 }
 
 /// Returns the reason why no root exists if the first-order solution excludes a root. Inertia must
-/// be small, and the margin must be larger than the error of the first-order solution.
+/// be small, and the existence margin must be larger than the error of the first-order solution.
 ///
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
 /// constant was determined by random tests: `tests/suite/rigid_campaign.rs` checks that roots
@@ -161,15 +164,15 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     let reason = if first.rate == 0.0 {
         Reason::BallDoesNotCircle
     } else if first.load <= 0.0 {
-        // The difference of the two terms is the denominator of the loads (R17).
+        // The difference between the two terms is the denominator of the loads (R17).
         let (sin_contact_angle, friction_term) = locking_terms(ball);
         if friction_term - sin_contact_angle < error * friction_term {
             return None;
         }
         self_locking(ball)
     } else if first.rate.abs() <= 2.0 * error {
-        // q_A' depends on the sign of P. If |P| is small (up to 0.13 |W| in tests), inertia may
-        // reverse this sign.
+        // The load ratio q_A' depends on the sign of P. If |P| is small (up to 0.13 |W| in tests),
+        // inertia may reverse this sign.
         return None;
     } else if first.unloaded <= 0.0 {
         // The load ratio q_A' changes its sign through infinity, where the existence margin is -∞.
@@ -182,9 +185,9 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     Some(NoAnswer::none(Evidence::Bound, reason))
 }
 
-/// Returns the verdict that no root exists, unless the first-order solution indicates a root by a
-/// margin larger than its error. Near self-locking, rounding errors of the large loads can affect
-/// the sweeps and the continuation.
+/// Returns the given verdict that no root exists. However, if the first-order solution indicates a
+/// root by a margin larger than its error, returns that the search failed, because rounding errors
+/// of large loads near self-locking can affect the sweeps and the continuation.
 fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;
@@ -195,12 +198,12 @@ fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer
     if exists { NoAnswer::LOST } else { verdict }
 }
 
-/// Refines a root by Newton's method with the weights (R44), which are necessary if inertia is
-/// large.
+/// Refines a root by Newton's method with the weights (R44), which are necessary if the inertia
+/// forces are large.
 ///
 /// # Errors
 ///
-/// [`Reason::Newton`] if Newton's method does not converge.
+/// Returns [`Reason::Newton`] if Newton's method does not converge.
 pub(super) fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
@@ -259,18 +262,19 @@ fn margin_error(ball: &RigidBall<f64>, first: &FirstOrder, error: f64) -> f64 {
     error * first.precession.abs() * ball.sines.tan_a()
 }
 
-/// Returns both sides of Lin's Eq 16.
+/// Returns both sides of Equation 16 of Lin et al., the condition for self-locking.
 fn locking_terms(ball: &RigidBall<f64>) -> (f64, f64) {
     (ball.sines.sin_b, ball.friction() * ball.sines.slip_factor())
 }
 
-/// Creates [`Reason::SelfLocking`] with both sides of Lin's Eq 16.
+/// Creates [`Reason::SelfLocking`] with both sides of Equation 16 of Lin et al.
 fn self_locking(ball: &RigidBall<f64>) -> Reason {
     let (sin_contact_angle, friction_term) = locking_terms(ball);
     Reason::SelfLocking { sin_contact_angle, friction_term }
 }
 
-/// Creates [`Reason::UnloadedFlankWouldPull`] for a contact A' in tension.
+/// Creates [`Reason::UnloadedFlankWouldPull`] for a contact on the unloaded flank that would act in
+/// tension.
 fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
     Reason::UnloadedFlankWouldPull { load_ratio: first.unloaded * first.inertia }
 }
@@ -280,16 +284,16 @@ fn would_roll(first: &FirstOrder) -> Reason {
     Reason::NutContactWouldRoll { slip: first.slip, exact: false }
 }
 
-/// Returns the lead angle \[rad\], above the lead angle of the operating point, at which the slip
-/// at A is no longer negative (R11).
+/// Searches upward from the lead angle of the operating point, and returns the lead angle \[rad\]
+/// at which the slip at contact A (loaded flank of the nut) is no longer negative (R11).
 ///
-/// The slip is calculated at the end of the sweeps, which continue the equations beyond rolling.
+/// The slip is taken from the result of the sweeps, which continue the equations beyond rolling.
 /// The function returns `None` if the operating point itself has a root, if the first-order
 /// solution has no root up to 80 degrees, or if the sweeps do not become stationary.
 pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
-    /// Distance between the lead angles at which the first-order solution is evaluated \[rad\].
+    /// Step of the lead angle with which the first-order solution is evaluated \[rad\].
     const STEP: f64 = 0.02;
-    /// Maximum lead angle in the search \[rad\].
+    /// Maximum lead angle that the search considers \[rad\].
     const MAX_LEAD_ANGLE: f64 = 1.4;
 
     let at = |lead_angle: f64| ball.with_lead_angle(lead_angle);
@@ -305,9 +309,9 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     bracket.root(slip).root().map(|root| root.x)
 }
 
-/// Returns the slip at A, divided by `$r_b|W|$`, at the end of the sweeps. The result is minus
-/// infinity if a contact load would be negative in the first-order solution, and NaN if the sweeps
-/// do not become stationary.
+/// Returns the slip at contact A (loaded flank of the nut), divided by `$r_b|W|$`, at the end of
+/// the sweeps. The result is minus infinity if a contact load would be negative in the first-order
+/// solution, and NaN if the sweeps do not become stationary.
 fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
     let first = ball.first_order();
     if !first.pushes() {

@@ -1,6 +1,6 @@
-//! One sweep of the fixed-point iteration, for one point or for several points side by side. A
-//! sweep calculates all unknowns for given friction directions, and then the next friction
-//! directions.
+//! One sweep of the fixed-point iteration, for one point or for several points side by side. From
+//! given friction directions, a sweep calculates all unknowns and then the friction directions for
+//! the next sweep.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -13,13 +13,16 @@ use crate::cost;
 /// Friction directions, which are the unknowns of the fixed-point iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Directions<F> {
-    /// Tangent of the angle between the slip at A and the direction `$\psi$`.
+    /// Tangent of the angle between the slip at A (loaded flank of the nut) and the direction
+    /// `$\psi$`.
     nut: F,
-    /// Tangent of the angle between the slip at B and the direction `$\psi$`.
+    /// Tangent of the angle between the slip at B (loaded flank of the screw) and the direction
+    /// `$\psi$`.
     screw: F,
-    /// Direction of the friction at A' in `$(e_x, t)$`.
+    /// Direction of the friction at A' (unloaded flank of the nut), with components along `$(e_x,
+    /// t)$`.
     unloaded: Plane<F>,
-    /// Correction of the force along the contact normal (R32).
+    /// Correction of the force balance along the contact normal (R32).
     correction: F,
     /// Norms `$|A|$` and `$|B|$` of the slip directions at A and B before normalization.
     norms: [F; 2],
@@ -27,7 +30,8 @@ pub(super) struct Directions<F> {
 
 /// Unknowns of the rigid equations for given friction directions.
 pub(super) struct SweepState<F> {
-    /// Ratio of the load at A' to the centrifugal force `$\kappa = Q_{A'}/M$`.
+    /// Ratio of the load at A' (unloaded flank of the nut) to the centrifugal force, `$\kappa =
+    /// Q_{A'}/M$`.
     pub(super) unloaded: F,
     /// Centrifugal force `$M = \mu (P/W)^2$`.
     pub(super) centrifugal: F,
@@ -35,11 +39,11 @@ pub(super) struct SweepState<F> {
     pub(super) p: F,
     /// Absolute precession rate `$P/W$`.
     pub(super) rate: F,
-    /// Slip speed at A, divided by the norm of `nut`.
+    /// Slip speed at A (loaded flank of the nut), divided by the norm of `nut`.
     pub(super) slip: F,
     /// Spin moment `$s$` (R20).
     pub(super) s: F,
-    /// Direction of the slip at A, not normalized.
+    /// Direction of the slip at A (loaded flank of the nut), not normalized.
     pub(super) nut: Plane<F>,
     /// Norms of the given slip directions at A and B.
     pub(super) norms: [F; 2],
@@ -55,8 +59,8 @@ fn dot<F: Real>(a: Plane<F>, b: Plane<F>) -> F {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
-/// Returns the cross product. If `a` is a unit vector, this is the component of `b` perpendicular
-/// to `a`.
+/// Returns the cross product of two vectors. If `a` is a unit vector, this is the component of `b`
+/// perpendicular to `a`.
 #[inline(always)]
 fn cross<F: Real>(a: Plane<F>, b: Plane<F>) -> F {
     a[1].neg_mul_add(b[0], a[0] * b[1])
@@ -69,11 +73,12 @@ fn pick<F: Real>(first: F::Mask, a: Plane<F>, b: Plane<F>) -> Plane<F> {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns the initial friction directions: slip along `$\psi$` at A and B, and slip due to the spin at A'.
+    /// Returns the friction directions from which the iteration starts: slip along `$\psi$` at A
+    /// and B, and slip due to the spin at A'.
     #[inline(always)]
     pub(super) fn start(&self) -> Directions<F> {
         let (zero, one) = (self.constant(0.0), self.constant(1.0));
-        // The sign of the spin is determined by p of (R13).
+        // The sign of the spin is the sign of p in (R13).
         let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
         let along = F::select((p + self.nut_speed).gt(zero), one, -one);
         let along = F::select(self.signed.lt(zero), -along, along);
@@ -86,11 +91,11 @@ impl<F: Real> RigidBall<F> {
         }
     }
 
-    /// Returns the precession rate `$p$` (R26).
+    /// Returns the precession rate `$p$` relative to the nut (R26).
     ///
     /// * `e_1`, `e_2`: coefficients of the slip at A (R27).
     /// * `screw`: direction opposite to the slip at B.
-    /// * `difference`: difference of the tangents, `$X = t_A - t_B$`.
+    /// * `difference`: difference between the tangents at A and B, `$X = t_A - t_B$`.
     #[inline(always)]
     fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, difference: F) -> F {
         // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
@@ -99,8 +104,8 @@ impl<F: Real> RigidBall<F> {
             / (e_1 - e_2).neg_mul_add(difference, (self.arc * 2.0) * screw[0])
     }
 
-    /// Calculates all unknowns for given friction directions, and the friction directions of the
-    /// next sweep.
+    /// Calculates all unknowns for given friction directions, and also the friction directions for
+    /// the next sweep.
     #[inline(always)]
     pub(super) fn sweep(&self, given: &Directions<F>) -> SweepState<F> {
         cost::evaluated();
@@ -184,7 +189,8 @@ impl<F: Real> RigidBall<F> {
 }
 
 impl<F: Real> Directions<F> {
-    /// Returns the largest difference of a component between two sets of friction directions.
+    /// Returns the largest difference between corresponding components of two sets of friction
+    /// directions.
     #[inline(always)]
     pub(super) fn max_change(&self, other: &Self) -> F {
         let turns = (self.nut - other.nut).abs().larger((self.screw - other.screw).abs());
@@ -193,7 +199,8 @@ impl<F: Real> Directions<F> {
         turns.larger(x.larger(y))
     }
 
-    /// Returns the friction directions `other` where `moving` is true, and `self` elsewhere.
+    /// Returns the friction directions of `other` where `moving` is true, and the directions of
+    /// `self` elsewhere.
     #[inline(always)]
     pub(super) fn updated(&self, moving: F::Mask, other: &Self) -> Self {
         Self {

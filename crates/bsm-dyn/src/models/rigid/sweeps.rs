@@ -1,4 +1,5 @@
-//! Fixed-point iteration from the first-order solution to the root, for one point or for several points side by side.
+//! Fixed-point iteration from the first-order solution to the root, for one point or for several
+//! points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -8,34 +9,36 @@ use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
-/// Maximum number of sweeps. Points that need more sweeps are solved by continuation.
+/// Maximum number of sweeps of the fixed-point iteration. Points that need more sweeps are solved
+/// by continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Maximum number of sweeps at which a stationary state that is not a root counts as evidence that
-/// there is no root. Slower sweeps can miss a root.
+/// Maximum number of sweeps after which a stationary state that is not a root still counts as
+/// evidence that there is no root. Iterations that need more sweeps can miss a root.
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
-/// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. In
-/// tests with 38 000 random points with ratios of 10 to 1e4, every converged point had the first
-/// root of the branch that begins at zero inertia, or no root where this branch has no root. The
-/// test `sweeps_and_continuation_find_the_same_root` repeats the comparison.
+/// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. The
+/// limit was tested with 38 000 random points with ratios of 10 to 1e4. At all points where the
+/// sweeps converged, they agreed with the branch that begins at zero inertia: they found its first
+/// root, or no root if the branch has none. The test `sweeps_and_continuation_find_the_same_root`
+/// repeats the comparison.
 const MAX_INERTIA: f64 = 1e4;
 
 /// Tolerance of the friction directions (dimensionless). The sweeps stop if the estimated remaining
-/// change is smaller.
+/// change is below the tolerance.
 const DIRECTION_TOL: f64 = 1e-12;
 
 /// Maximum scaled residual of a root (dimensionless), equal to the tolerance of Newton's method.
 const RESIDUAL_TOL: f64 = 1e-10;
 
-/// Result of the sweeps.
+/// Result of the fixed-point iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweeps<F: Real> {
-    /// Motion after the last sweep. Loads and slip may have any sign.
+    /// Motion after the last sweep. Loads and slip may be positive or negative.
     pub motion: RigidMotion<F>,
     /// Largest scaled residual of the equations.
     pub residual: F,
-    /// Number of sweeps.
+    /// Number of sweeps of the fixed-point iteration.
     pub count: F,
     /// True if the friction directions became stationary within a few sweeps.
     pub stationary: F::Mask,
@@ -77,7 +80,7 @@ impl<F: Real> RigidBall<F> {
         Sweeps { motion, residual, count, stationary, converged }
     }
 
-    /// Returns the motion that corresponds to the state of a sweep.
+    /// Returns the motion of the ball that corresponds to the state of a sweep.
     #[inline(always)]
     fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
         let [norm_a, norm_b] = state.norms;

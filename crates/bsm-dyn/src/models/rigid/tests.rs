@@ -1,6 +1,6 @@
-//! Tests the rigid model: compares sweeps with the continuation, and `no_solution` with searches
-//! from many starting values. Also solves points for which earlier versions had no result or a
-//! wrong result.
+//! Tests of the rigid model: sweeps are compared with the continuation, and the status
+//! `no_solution` with searches from many starting values. Other tests solve points for which
+//! earlier versions had no result or a wrong result.
 
 use std::f64::consts::PI;
 
@@ -20,22 +20,22 @@ use crate::extreme::extreme;
 use crate::models::ball::Workspace;
 use crate::{Ball, Coulomb, Evidence, Load, Reason, Status};
 
-/// Number of random slip directions at one point.
+/// Number of random slip directions that are tested at each operating point.
 const DIRECTIONS: usize = 20_000;
-/// Number of Newton solves at one point.
+/// Number of Newton solves at each operating point.
 const STARTS: usize = 200;
 
-/// Number of points without a solution in the test.
+/// Number of operating points without a solution that the test examines.
 const NO_SOLUTION: usize = 100;
 
-/// Returns a random screw within the extreme ranges.
+/// Returns a random screw within the extreme ranges of the inputs.
 fn screw(rng: &mut impl Rng) -> OperatingPoint {
     extreme(rng).point
 }
 
-/// Returns a starting value from random slip directions at A, A' and B, or `None` if a contact
-/// would act in tension. Loads and precession rate are calculated from the force balance, the slip
-/// at A from the slip direction at B, and the spin from the moment balance about t.
+/// Returns a starting value from random slip directions at the contacts A, A' and B, or `None` if a
+/// contact would act in tension. Loads and precession rate are calculated from the force balance,
+/// the slip at A from the slip direction at B, and the spin from the moment balance about t.
 fn start(
     point: &OperatingPoint,
     ball: &RigidBall,
@@ -83,7 +83,7 @@ fn start(
     Some(RigidEquations::at(ball, &motion))
 }
 
-/// Returns at most `most` admissible roots that are found from random starting values.
+/// Searches from random starting values for admissible roots and returns at most `most` of them.
 fn roots_from_random_starts(
     (rigid, ball): (&OperatingPoint, &RigidBall),
     most: usize,
@@ -95,7 +95,7 @@ fn roots_from_random_starts(
         let Some((case, mut y)) = start(rigid, ball, rng) else { continue };
         started += 1;
         for _ in 0..3 {
-            // The weights are recalculated for every iterate.
+            // The weights of the equations are recalculated for every iterate.
             let Ok(motion) = case.motion(&y) else { break };
             let weights = ball.own_weights(&motion, 1.0);
             let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -103,7 +103,7 @@ fn roots_from_random_starts(
             let options = Options { convergence, ..Options::default() };
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton).report;
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
-                // A spurious root at infinity does not satisfy the power balance.
+                // Spurious roots at infinity do not satisfy the power balance.
                 let solved = ball.solved(&motion, &rigid.units(), rigid.contact_angle, false);
                 let imbalance = solved.transmission.power_balance;
                 let root =
@@ -134,7 +134,7 @@ fn random_starts_find_no_root_where_there_is_no_solution() {
         let rigid = practical_point(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
-        // Without inertia, the first-order solution already proves the result.
+        // If inertia is negligible, the first-order solution already proves that there is no root.
         if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
@@ -174,9 +174,9 @@ fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
     }
 }
 
-/// At these points, the inertia forces exceed the friction forces.
+/// At the tested points, the inertia forces exceed the friction forces.
 #[test]
-fn random_starts_find_no_second_root_where_it_is_excluded() {
+fn random_starts_find_no_second_root_if_the_limits_exclude_it() {
     const POINTS: usize = 30;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
@@ -198,23 +198,23 @@ fn random_starts_find_no_second_root_where_it_is_excluded() {
     assert!(10 * seen > 7 * points, "{seen} of {points}");
 }
 
-/// If a second root is excluded, there is no second root on the branch, for practical and for
-/// extreme points.
+/// If the limits exclude a second root, there is no second root on the branch. This applies to
+/// practical and to extreme points.
 #[test]
-fn branch_has_no_second_root_where_it_is_excluded() {
+fn branch_has_no_second_root_if_the_limits_exclude_it() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
-/// Prints the results that are cited in `docs/evidence/robustness.md`.
+/// Prints the numbers of second roots that are cited in `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
-fn branch_has_no_second_root_where_it_is_excluded_at_many_points() {
+fn branch_has_no_second_root_if_the_limits_exclude_it_at_many_points() {
     count_second_roots([100_000, 100_000]);
 }
 
-/// Solves many points and counts the points with a second root.
+/// Solves many operating points and counts the points with a second root.
 ///
-/// * `counts`: numbers of practical and extreme points.
+/// * `counts`: number of practical points and number of extreme points.
 fn count_second_roots(counts: [usize; 2]) {
     let mut rng = ChaCha8Rng::seed_from_u64(45);
     let mut work = RigidWorkspace::default();
@@ -230,7 +230,7 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
             let friction = case.friction();
-            // At lower inertia, rounding errors dominate the loads.
+            // At very small inertia, rounding errors of the loads exceed the inertia forces.
             if start.inertia_scale < 1e-3 * friction {
                 continue;
             }
@@ -240,7 +240,7 @@ fn count_second_roots(counts: [usize; 2]) {
                 unknown += 1;
                 continue;
             };
-            // A spurious root at infinity does not satisfy the power balance.
+            // Spurious roots at infinity do not satisfy the power balance.
             if count_balanced_roots(&rigid, &case, &alternatives) > 0 {
                 several += 1;
                 assert!(!start.is_unique, "{rigid:?} {alternatives:?}");
@@ -264,9 +264,8 @@ fn count_second_roots(counts: [usize; 2]) {
     }
 }
 
-/// Returns an operating point with large inertia at which the efficiency jumps at a certain contact
-/// angle.
-fn point_near_a_step(contact_angle_deg: f64) -> OperatingPoint {
+/// Returns an operating point with large inertia whose efficiency jumps at a certain contact angle.
+fn point_near_a_jump(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
     OperatingPoint {
         helix: Helix {
@@ -296,7 +295,7 @@ fn count_balanced_roots(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallR
 fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
-        let solution = Rigid { point: point_near_a_step(angle) }.solve_with_branch(work);
+        let solution = Rigid { point: point_near_a_jump(angle) }.solve_with_branch(work);
         let solved = solution.answer.expect("a root");
         let alternatives = solved.alternatives.expect("a branch");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
@@ -308,7 +307,8 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
     // The expected efficiencies are printed results with six digits.
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
-    // Two of the three roots meet and end at the jump of the efficiency; the third root continues.
+    // At the jump of the efficiency, two of the three roots merge and vanish. The third root
+    // continues.
     let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
     let (after, alternatives, _) = answered(55.13, &mut work);
@@ -319,9 +319,9 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
-/// The screw is at rest, and inertia is 1.5 times friction. On an isolated curve there is a second
-/// root with the opposite direction of slip at A. This root must not be the result, and its
-/// existence must not be ruled out.
+/// The screw is at rest, and the inertia forces are 1.5 times the friction forces. On an isolated
+/// curve, there is a second root with the opposite slip direction at contact A. This root must not
+/// be the result, but the model must not claim that it does not exist.
 #[test]
 fn root_on_an_isolated_curve_is_not_the_result() {
     let rigid = operating_point(
@@ -359,7 +359,7 @@ fn sweeps_and_continuation_find_the_same_root() {
             continue;
         };
         compared += 1;
-        // The crossing on the branch is accurate to a thousandth of a step.
+        // The root on the branch is located to within a thousandth of a step.
         assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.02);
     }
     assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
@@ -421,23 +421,24 @@ fn slowly_orbiting_points() -> [OperatingPoint; 4] {
 
 /// Inertia forces are proportional to the square of the precession rate, so inertia cannot reverse
 /// the precession. In an earlier version, the continuation began beyond the root of the first
-/// operating point. A search along the curve of all inertias failed because rounding errors hid the
-/// load at A', which is 1e-18 times the axial load.
+/// operating point. A search that varied the inertia over its whole range failed because the load
+/// at the unloaded flank of the nut, which is 1e-18 times the axial load, was lost in rounding
+/// errors.
 #[test]
 fn slowly_orbiting_ball_has_a_root() {
     for point in slowly_orbiting_points() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
         let root = balanced_root(&point);
-        // Inertia changes the precession rate by a relative amount of at most the ratio of inertia
-        // to friction, which is 0.04.
+        // The relative effect of inertia on the precession rate is at most the ratio of inertia to
+        // friction, which is 0.04.
         let rate = root.p + point.drive.nut_speed / point.drive.relative_speed();
         assert_relative_eq!(rate, first.rate, max_relative = 0.1);
     }
 }
 
-/// At this operating point, the ratio of inertia to friction is 0.0098. In an earlier version, the
-/// branch began at a ratio of 0.01.
+/// At this operating point, the ratio of inertia forces to friction forces is 0.0098. In an earlier
+/// version, the branch began at a ratio of 0.01.
 #[test]
 fn followed_branch_begins_below_the_actual_inertia() {
     let [point, ..] = slowly_orbiting_points();
@@ -446,14 +447,15 @@ fn followed_branch_begins_below_the_actual_inertia() {
     let swept = ball.sweeps(&first);
     let branch = ball.follow_branch(&first);
     let found = branch.motions.first().expect("a root");
-    // The crossing on the branch is accurate to a thousandth of a step.
+    // The root on the branch is located to within a thousandth of a step.
     assert_relative_eq!(found.rate, swept.motion.rate, max_relative = 0.01);
     assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.01);
 }
 
-/// If inertia is much larger than friction, the ball of a nut drive nearly rolls on the nut. Slips
-/// and loads are powers of the inertia, so the branch is straight in logarithmic unknowns. With
-/// loads and slips as unknowns, the continuation did not reach this root in 400 steps.
+/// If the inertia forces are much larger than friction, the ball of a nut drive nearly rolls on the
+/// nut. Slips and loads are powers of the inertia, so the branch is straight in logarithmic
+/// unknowns. With the loads and slips themselves as unknowns, the continuation did not reach this
+/// root in 400 steps.
 #[test]
 fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     let point = operating_point(
@@ -466,22 +468,23 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     let first = Rigid { point }.first_order().expect("friction");
     assert!(first.inertia_scale > 1e8 * point.friction.0);
     let (root, cost) = crate::cost::cost_of(|| balanced_root(&point));
-    // The expected value comes from a search along the curve of all inertias, which is based on a
-    // different reduction of the equations.
+    // The expected value comes from a search that varied the inertia over its whole range and used
+    // a different reduction of the equations.
     assert_relative_eq!(
         root.screw_load,
         63.992_277_951_219_11 / 46.693_249_083_717_21,
         max_relative = 1e-9
     );
-    // The limit is about twice the cost of two solves, each with about 80 points and up to ten
-    // evaluations per point. Without logarithmic unknowns, at least 400 points were necessary.
+    // The limit is about twice the cost of two solves, each with about 80 points on the branch and
+    // up to ten evaluations per point. Without logarithmic unknowns, at least 400 points were
+    // necessary.
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
-/// At this practical operating point, the first-order solution predicts rolling on the nut. The
-/// root belongs to a branch that begins at half of the actual inertia, where the slip at A
-/// vanishes: random starting values lead to a root at the actual inertia, but not at smaller
-/// inertia.
+/// At this practical operating point, the first-order solution predicts that the ball rolls on the
+/// nut. The root belongs to a branch that begins at half of the actual inertia, where the slip at
+/// the loaded flank of the nut vanishes: random starting values lead to a root at the actual
+/// inertia, but not at smaller inertia.
 #[test]
 fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
     let point = operating_point(
@@ -504,7 +507,7 @@ fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
     }
 }
 
-/// Returns the root after checking its power balance.
+/// Solves for the root and returns it after checking its power balance.
 fn balanced_root(rigid: &OperatingPoint) -> RigidRoot {
     let mut work = RigidWorkspace::default();
     let rigid = Rigid { point: *rigid };
@@ -535,14 +538,15 @@ fn first_order_solution_does_not_exclude_roots_at_large_friction() {
         assert!(Rigid { point }.first_order().expect("friction").sliding_margin < 0.0);
         let solution = Rigid { point }.solve(&mut RigidWorkspace::default());
         let evidence = solution.evidence();
-        // Only the branch that begins at zero inertia is followed; isolated curves are not
-        // searched.
+        // Only the branch that begins at zero inertia is followed; isolated curves are not searched
+        // for roots.
         assert!(matches!(evidence, None | Some(Evidence::Traced { .. })), "{solution:?}");
     }
 }
 
-/// Near self-locking, the loads are 2e5 times the axial load, while inertia is very small. In an
-/// earlier version, rounding errors of these loads made the load at A' negative at some speeds.
+/// Near self-locking, the loads are 2e5 times the axial load, while the inertia forces are very
+/// small. In an earlier version, rounding errors of these loads made the load at the unloaded flank
+/// of the nut negative at some speeds.
 #[test]
 fn load_on_the_opposite_flank_is_positive_near_self_locking() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
@@ -557,7 +561,8 @@ fn load_on_the_opposite_flank_is_positive_near_self_locking() {
         let first = Rigid { point: screw }.first_order().expect("friction");
         let root = balanced_root(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
-        // The error of the first-order solution is 2e5 times ι/f, which is 2e-2 here.
+        // The relative error of the first-order solution is 2e5 times ι/f, which is 2e-2 at this
+        // point.
         assert_relative_eq!(
             root.unloaded_flank_load,
             first.unloaded * first.inertia,
@@ -567,8 +572,8 @@ fn load_on_the_opposite_flank_is_positive_near_self_locking() {
 }
 
 /// The inertia ratio is 4e5, but the ball orbits so slowly that its inertia forces are small. An
-/// earlier version divided the residual by the inertia ratio, which caused errors in the sixth
-/// digit of the loads.
+/// earlier version divided the residual by the inertia ratio, so the loads were accurate to only
+/// five digits.
 #[test]
 fn loads_are_accurate_at_a_large_inertia_ratio() {
     let rigid = operating_point(
@@ -583,8 +588,8 @@ fn loads_are_accurate_at_a_large_inertia_ratio() {
     assert_relative_eq!(root.p, 2.337_439_703e-4, max_relative = 1e-8);
 }
 
-/// Screw and nut rotate, and the ball orbits very slowly. In an earlier version, P was a difference
-/// of large numbers, so no Newton step reduced the residual.
+/// Screw and nut both rotate, and the ball orbits very slowly. In an earlier version, the
+/// precession rate P was a difference of large numbers, so no Newton step reduced the residual.
 #[test]
 fn precession_rate_of_a_slowly_orbiting_ball_is_accurate() {
     let rigid = operating_point(
@@ -601,9 +606,9 @@ fn precession_rate_of_a_slowly_orbiting_ball_is_accurate() {
     balanced_root(&rigid);
 }
 
-/// At the first operating point, the slip at A changes its direction while the direction of the
-/// slip at B changes by only 1e-6 rad. At the second operating point, the load at A nearly
-/// vanishes.
+/// At the first operating point, the slip at contact A changes its direction while the slip
+/// direction at contact B changes by only 1e-6 rad. At the second operating point, the load at
+/// contact A nearly vanishes.
 #[test]
 fn root_is_found_near_sharp_turns_of_the_branch() {
     let turns = operating_point(
@@ -660,7 +665,8 @@ fn precession_rate_is_inversely_proportional_to_the_square_root_of_large_inertia
     let limit = balanced_root(&lin(1e-16));
     for axial in [1e-8_f64, 1e-10, 1e-12] {
         let root = balanced_root(&lin(axial));
-        // The relative difference from the limit is of the order of the precession rate.
+        // The relative difference from the limit of infinite inertia is of the order of the
+        // precession rate.
         let scale = (axial / 1e-16).sqrt();
         assert_relative_eq!(root.p, limit.p * scale, max_relative = 10.0 * root.p.abs());
         assert_relative_eq!(root.nut_load, limit.nut_load, max_relative = 10.0 * root.p.abs());

@@ -29,7 +29,7 @@ proptest! {
     /// At the contact center, the differential slip equals the value of the slip velocity field,
     /// and the spin equals its rotation.
     #[test]
-    fn differential_slip_and_spin_are_value_and_rotation_of_the_slip_field(
+    fn differential_slip_and_spin_match_the_slip_velocity_field(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64), curved in 1.01..3.0_f64,
     ) {
@@ -48,7 +48,7 @@ proptest! {
                 Motion { precession: relative.precession.into(), omega: lift(relative.omega) };
             let v = motion.slip_velocity(ball.helix.arc_length_per_radian().into(), &point);
             let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(transverse)));
-            // The tolerances are rounding errors of speeds of up to 10 m/s and rotation rates of up
+            // The tolerances allow for rounding errors of speeds up to 10 m/s and rotation rates up
             // to 5e3 rad/s.
             let speed = along.re.hypot(aside.re);
             prop_assert!((ball.differential_slip(&touch) - speed).abs() <= 1e-13);
@@ -61,7 +61,7 @@ proptest! {
     /// For all contact angles and pitch circles, a rolling ball slides only across the groove, with
     /// the speed `r_b W sinα/2` at both contacts (X13).
     #[test]
-    fn contacts_of_a_rolling_ball_share_the_slip_due_to_the_lead(
+    fn each_contact_of_a_rolling_ball_has_half_of_the_slip_due_to_the_lead(
         lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
     ) {
         for (control, raceway) in [(Control::Nut, Site::Nut), (Control::Screw, Site::Screw)] {
@@ -82,9 +82,10 @@ proptest! {
         }
     }
 
-    /// The spin is the sum of the orbit spin and the rotation relative to the traveling triad.
+    /// The spin is the sum of its orbital component and the rotation relative to the traveling
+    /// triad.
     #[test]
-    fn spin_is_the_sum_of_orbit_spin_and_rotation_in_the_triad(
+    fn spin_is_the_sum_of_orbital_spin_and_rotation_relative_to_the_triad(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {
@@ -148,7 +149,7 @@ fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
     assert_relative_eq!(ball(rolling, 0.2).ball_slip(), 0.6, max_relative = 1e-14);
 }
 
-/// In contrast to the spin, the published spin slip depends on the direction of the drive and does
+/// In contrast to the spin, the published spin slip depends on the direction of rotation and does
 /// not vanish at the controlling raceway.
 #[test]
 fn published_spin_slip_differs_from_the_spin() {
@@ -172,7 +173,7 @@ fn published_spin_slip_differs_from_the_spin() {
 /// The equations of the paper reproduce the components of the angular velocity from the gyroscopic
 /// angles.
 #[test]
-fn gyroscopic_angles_agree_with_the_paper() {
+fn gyroscopic_angles_agree_with_xu_and_tang() {
     let omega = Vector3::new(310.0, -420.0, -1700.0);
     let nut = ball(Motion { precession: 0.0, omega }, 0.2).drive.nut_speed;
     let absolute = omega + BallFrame::turned(0.2, 0.0).k * nut;

@@ -20,41 +20,42 @@ use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticContacts, ScaledFilm
 /// Indices of the components of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 
-/// Accuracy of the quadrature for the first solve (relative to the friction force).
+/// Accuracy of the coarse quadrature that is used first (relative to the friction force).
 pub(crate) const COARSE: f64 = 1e-4;
 
-/// Accuracy of the quadrature for the search after the first solve has failed (relative to the
-/// friction force). The sums of this quadrature are smooth enough for continuation.
+/// Accuracy of the quadrature for the search that follows if Newton's method fails with the coarse
+/// quadrature (relative to the friction force). The sums of this quadrature are smooth enough for
+/// continuation.
 pub(crate) const SEARCH: f64 = 1e-6;
 
-/// Scaled residual at which the first solve ends and the solve with the requested quadrature
-/// begins.
+/// Scaled residual at which the solve with the coarse quadrature ends and the solve with the
+/// requested quadrature begins.
 pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
 
 /// Maximum scaled residual before the final Newton step of a solve. The residual after this step is
 /// not evaluated.
 pub(super) const ROOT: f64 = 1e-10;
 
-/// Minimum threshold of the scaled residual below which Newton steps keep the Jacobian. The
-/// threshold is the square root of the residual goal if that is larger.
+/// Scaled residual below which Newton steps reuse the Jacobian. If the square root of the residual
+/// goal is larger, it is used instead.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
-/// Ratio of nut speed to relative speed above which the unknown precession rate is relative to the
-/// nut.
+/// Ratio of nut speed to relative speed above which the unknown precession rate is measured
+/// relative to the nut.
 const FAST_NUT: f64 = 2.0;
 
 /// Default maximum number of Newton steps in a solve, and default maximum number of halvings of a
 /// step.
 const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
-/// Error for loads and tilts without corresponding contact angles.
+/// Error that is returned if no contact angles exist for the given loads and tilt.
 const CONTACT_LOST: EvalError = EvalError {
     quantity: "contact angle of a ball at nut or screw",
     value: f64::NAN,
-    requirement: "a number; no contact angle exists for these loads and this tilt",
+    requirement: "must be a number, but no contact angle exists for these loads and this tilt",
 };
 
-/// The equations of a ball at an operating point.
+/// The traction equations of a ball at an operating point.
 #[derive(Clone, Copy)]
 pub(super) struct SlipBall<'a, P = f64> {
     pub(super) contacts: &'a ElasticContacts<P>,
@@ -63,27 +64,28 @@ pub(super) struct SlipBall<'a, P = f64> {
     /// slip.
     pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
-    /// Residual goal of a solve. The residual tolerance is the larger of this goal and [`ROOT`].
+    /// Scaled residual up to which a root is refined. The residual tolerance is [`ROOT`] or, if
+    /// larger, this goal.
     pub(super) residual_goal: f64,
     /// True if the unknowns for high centrifugal loads (T10) are used.
     pub(super) uses_nut_angle: bool,
-    /// Lubricant; `None` for a constant friction coefficient.
+    /// Lubricant data; `None` for a constant friction coefficient.
     pub(super) lubrication: Option<Lubrication<'a, P>>,
-    /// Forces of the neighboring balls, if the ball has neighbors.
+    /// Forces of the neighboring balls; `None` for a ball without neighbors.
     pub(super) push: Option<Push>,
     /// Maximum number of Newton steps in a solve, and maximum number of halvings of a step.
     pub(super) limits: (usize, u32),
 }
 
-/// Friction of a lubricated ball.
+/// Lubricant data of a ball, and the way in which friction is calculated from them.
 #[derive(Clone, Copy)]
 pub(super) struct Lubrication<'a, P = f64> {
     pub(super) ehl: &'a EhlPoint<P>,
     /// Fraction of the friction that is calculated from the lubricant, from 0 to 1. The remaining
     /// friction has a constant coefficient.
     pub(super) fraction: f64,
-    /// True if derivatives are calculated completely, node by node. Otherwise the small derivatives
-    /// with respect to the maximum pressure are omitted.
+    /// True if all derivatives are calculated at every quadrature node. Otherwise, the small
+    /// derivatives with respect to the maximum pressure are omitted.
     pub(super) complete: bool,
 }
 
@@ -93,8 +95,8 @@ pub(super) struct Lubrication<'a, P = f64> {
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Sliding power. It has no derivatives if it is calculated with the vectorized sums over the
-    /// ellipses.
+    /// Sliding powers at nut and screw. They have no derivatives if they are calculated with the
+    /// vectorized sums over the contact ellipses.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }
@@ -116,12 +118,12 @@ impl<D: Scalar> Evaluation<D> {
     }
 }
 
-/// Both contacts of a ball under load. Angles are given by sine and cosine.
+/// Geometry and motion of both contacts of a ball under load. Angles are given by sine and cosine.
 pub(super) struct ContactGeometry<D> {
     /// Rotation of the triad from `n` to the mean contact normal (unknowns T1) or to the contact
     /// normal at the nut (unknowns T10).
     rotation: (D, D),
-    /// Angles of the contact normals in the rotated triad.
+    /// Angles of the contact normals at nut and screw in the rotated triad.
     tilts: [(D, D); 2],
     /// Contact angles at nut and screw.
     pub(super) angles: [(D, D); 2],
@@ -131,7 +133,7 @@ pub(super) struct ContactGeometry<D> {
 
 /// Distances from the ball center to the centers of the groove arcs.
 struct ArcDistances<D> {
-    /// Cube roots of the load ratios.
+    /// Cube roots of the normal loads, divided by the axial load per ball.
     growth: [D; 2],
     lengths: [D; 2],
 }
@@ -142,7 +144,7 @@ pub(super) struct MeanAngle<D> {
     pub(super) contacts: [(D, D); 2],
 }
 
-/// Returns the components along t, n and b of the angular velocity relative to the nut.
+/// Returns the angular velocity relative to the nut as components along t, n and b.
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
@@ -152,10 +154,10 @@ pub(super) fn frenet<P: Copy, D: RealOver<P>>((sin, cos): (P, P), y: &[D; BALL])
     [along * sin - around * cos, radial, along * cos + around * sin]
 }
 
-/// Returns the second and third components of the vector with the given components along `$N =
+/// Returns the second and third components of the vector that has the given components along `$N =
 /// \pm(0, \cos, \sin)$` and `$t \times N$`.
 ///
-/// * `i`: nut (0) or screw (1).
+/// * `i`: index of the contact: 0 for the nut, 1 for the screw.
 /// * `(sin, cos)`: sine and cosine of the angle of `$N$`.
 #[inline(always)]
 pub(crate) fn turned<D: Real>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D, D) {
@@ -180,8 +182,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         pressed.then_some(ArcDistances { growth, lengths })
     }
 
-    /// Calculates the contact angles for two arc distances whose directions differ by twice the
-    /// tilt. Returns `None` if no contact angles satisfy (J7).
+    /// Calculates the contact angles from the tilt and from the distances between ball center and
+    /// arc centers. Returns `None` if no contact angles satisfy (J7).
     ///
     /// * `(sin_y, cos_y)`: sine and cosine of the tilt.
     #[inline(always)]
@@ -210,8 +212,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         })
     }
 
-    /// Returns the angles of the loaded contacts for given unknowns, or `None` if a contact is
-    /// lost.
+    /// Returns the contact angles under load for given unknowns, or `None` if a contact is lost.
     ///
     /// * `tilt`: sine and cosine of the tilt.
     #[inline(always)]
@@ -223,7 +224,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.mean_angle(self.arc_distances(y)?.lengths, tilt)
     }
 
-    /// Returns the motions relative to nut and screw in contact coordinates.
+    /// Returns the motions of the ball relative to nut and screw in contact coordinates.
     ///
     /// * `angles`: sines and cosines of the contact angles.
     #[inline(always)]
@@ -280,7 +281,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         Some(ContactGeometry { rotation, tilts, angles, patches })
     }
 
-    /// Returns the residuals of the seven equations (P5), and the torque on the screw (B7).
+    /// Returns the residuals of the seven equations of the ball (P5), and the torque on the screw
+    /// (B7).
     ///
     /// * `friction`: friction force and moment on the ball at nut and screw.
     /// * `rate`: precession rate from which the inertia forces are calculated.
@@ -342,7 +344,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.uses_nut_angle {
@@ -376,7 +378,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     pub(super) fn evaluated<D: Integrate<P>>(
         &self,
         y: &[D; BALL],
@@ -390,7 +392,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     pub(super) fn evaluated_at<D: Integrate<P>>(
         &self,
         y: &[D; BALL],
@@ -416,33 +418,34 @@ impl<P: Scalar> SlipBall<'_, P> {
         }
     }
 
-    /// Returns true if the root only serves as a starting value for another quadrature.
+    /// Returns true if the root serves only as a starting value for a solve with another
+    /// quadrature.
     pub(super) fn is_first_try(&self) -> bool {
         self.residual_goal >= COARSE_RESIDUAL
     }
 
-    /// Returns the difference between the precession rate and the corresponding unknown.
+    /// Returns the difference between the precession rate and the unknown that represents it.
     ///
-    /// The difference is the nut speed if the nut speed is large compared with the relative speed
-    /// or if the ball almost sticks to the nut. This avoids cancellation in the slip. Otherwise the
-    /// difference is zero.
+    /// If the nut speed is large compared with the relative speed, or if the ball almost sticks to
+    /// the nut, the difference is the nut speed. This avoids cancellation in the slip. Otherwise,
+    /// the difference is zero.
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
         if self.uses_nut_angle || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
-    /// Returns the residuals for given unknowns.
+    /// Returns the residuals of the seven equations for given unknowns.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if a contact is lost.
+    /// Returns [`EvalError`] if a contact is lost.
     pub(super) fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         Ok(self.evaluated(y)?.residual)
     }
 }
 
-/// Arguments of an evaluation of the equations without the forces of neighboring balls.
+/// Arguments for evaluating the equations of a ball without neighbors.
 struct Evaluate<'a, P, D> {
     ball: &'a SlipBall<'a, P>,
     y: &'a [D; BALL],
@@ -487,7 +490,7 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, P, D> {
     }
 }
 
-/// Wrench of friction and rolling resistance, and power losses, at a lubricated contact.
+/// Force, moment and power losses due to friction and rolling resistance at a lubricated contact.
 struct ContactLoss<D> {
     wrench: Integral<D>,
     sliding: D,
@@ -508,7 +511,7 @@ impl<P: Scalar> Lubrication<'_, P> {
         let (cos_lead, per_arc) = (contacts.scaled.lead.1, contacts.scaled.arc.recip());
         let film = |i: usize| {
             let [speed, _, _, around] = geometry.patches[i].motion;
-            // Component k·(t × N) of the screw axis
+            // Component k·(t × N) of the screw axis direction.
             let k_c = geometry.angles[i].1 * cos_lead * [1.0, -1.0][i];
             self.ehl.of_motion(i, loads[i], [speed * per_arc, speed, around], k_c, creep)
         };
@@ -537,7 +540,8 @@ impl<P: Scalar> Lubrication<'_, P> {
 }
 
 impl<'a, P> SlipBall<'a, P> {
-    /// Creates the equations for the unknowns (T1), without lubricant and without neighbors.
+    /// Creates the equations for the unknowns (T1), without lubricant and without neighboring
+    /// balls.
     pub(super) fn of_contacts(
         contacts: &'a ElasticContacts<P>,
         quadrature: &'a Quadrature,
@@ -556,7 +560,7 @@ impl<'a, P> SlipBall<'a, P> {
         }
     }
 
-    /// Returns the options of a Newton solve.
+    /// Returns the options for solving the equations with Newton's method.
     pub(super) fn options(&self) -> Options {
         let (max_steps, max_halvings) = self.limits;
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
@@ -592,13 +596,13 @@ impl SlipBall<'_> {
         y[PRECESSION] + self.offset()
     }
 
-    /// Returns the weights of the equations (T3).
+    /// Returns the weights of the seven equations (T3).
     pub(super) fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
         self.weights_of(y, self.contacts.friction, self.rate(y))
     }
 
-    /// Returns the weights of the equations for a given friction coefficient and a given precession
-    /// rate of the inertia forces (T3).
+    /// Returns the weights of the seven equations (T3) for a given friction coefficient and for
+    /// inertia forces at a given precession rate.
     pub(super) fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
         let centrifugal = self.contacts.inertia_ratio() * rate * rate;
         let across = if self.uses_nut_angle {
@@ -611,8 +615,8 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns the magnitude of the friction force at the nut if the slip were as large as the
-    /// velocities from which it is calculated (T11).
+    /// Returns an upper estimate of the friction force at the nut, for a slip as large as the
+    /// velocities from whose difference the slip is calculated (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
@@ -622,7 +626,7 @@ impl SlipBall<'_> {
         friction * load * slip / self.creep
     }
 
-    /// Returns the lever arm of friction, divided by the ball radius.
+    /// Returns the largest lever arm of the friction forces, divided by the ball radius.
     pub(super) fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
             .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Real::cbrt(y[load]));
@@ -630,9 +634,9 @@ impl SlipBall<'_> {
     }
 }
 
-/// Returns the lever arm of friction, divided by the ball radius, `$h \ge 1$`. The lever arm
-/// exceeds 1 if the semi-axis of an ellipse, or the drop of the contact surface at its end, exceeds
-/// the ball radius.
+/// Returns the largest lever arm of the friction forces, divided by the ball radius, `$h \ge 1$`.
+/// The lever arm exceeds 1 if the semi-axis of an ellipse exceeds the ball radius, or if the
+/// contact surface drops by more than the ball radius toward the end of the ellipse.
 ///
 /// * `semi_axes`, `pressed_radius`: semi-axes of the loaded ellipses across the grooves and radii
 ///   of the contact surfaces, divided by the ball radius.

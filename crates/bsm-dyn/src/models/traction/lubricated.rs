@@ -19,8 +19,8 @@ use crate::models::ball::{
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
-/// Residual goal of a lubricated root. At this residual, the power imbalance is at most a tenth of
-/// its tolerance.
+/// Scaled residual up to which a lubricated root is refined. At this residual, the power imbalance
+/// is at most a tenth of its tolerance.
 pub(super) const ENOUGH: f64 = 1e-11;
 
 /// Limits for each step of the continuation in which the lubricant friction is increased: maximum
@@ -35,21 +35,21 @@ impl<'a> SlipBall<'a> {
 }
 
 impl SlipBall<'_> {
-    /// Returns the equations in which a given fraction of the friction comes from the lubricant,
-    /// with complete derivatives.
+    /// Returns the equations in which the given fraction of the friction comes from the lubricant,
+    /// with all derivatives.
     fn complete(&self, fraction: f64) -> Self {
         let complete = |lubrication| Lubrication { fraction, complete: true, ..lubrication };
         Self { lubrication: self.lubrication.map(complete), ..*self }
     }
 
-    /// Returns the lubricated root near a root with a constant friction coefficient.
+    /// Returns the lubricated root near a given root with a constant friction coefficient.
     ///
     /// If Newton's method fails, a continuation follows the root while the fraction of lubricant
     /// friction increases from 0 to 1.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if both methods fail.
+    /// Returns [`NoAnswer`] if both methods fail.
     fn search_lubricated(
         &self,
         near: &SlipRoot,
@@ -79,24 +79,25 @@ impl SlipBall<'_> {
 }
 
 /// A lubricated root with its operating point (including the friction scale) and the rolling ball
-/// of the starting value.
+/// from which the solver started.
 struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,
     refined: RootWithPower,
     frozen_rules: [OnceCell<FrozenRule>; 2],
     steps: usize,
-    /// Error bound of the efficiency of the contacts due to quadrature (T25) (dimensionless).
+    /// Error bound of the efficiency due to the quadrature over the contact ellipses (T25)
+    /// (dimensionless).
     error: f64,
 }
 
 impl Traction {
     /// Finds the lubricated root near the root with a constant friction coefficient, and refines it
-    /// with the quadrature of the requested accuracy.
+    /// with a quadrature of the requested accuracy.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no root is found.
+    /// Returns [`NoAnswer`] if no root is found.
     fn lubricated_root(
         &self,
         ehl: &EhlPoint,
@@ -151,11 +152,11 @@ impl Traction {
         Ok(ScaledRoot { contacts, rolling_ball, refined, frozen_rules, steps, error })
     }
 
-    /// Returns the steady state of the lubricated ball.
+    /// Returns the steady state of the ball with lubricated contacts.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no root is found.
+    /// Returns [`NoAnswer`] if no root is found.
     pub(crate) fn lubricated(
         &self,
         ehl: &EhlPoint,
@@ -192,11 +193,11 @@ impl<const M: usize> Traction<Jet<M>> {
     /// Returns the operating point in scaled units and the steady state of the lubricated ball,
     /// both with derivatives.
     ///
-    /// * `values`: `ehl` without derivatives.
+    /// * `values`: the lubrication data `ehl` without derivatives.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
+    /// Returns [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn lubricated_slopes(
         &self,
         ehl: &EhlPoint<Jet<M>>,

@@ -1,4 +1,4 @@
-//! Newton's method for the equations of one ball.
+//! Newton's method for the traction equations of one ball.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T3), (T26) to (T31).
 
@@ -10,7 +10,7 @@ use super::slips::first_part;
 use crate::models::ball::{BALL, ROWS, Workspace, variables};
 
 impl SlipBall<'_> {
-    /// Runs one damped Newton solve from `y`.
+    /// Solves the equations with the damped Newton method, starting from `y`.
     pub(super) fn run(&self, y: &mut [f64; BALL], newton: &mut Workspace) -> Outcome<BALL, Self> {
         let weights = self.weights(y);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -19,9 +19,9 @@ impl SlipBall<'_> {
 }
 
 impl Equations<BALL> for SlipBall<'_> {
-    /// Torque on the screw, and friction powers.
+    /// Torque on the screw, total friction power, and sliding powers.
     type Details = PowerFlow;
-    /// Derivatives of the torque with respect to the unknowns.
+    /// Derivatives of the torque on the screw with respect to the unknowns.
     type Slopes = [f64; BALL];
 
     fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {

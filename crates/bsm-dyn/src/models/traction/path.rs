@@ -1,5 +1,5 @@
-//! Continuation of the root in inertia, for operating points at which Newton's method does not
-//! converge directly.
+//! Continuation that increases the inertia forces, for operating points at which Newton's method
+//! does not converge directly.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T6) to (T8).
 
@@ -19,16 +19,16 @@ use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, Workspace, linear};
 use crate::models::raceway_control::RollingBall;
 
-/// Number of unknowns of a path: the unknowns of one ball plus the path parameter.
+/// Number of unknowns of a path: seven unknowns of the ball plus the path parameter.
 const PATH: usize = BALL + 1;
 
-/// Maximum friction coefficient at the first point of a path. At this friction coefficient,
-/// friction hardly changes the contact angles.
+/// Maximum friction coefficient at the start of a path. With such small friction, the contact
+/// angles hardly differ from those without friction.
 const SMALL_FRICTION: f64 = 1e-3;
 
-/// Step control of the paths. A step of length 1 changes the path quantity by about a factor of e.
-/// Points on a path need only eight digits, because they are starting values for roots. Few paths
-/// have more than a hundred points.
+/// Step control for following paths. A step of length 1 changes the quantity that varies along the
+/// path by about a factor of e. Points on a path need only eight digits, because they are starting
+/// values for roots. Few paths have more than a hundred points.
 pub(super) const STEP_CONTROL: StepControl = StepControl {
     first: 0.5,
     longest: 1.0,
@@ -40,26 +40,27 @@ pub(super) const STEP_CONTROL: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// Direction of increasing path parameter in the space of the path unknowns.
+/// Direction in the space of the path unknowns in which only the path parameter increases.
 const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Angle beyond a flank \[rad\] up to which a contact is treated as being on the flank. It allows
-/// for rounding errors under large loads.
+/// Angle \[rad\] by which a contact may be beyond the end of its flank and still count as being on
+/// the flank. It allows for rounding errors under large loads.
 const FLANK_ANGLE_TOL: f64 = 1e-6;
 
-/// Result of following a path.
+/// Result of following a path of increasing inertia forces.
 pub(super) enum PathResult {
-    /// The path has a root with both contacts on their flanks. The power balance of this root is
-    /// not checked.
+    /// A root with both contacts on their flanks was found on the path. The power balance of this
+    /// root is not checked.
     SlipRoot(SlipRoot),
     /// All roots on the path have contact angles beyond the flanks, or the ball leaves its flanks
-    /// along the path. The angles belong to the first root or to the end of the path.
+    /// along the path. The angles are the contact angles at the first root or at the end of the
+    /// path.
     OffFlank([f64; 2]),
     /// Path tracking failed before the end of the path.
     Lost,
 }
 
-/// Quantity that changes along a path.
+/// Quantity that varies along a path.
 #[derive(Debug, Clone, Copy)]
 enum PathParameter {
     /// Friction coefficient of a ball without inertia.
@@ -69,8 +70,8 @@ enum PathParameter {
 }
 
 impl PathParameter {
-    /// Returns friction coefficient and precession rate at the path parameter `u`, each with its
-    /// derivative with respect to `u`.
+    /// Returns the friction coefficient and the precession rate for the path parameter `u`, each
+    /// with its derivative with respect to `u`.
     fn at(self, friction: f64, u: f64) -> [(f64, f64); 2] {
         match self {
             // f = eᵘ                                                      (T6)
@@ -81,7 +82,7 @@ impl PathParameter {
     }
 }
 
-/// The equations of a ball in which the path parameter is an additional unknown.
+/// The equations of one ball, with the path parameter as an additional unknown.
 struct PathEquations<'a> {
     ball: &'a SlipBall<'a>,
     along: PathParameter,
@@ -117,7 +118,7 @@ fn ball(z: &[f64; PATH]) -> [f64; BALL] {
     from_fn(|i| z[i])
 }
 
-/// Returns the starting point of a path from the unknowns `y` of the ball and the path parameter
+/// Creates the starting point of a path from the unknowns `y` of the ball and the path parameter
 /// `u`.
 fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
     Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: INCREASING }
@@ -134,17 +135,18 @@ impl SlipBall<'_> {
         !are_on_flanks(self.angles(y), margin)
     }
 
-    /// Returns true if a contact angle is more than π/2 beyond its flank, so that the path is not
-    /// expected to return.
+    /// Returns true if a contact angle is more than π/2 beyond its flank. The path is then not
+    /// expected to return to the flanks.
     fn is_far(&self, z: &[f64; PATH]) -> bool {
         self.is_off_flank(&ball(z), FRAC_PI_2)
     }
 
-    /// Finds the first root on the flanks along the path of increasing inertia forces.
+    /// Follows the path of increasing inertia forces to the first root with both contacts on their
+    /// flanks.
     ///
-    /// The path starts from a ball without inertia and with small friction. First the creep speed
-    /// is lowered, then friction is increased to its actual value, and then the inertia forces are
-    /// increased.
+    /// The path starts from a ball without inertia and with small friction. First, the creep speed
+    /// is lowered; then, friction is increased to its actual value; and finally, the inertia forces
+    /// are increased.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
         searched();
         let still = self.contacts.with_inertia(0.0);
@@ -203,10 +205,10 @@ impl SlipBall<'_> {
         }
     }
 
-    /// Finds the first root on the flanks along the path of increasing inertia forces, which starts
-    /// from a ball without inertia.
+    /// Follows the path of increasing inertia forces from a ball without inertia to the first root
+    /// with both contacts on their flanks.
     ///
-    /// * `sense`: 1 if the precession rate of the inertia forces moves toward the precession rate
+    /// * `sense`: 1 if the precession rate in the inertia forces moves toward the precession rate
     ///   of the ball without inertia, and -1 if it moves away.
     fn beginning_at_rest(
         &self,
@@ -219,7 +221,7 @@ impl SlipBall<'_> {
         // At this precession rate, the inertia forces are small compared with load and friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
-        // This is the upper limit of the precession rate of a ball.
+        // No ball has a precession rate above twice the sum of relative speed and nut speed.
         let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);

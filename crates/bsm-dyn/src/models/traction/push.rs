@@ -10,9 +10,9 @@ use crate::models::ball::{BALL, BallLoads, ElasticContacts};
 /// Normal forces of both neighboring balls, divided by the axial load of the ball.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push {
-    /// Force of the ball in front (in the direction of travel).
+    /// Force of the ball in front (in the direction of travel), divided by the axial load.
     pub(super) front: f64,
-    /// Force of the ball behind.
+    /// Force of the ball behind, divided by the axial load.
     pub(super) back: f64,
     /// Friction coefficient between balls.
     pub(super) friction: f64,

@@ -1,5 +1,5 @@
-//! Roots to which Newton's method converges from starting values, and criteria for accepting these
-//! roots.
+//! Roots of the traction equations that Newton's method finds from starting values, and criteria
+//! for accepting these roots.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T10), (T24) and (T25).
 
@@ -15,7 +15,7 @@ use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
 /// Minimum creep speed in the first Newton step, divided by `$r_b|W|$`. At this creep speed,
-/// friction is nearly linear in the slips of most starting values.
+/// friction is nearly proportional to the slip for most starting values.
 const FIRST_STEP_CREEP: f64 = 0.1;
 
 /// Upper bound of the components of the angular velocity of a ball, divided by `$W$`. The friction
@@ -27,7 +27,7 @@ const MAX_ANGULAR_SPEED: f64 = 1e9;
 /// fewer than ten significant digits.
 pub(super) const LARGE_INERTIA: f64 = 1e6;
 
-/// A root of the equations at an operating point.
+/// A root of the traction equations at an operating point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
@@ -36,7 +36,7 @@ pub(crate) struct SlipRoot {
     pub(super) residual: f64,
 }
 
-/// A root with its torque, powers and contacts.
+/// A root of the traction equations with its torque, powers and contacts.
 pub(super) struct RootWithPower {
     pub(super) root: SlipRoot,
     pub(super) transmitted: PowerFlow,
@@ -52,18 +52,19 @@ pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
 }
 
 impl<P: Copy> SlipBall<'_, P> {
-    /// Returns the equations for the set of unknowns that a root uses.
+    /// Returns the equations for the set of unknowns in which a root is given.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
         Self { uses_nut_angle: root.uses_nut_angle, ..*self }
     }
 }
 
 impl SlipBall<'_> {
-    /// Refines the root of another quadrature, or returns `None` if Newton's method fails or a
-    /// contact is off its flank.
+    /// Refines a root that was found with another quadrature. Returns `None` if Newton's method
+    /// fails or a contact is not on its flank.
     ///
-    /// The node counts of the quadrature stay fixed during the solve; otherwise the iteration could
-    /// jump between node counts near a root. On return, `newton` contains the Jacobian.
+    /// The node counts of the quadrature stay fixed during the solve, because the iteration could
+    /// otherwise jump between different node counts near a root. On return, `newton` contains the
+    /// Jacobian.
     ///
     /// * `frozen_rules`: empty on entry; contains the node counts on return.
     pub(super) fn refined(
@@ -81,7 +82,8 @@ impl SlipBall<'_> {
             return None;
         }
         let ((residual, mut transmitted), torque_slope) = last.zip(slopes)?;
-        // The last step is so small that its second-order effect on the torque is negligible.
+        // The last Newton step is so small that its second-order effect on the torque is
+        // negligible.
         for (k, step) in newton.correction(&residual).ok()?.into_iter().enumerate() {
             unknowns[k] += step;
             transmitted.torque += step * torque_slope[k];
@@ -91,9 +93,9 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// Takes one Newton step from a ball without slip. The creep speed is the larger of
-    /// [`FIRST_STEP_CREEP`] and the specified creep speed. Returns `None` if the equations cannot
-    /// be evaluated or the Jacobian is singular.
+    /// Takes one Newton step from a ball without slip. The creep speed is the specified creep
+    /// speed, but at least [`FIRST_STEP_CREEP`]. Returns `None` if the equations cannot be
+    /// evaluated or the Jacobian is singular.
     pub(super) fn first_slips(
         &self,
         y: &[f64; BALL],
@@ -106,8 +108,8 @@ impl SlipBall<'_> {
         level.stepped(y, &residual, newton)
     }
 
-    /// Returns the unknowns after a Newton step for a residual, with the Jacobian in `newton`.
-    /// Returns `None` if the Jacobian is singular.
+    /// Returns the unknowns after a Newton step for the given residual, using the Jacobian stored
+    /// in `newton`. Returns `None` if the Jacobian is singular.
     fn stepped(
         &self,
         y: &[f64; BALL],
@@ -117,11 +119,12 @@ impl SlipBall<'_> {
         Some(self.with_slips(y, &newton.correction(residual).ok()?))
     }
 
-    /// Returns the root to which Newton's method converges from `y`.
+    /// Returns the root to which Newton's method converges from the starting values `y`.
     ///
     /// # Errors
     ///
-    /// [`Reason`] if Newton's method fails, a contact is off its flank or the ball rotates too fast.
+    /// Returns a [`Reason`] if Newton's method fails, a contact is not on its flank, or the ball
+    /// rotates too fast.
     pub(super) fn solved(
         &self,
         mut y: [f64; BALL],
@@ -142,8 +145,8 @@ impl SlipBall<'_> {
         self.admitted(&root).map(|_| root)
     }
 
-    /// Creates the root with the unknowns `y`. The unknowns are converted to (T10) if the
-    /// centrifugal load is high and the conversion succeeds.
+    /// Creates a root from the unknowns `y`. If the centrifugal load is high, the unknowns are
+    /// converted to the set (T10), provided that the conversion succeeds.
     pub(super) fn with_nut_angle(
         &self,
         y: [f64; BALL],
@@ -171,12 +174,12 @@ impl SlipBall<'_> {
         self.admitted(root).is_ok()
     }
 
-    /// Returns the contacts at a root.
+    /// Returns the loaded contacts at a root after checking that the root is admissible.
     ///
     /// # Errors
     ///
-    /// [`Reason`] if a contact is off its flank, or if the ball rotates faster than
-    /// [`MAX_ANGULAR_SPEED`], which is not a root.
+    /// Returns a [`Reason`] if a contact is not on its flank, or if the ball rotates faster than
+    /// [`MAX_ANGULAR_SPEED`], because such a state is not a root.
     fn admitted(&self, root: &SlipRoot) -> Result<BallLoads<f64>, Reason> {
         let y = &root.unknowns;
         let loaded = self.of(root).loaded(y).map_err(|error| Reason::Refused { error })?;
@@ -205,14 +208,14 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns an error bound of the efficiency due to quadrature, estimated with the check
-    /// quadrature of `self` (T25). If the estimate fails, the bound is the whole power loss.
+    /// Returns an error bound of the efficiency due to the quadrature (T25), estimated by a second
+    /// quadrature rule. If the estimate fails, the bound is the whole power loss.
     ///
-    /// * `accuracy`: accuracy of the quadrature for which the root was found.
-    /// * `found`: residuals and torque of the check quadrature at the root.
+    /// * `accuracy`: accuracy of the quadrature with which the root was found.
+    /// * `found`: residuals and torque at the root, evaluated with the second quadrature rule.
     /// * `slope`: derivatives of the torque with respect to the unknowns.
     /// * `efficiency`: efficiency at the root.
-    /// * `newton`: memory that contains the Jacobian of the solve for the root.
+    /// * `newton`: buffers that contain the Jacobian at the root.
     pub(super) fn error(
         &self,
         accuracy: f64,

@@ -1,4 +1,4 @@
-//! Search for a root at an operating point, and the criterion for the status `no_solution`.
+//! Search for a root of the traction equations, and criterion for the status `no_solution`.
 //!
 //! Theory: `docs/theory/09-traction.md`, sections "Starting values" and "Existence".
 
@@ -12,28 +12,29 @@ use crate::models::ball::{Evidence, NoAnswer, Reason, Workspace};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
-/// Onset number above which the skidding ball is the first starting value, not the rolling ball
-/// (dimensionless).
+/// Onset number (dimensionless) above which Newton's method starts from the skidding ball before
+/// the rolling ball.
 const SKID_ONSET: f64 = 0.5;
 
 /// Starting values of Newton's method.
 #[derive(Clone, Copy)]
 enum StartingBall {
-    /// The rolling ball.
+    /// Start from the solution for a rolling ball.
     Rolling,
-    /// The ball in gross slip. Its slips are close to the slips at a root with gross skid.
+    /// Start from the solution for a ball in gross slip, whose slips are close to the slips at a
+    /// root with gross skid.
     Skidding,
-    /// The ball at rest relative to the nut.
+    /// Start from a ball that is at rest relative to the nut.
     AtRestInNut,
 }
 
 impl SlipBall<'_> {
-    /// Returns the first root to which Newton's method converges from three starting values, or
-    /// `None`.
+    /// Tries three starting values and returns the first root to which Newton's method converges,
+    /// or `None`.
     ///
-    /// The rolling ball and the skidding ball come first, in an order that depends on the onset
-    /// number. The ball at rest relative to the nut comes last; it is close to the root under large
-    /// inertia forces.
+    /// The solutions for a rolling ball and for a skidding ball are tried first, in an order that
+    /// depends on the onset number. The third starting value is a ball at rest relative to the nut,
+    /// which is close to the root under large inertia forces.
     pub(super) fn direct(
         &self,
         rolling_ball: &RollingBall,
@@ -74,8 +75,8 @@ impl SlipBall<'_> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] with [`Reason::BallLeavesFlank`] if the contact angles leave the flanks along
-    /// the continuation, so that this branch has no root, and [`NoAnswer::LOST`] if the
+    /// Returns [`NoAnswer`] with [`Reason::BallLeavesFlank`] if the contact angles leave the flanks
+    /// along the continuation, so that this branch has no root, and [`NoAnswer::LOST`] if the
     /// continuation fails.
     pub(super) fn search(
         &self,
@@ -88,7 +89,8 @@ impl SlipBall<'_> {
         }
         let mut path = self.followed(newton, steps);
         if matches!(path, PathResult::Lost) {
-            // Under a high centrifugal load, the unknowns (T1) suffer from cancellation.
+            // Under a high centrifugal load, the equations in the unknowns (T1) suffer from
+            // cancellation.
             path = SlipBall { uses_nut_angle: true, ..*self }.followed(newton, steps);
         }
         match path {

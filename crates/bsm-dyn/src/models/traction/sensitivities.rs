@@ -16,7 +16,7 @@ impl<const M: usize> Traction<Jet<M>> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
+    /// Returns [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn sensitivities(
         &self,
         work: &mut TractionWorkspace,
@@ -31,7 +31,7 @@ impl<const M: usize> Traction<Jet<M>> {
         self.sensitivities_at(&root, work)
     }
 
-    /// Returns efficiency and torque with their derivatives at a known root.
+    /// Returns efficiency and torque with their derivatives at a root that is already known.
     pub(crate) fn sensitivities_at(
         &self,
         root: &SlipRoot,

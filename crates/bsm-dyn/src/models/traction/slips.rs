@@ -22,11 +22,12 @@ const MAX_STRAIGHT_STEP: f64 = 1e-4;
 /// Maximum relative change of a slip across the grooves in the first trial step.
 const MAX_SLIP_CHANGE: f64 = 0.6;
 
-/// Slip that is treated as zero, divided by `$r_b W$`.
+/// Slip, divided by `$r_b W$`, that is added to a slip before its relative change is limited (T31).
+/// Slips that are much smaller may change their sign.
 const SMALL_SLIP: f64 = 0.01;
 
-/// Maximum spin, divided by `$W$`. Below this spin, its rounding error is negligible compared with
-/// the slip.
+/// Maximum spin, divided by `$W$`, for steps along which the slips change linearly. Up to this
+/// limit, the rounding error of the spin is negligible compared with the slip.
 const MAX_SPIN: f64 = 1e6;
 
 impl SlipBall<'_> {
@@ -48,7 +49,7 @@ impl SlipBall<'_> {
         self.with_linear_slips(y, step, &next).unwrap_or(next)
     }
 
-    /// Returns the slips for given unknowns, or `None` if a contact is lost.
+    /// Returns the slips, rolling and spin for given unknowns, or `None` if a contact is lost.
     fn slips<D: Over<f64>>(&self, y: &[D; BALL]) -> Option<Slips<D>> {
         let angles = self.loaded_angles(y, y[TILT].sin_cos())?;
         let motions = self.contact_motions(y, angles.contacts);
@@ -64,7 +65,7 @@ impl SlipBall<'_> {
     /// rotation about t and the spin change linearly. Returns `None` if a contact is lost at either
     /// end of the step or if the spin exceeds [`MAX_SPIN`].
     ///
-    /// * `straight`: unknowns after the step that is linear in the unknowns.
+    /// * `straight`: unknowns after the same step if all unknowns changed linearly.
     fn with_linear_slips(
         &self,
         y: &[f64; BALL],
@@ -102,8 +103,8 @@ impl SlipBall<'_> {
 /// Returns the fraction of a Newton step that is tried first, in (0, 1].
 ///
 /// If the friction over both ellipses acts entirely across the grooves, only second-order terms
-/// determine how the slip due to the lead is divided between the two contacts. In this case, a step
-/// that reverses a slip is meaningless.
+/// determine how much of the slip due to the lead occurs at each contact. In this case, a step that
+/// reverses a slip is meaningless.
 pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) -> f64 {
     let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
     // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
@@ -130,7 +131,7 @@ mod tests {
     use crate::hertz::Quadrature;
     use crate::models::raceway_control::RollingBall;
 
-    /// Calls `check` with rolling balls at random practical operating points.
+    /// Calls `check` with rolling balls at random operating points that occur in practice.
     fn for_each_practical_rolling_ball(
         mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng),
     ) {
@@ -170,14 +171,14 @@ mod tests {
             let [begin, middle, end] = [*y, at(0.5), at(1.0)].map(|y| slips(ball, &y));
             let straight = std::array::from_fn(|i| y[i] + step[i]);
             for i in 0..4 {
-                // The tolerance allows for rounding errors of precession rates of up to ten.
+                // The tolerance allows for rounding errors of precession rates up to ten.
                 let off = middle[i] - 0.5 * (begin[i] + end[i]);
                 assert!(off.abs() <= 1e-13, "{i} {off:e} {begin:?} {middle:?} {end:?}");
                 bent = bent.max((slips(ball, &straight)[i] - end[i]).abs());
             }
             seen += 1;
         });
-        // A step that is linear in the unknowns would cause second-order slips.
+        // If the unknowns changed linearly instead, the step would cause second-order slips.
         assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
     }
 
@@ -200,7 +201,7 @@ mod tests {
         });
     }
 
-    /// The derivative of the position along a curved step, calculated by central differences,
+    /// The derivative of the unknowns along a curved step, calculated with central differences,
     /// equals the Newton step.
     #[test]
     fn curved_step_is_tangent_to_the_newton_step() {
@@ -211,8 +212,8 @@ mod tests {
                 [part, -part].map(|part| ball.with_slips(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
-                // The tolerance covers the third-order truncation error and rounding errors of the
-                // precession rates.
+                // The tolerance covers the truncation error of the central difference and rounding
+                // errors of the precession rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

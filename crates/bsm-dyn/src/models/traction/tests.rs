@@ -1,6 +1,6 @@
-//! Tests the traction model: compares `no_solution` with searches from many starting points, and
-//! checks both sets of unknowns, error bounds and derivatives. Difficult operating points are in
-//! `validation/hard`.
+//! Tests of the traction model: the status `no_solution` is compared with searches from many
+//! starting points, and both sets of unknowns, error bounds and derivatives are checked. Difficult
+//! operating points are in `validation/hard`.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -18,7 +18,7 @@ use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
-/// Returns the random extreme operating point with a given seed and number.
+/// Returns the random extreme operating point that belongs to a seed and a number.
 fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -60,7 +60,8 @@ fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     y
 }
 
-/// Returns a root on the flanks that is found from random starting points, or `None`.
+/// Searches from random starting points for a root with both contacts on their flanks, and returns
+/// the root or `None`.
 fn root_from_random_starts(
     ball: &SlipBall<'_>,
     starts: usize,
@@ -80,16 +81,16 @@ fn root_from_random_starts(
     })
 }
 
-/// Numbers of points. In each pair, the first number counts all points of a kind, and the second
-/// number counts the points at which the random search found a root.
+/// Numbers of operating points. In each array, the first number counts all points of a kind, and
+/// the second number counts the points at which the random search found a root.
 #[derive(Debug, Default)]
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
     /// Numbers for the first hundred points with a solution.
     found: [usize; 2],
-    /// Numbers for further points with a solution that Newton's method did not solve from its first
-    /// starting values.
+    /// Numbers for further points that have a solution but that Newton's method did not solve from
+    /// its first starting values.
     hard: [usize; 2],
 }
 
@@ -128,9 +129,9 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
 }
 
 /// Where the status is `no_solution`, a search from many starting points rarely finds a root; where
-/// there is a solution, it usually finds a root. The model does not search isolated branches: of
-/// 737 extreme points without a solution on the branch that starts without inertia, three have a
-/// root on another branch.
+/// there is a solution, this search usually finds a root. The model does not search isolated
+/// branches: on the branch that starts without inertia, 737 extreme points have no solution, and
+/// three of these points have a root on another branch.
 #[test]
 fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
     let points = campaign(250);
@@ -142,8 +143,8 @@ fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
     );
 }
 
-/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib
-/// no_solution_at_many_points -- --ignored --nocapture`.
+/// Repeats the test of `no_solution` with more points. Command: `cargo test --release -p bsm-dyn
+/// --lib no_solution_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_many_points() {
@@ -179,8 +180,8 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
         assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
         let angles = charted.angles(&y);
-        // The residual tolerance of 1e-10 times the forces determines contact angles of 1° to a
-        // relative accuracy of 1e-8.
+        // Residuals of at most 1e-10 times the forces determine contact angles of 1° to a relative
+        // accuracy of 1e-8.
         assert_relative_eq!(angles[0], solved.ball.nut.angle, max_relative = 1e-8);
         assert_relative_eq!(angles[1], solved.ball.screw.angle, max_relative = 1e-8);
         assert_relative_eq!(y[NUT_LOAD], root.unknowns[NUT_LOAD], max_relative = 1e-8);
@@ -193,9 +194,9 @@ fn both_sets_of_unknowns_have_the_same_roots() {
 /// difference from a quadrature with an accuracy of 1e-12.
 const ACCURACIES: [f64; 3] = [1e-4, 1e-6, 1e-8];
 
-/// Returns the number of practical points with a solution and, for each accuracy, the number of
-/// points whose error exceeds the error bound, and the largest error of the efficiency.
-fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
+/// Returns the number of practical points with a solution. For each accuracy, also returns the
+/// number of points whose error exceeds the error bound, and the largest error of the efficiency.
+fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(seed));
     let (mut answered, mut broken, mut largest) = (0, [0; 3], [0.0_f64; 3]);
     for _ in 0..points {
@@ -221,21 +222,20 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
 /// accuracy is below 1e-7.
 #[test]
 fn error_bound_covers_the_quadrature_error() {
-    let (points, broken, largest) = stated_errors(1994, 1000);
+    let (points, broken, largest) = count_violated_error_bounds(1994, 1000);
     assert!(points > 900);
     // At the coarsest accuracy, a quadrature with eight nodes is compared with a quadrature with
-    // six nodes. In rare cases, both quadratures have similar errors, so the error bound is too
-    // small.
+    // six nodes. In rare cases, the two have similar errors, and the error bound is too small.
     assert!(broken[0] * 100 <= points && broken[1] * 200 <= points && broken[2] * 1000 <= points);
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// Repeats the test with more points: `cargo test --release -p bsm-dyn --lib
-/// quadrature_error_at_many_points -- --ignored --nocapture`.
+/// Repeats the test of the error bound with more points. Command: `cargo test --release -p bsm-dyn
+/// --lib quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn error_bound_covers_the_quadrature_error_at_many_points() {
-    let (points, broken, largest) = stated_errors(2026, 100_000);
+    let (points, broken, largest) = count_violated_error_bounds(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
     assert!(largest[2] <= 1e-7, "{largest:?}");
@@ -310,7 +310,7 @@ fn equations_agree_with_force_and_moment_vectors() {
 fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     // The quadrature is so accurate that changes of its node counts hardly matter, and the creep
-    // speed is not large compared with the slips.
+    // speed is not much larger than the slip speeds.
     let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
     let mut seen = 0;
     for number in 0..60 {
@@ -338,8 +338,8 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
-                // The tolerance covers the third-order truncation error and the rounding error of
-                // the central difference (1e-10 each), and changes of the node counts.
+                // The tolerance covers the truncation error and the rounding error of the central
+                // difference (1e-10 each), and the effect of changing node counts.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

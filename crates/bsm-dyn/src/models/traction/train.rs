@@ -1,4 +1,4 @@
-//! Balls of a ball train that push against each other.
+//! Motion of balls in a ball train that push against each other.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
@@ -20,16 +20,16 @@ use crate::models::ball::{
 };
 use crate::models::workspace::ModelWorkspace;
 
-/// Step control of the continuation from known push forces to requested push forces. Step lengths
-/// are fractions of the change of the push forces.
+/// Step control of the continuation from known to requested push forces. Step lengths are fractions
+/// of the total change of the push forces.
 const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 
-/// Equations of a ball that travels at the speed of its ball train. The precession rate is given;
-/// the unknown in its place is the force of the ball behind.
+/// Equations of a ball that travels at the speed of its ball train. The precession rate is given,
+/// and the force of the ball behind is unknown instead.
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
-    /// Precession rate, as the unknown of the free ball.
+    /// Given precession rate, in the same form as the corresponding unknown of a free ball.
     precession: f64,
 }
 
@@ -45,9 +45,9 @@ impl TrainEquations<'_> {
 }
 
 impl Equations<BALL> for TrainEquations<'_> {
-    /// Torque on the screw, and friction powers.
+    /// Torque on the screw, total friction power, and sliding powers.
     type Details = PowerFlow;
-    /// Derivatives of the equations with respect to the precession rate.
+    /// Derivatives of the residuals with respect to the precession rate.
     type Slopes = [f64; BALL];
 
     fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {
@@ -74,11 +74,11 @@ impl Equations<BALL> for TrainEquations<'_> {
 }
 
 impl SlipBall<'_> {
-    /// Returns the derivative of the residuals in a given direction of the forces of both
-    /// neighbors. The residuals are linear in these forces.
+    /// Returns the directional derivative of the residuals with respect to the forces of both
+    /// neighbors, in which the residuals are linear.
     ///
-    /// * `[front, back]`: direction of the forces, with components for the balls in front and
-    ///   behind.
+    /// * `[front, back]`: direction, with one component each for the forces of the balls in front
+    ///   and behind.
     fn by_push(
         &self,
         y: &[f64; BALL],
@@ -160,8 +160,8 @@ impl TrainMotion {
 }
 
 impl Traction {
-    /// Creates a ball in a ball train, or returns `None` if its motion without push forces is not
-    /// found.
+    /// Creates a ball in a ball train. Returns `None` if the motion of the ball without push forces
+    /// is not found.
     ///
     /// * `free`: steady state of the ball without push forces.
     /// * `contact_friction`: friction coefficient between balls.
@@ -176,8 +176,8 @@ impl Traction {
 }
 
 impl TrainBall {
-    /// Creates a ball in a ball train, or returns `None` if its motion without push forces is not
-    /// found.
+    /// Creates a ball in a ball train, with or without a lubricant. Returns `None` if the motion of
+    /// the ball without push forces is not found.
     ///
     /// * `ehl`: lubricated operating point; `None` for a constant friction coefficient.
     /// * `free`: steady state of the ball without push forces.
@@ -240,7 +240,7 @@ impl TrainBall {
         self.contacts.friction
     }
 
-    /// Returns the push force at which the ball slides on both raceways \[N\], calculated from the
+    /// Returns the push force \[N\] at which the ball slides on both raceways, calculated from its
     /// normal loads without push forces.
     pub fn sliding_push(&self) -> f64 {
         self.friction() * self.free.loads.iter().sum::<f64>()
@@ -253,7 +253,7 @@ impl TrainBall {
         Push { front, back, friction: self.contact_friction }
     }
 
-    /// Calls `solve` with the equations of the ball and with the memory for Newton's method.
+    /// Calls `solve` with the equations of the ball and the buffers of Newton's method.
     fn with<R>(
         &self,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
@@ -280,9 +280,9 @@ impl TrainBall {
     }
 
     /// Returns the motion under given forces of the balls in front and behind \[N\], or `None` if
-    /// no motion is found.
+    /// the solver finds no motion.
     ///
-    /// * `from`: known motion, used as the starting value.
+    /// * `from`: known motion from which the solver starts.
     pub fn pushed(
         &self,
         from: &TrainMotion,
@@ -337,11 +337,12 @@ impl TrainBall {
     }
 
     /// Returns the motion at the precession rate of the ball train under a given force of the ball
-    /// in front \[N\], or `None` if no motion is found.
+    /// in front \[N\], or `None` if the solver finds no motion.
     ///
-    /// The force of the ball behind is part of the result. A negative force is a pull.
+    /// The force of the ball behind is part of the result. If it is negative, the ball behind would
+    /// have to pull.
     ///
-    /// * `from`: known motion, used as the starting value.
+    /// * `from`: known motion from which the solver starts.
     /// * `rate`: precession rate `$(P - \Omega_n)/W$` of the ball train.
     pub fn at_rate(
         &self,
@@ -383,9 +384,9 @@ impl TrainBall {
             let equations = at(1.0);
             let (moving, y) = equations.moving(&x);
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
-            // The unknowns include the force of the ball behind in place of the precession rate.
-            // `by_rate` and `by_front` are their derivatives with respect to the precession rate
-            // and to the force of the ball in front.
+            // The force of the ball behind replaces the precession rate as an unknown. `by_rate`
+            // and `by_front` are the derivatives of the unknowns with respect to the precession
+            // rate and to the force of the ball in front.
             let by_rate = newton.correction(&by_precession).ok()?;
             let by_front = newton.correction(&by_front).ok()?;
             // dp/dN_b = 1/(dN_b/dp),  dp/dN_f = −(dN_b/dN_f)/(dN_b/dp)
@@ -404,8 +405,8 @@ impl TrainBall {
         self.attempts(work, solved)
     }
 
-    /// Converts unknowns into a motion in SI units. Returns `None` if a contact is lost or the
-    /// power balance is violated.
+    /// Converts the unknowns of a ball into a motion in SI units. Returns `None` if a contact is
+    /// lost or the power balance is violated.
     ///
     /// * `by_pushes`: derivatives of the unknowns with respect to the push forces.
     /// * `transmitted`: torque on the screw, and friction powers.
@@ -436,7 +437,8 @@ impl TrainBall {
         self.is_balanced(&motion).then_some(motion)
     }
 
-    /// Returns the net power \[W\] that the screw and the axial forces supply to a motion.
+    /// Returns the net power \[W\] that the screw and the axial forces supply to the ball in a
+    /// given motion.
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
         let [load, radius, speed] = self.units;
         let per_radian = self.contacts.helix.lead() * radius / TAU;
@@ -450,10 +452,10 @@ impl TrainBall {
         self.contact_friction * radius * (front + back) * motion.rotation
     }
 
-    /// Returns true if a motion satisfies the power balance (O4).
+    /// Returns true if a motion satisfies the power balance of the ball (O4).
     ///
-    /// If the push forces far exceed the forces that a ball can bear, Newton's method may converge
-    /// to a state that violates the power balance.
+    /// If the push forces far exceed the forces that a ball can withstand, Newton's method may
+    /// converge to a state that violates the power balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;

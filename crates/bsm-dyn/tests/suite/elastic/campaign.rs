@@ -1,5 +1,5 @@
 //! Campaigns over random catalog screws at practical pressures. Every screw must converge or report
-//! a reason, and the errors of the automatic choice must stay within its error bounds.
+//! a reason, and the errors of the model `auto` must stay within its error bounds.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use bsm_dyn::{
 
 use super::screws::{lin, real_screws, screws, unusual_screws};
 
-/// Counts of the outcomes of a campaign.
+/// Numbers of points with each outcome of a campaign.
 #[derive(Debug, Default)]
 struct Tally {
     converged: usize,
@@ -53,27 +53,28 @@ fn traction_converges_for_random_screws() {
     let tally = campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
-    // Results with an error above 1e-9 are rejected; the largest observed error is 1e-10.
+    // Results whose power balance has an error above 1e-9 are rejected; the largest observed error
+    // is 1e-10.
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
-    // Here, the centrifugal forces reach thousands of times the load, and a root is found for 98.7
-    // % of the screws.
+    // In this campaign, the centrifugal forces reach thousands of times the load, and a root is
+    // found for 98.7 % of the screws.
     let all = campaign(screws(2026), &mut solve);
     println!("{all:?}");
     assert!(all.converged >= 1970 && all.worst_balance <= 1e-9, "{all:?}");
 }
 
 #[test]
-fn elastic_converges_where_it_has_a_root() {
+fn elastic_model_converges_if_a_root_exists() {
     let mut work = ElasticWorkspace::default();
     let tally = campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
     println!("{tally:?}");
-    // A few screws have such large inertia forces (thousands of times the load) that there is no
-    // root.
+    // A few screws have such large inertia forces (thousands of times the load) that no root
+    // exists.
     assert!(tally.ended <= 4 && tally.other == 0, "{tally:?}");
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
 }
 
-/// Compares the error bounds of the automatic choice with the errors relative to a more accurate
+/// Compares the error bounds of the model `auto` with the errors relative to a more accurate
 /// traction model. The points were not used to fit the constants. At least 99 % of the errors must
 /// be within their bounds, and the bounds must meet the tolerance.
 #[test]
@@ -82,20 +83,21 @@ fn errors_of_the_automatic_choice_are_within_their_bounds() {
         let tried = check_error_bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
         assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
-        // Bounds exceed the tolerance at some points if the tolerance is near the error due to the
-        // creep speed.
+        // If the tolerance is close to the error due to the creep speed, the error bounds exceed
+        // the tolerance at some points.
         assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
-        // The automatic choice must not always select the most expensive model.
+        // The model `auto` must not always choose the most expensive model.
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
         let tried = check_error_bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
-        // Outside the ranges of the fit, the bounds may fail at up to 2 % of the points.
+        // Outside the ranges of inputs for which the bounds were fitted, they may be violated at up
+        // to 2 % of the points.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }
 
-/// In an earlier version, the automatic choice selected raceway control although the solution
-/// stated that this model was not valid there.
+/// In an earlier version, the model `auto` chose raceway control although the solution stated that
+/// this model was not valid at the operating point.
 #[test]
 fn auto_never_chooses_a_model_outside_its_range() {
     let (mut work, mut taken) = (ModelWorkspace::default(), [0; 3]);

@@ -11,7 +11,7 @@ use bsm_dyn::{
 };
 use proptest::prelude::*;
 
-fn numbers(solution: Solution) -> SteadyState {
+fn expect_solution(solution: Solution) -> SteadyState {
     solution.answer.expect("a solution")
 }
 
@@ -19,23 +19,23 @@ fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
     with(screw, |screw| screw.point.friction = Coulomb(friction))
 }
 
-fn onset(solution: &Solution) -> Option<f64> {
+fn onset_number(solution: &Solution) -> Option<f64> {
     solution.solved()?.skid?.onset_number()
 }
 
 fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
     let case = Traction { at: screw, accuracy, creep };
-    numbers(case.solve(&mut TractionWorkspace::default()))
+    expect_solution(case.solve(&mut TractionWorkspace::default()))
 }
 
 fn solve_elastic(screw: ElasticPoint) -> SteadyState {
-    numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
+    expect_solution(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
 /// At small inertia, the efficiency of the elastic model equals the closed form at the loaded
 /// contact angle, with a tolerance of 2e-5.
 #[test]
-fn elastic_equals_the_closed_form_at_the_loaded_angle() {
+fn elastic_model_equals_the_closed_form_at_the_loaded_contact_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
         let o = solve_elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
@@ -48,8 +48,8 @@ fn elastic_equals_the_closed_form_at_the_loaded_angle() {
 }
 
 /// If the ball rolls and friction is too small to change the contact angles, traction agrees with
-/// raceway control. The ratio of the difference to the loss is of the order of the friction
-/// coefficient.
+/// raceway control. The difference between the losses, divided by the loss, is of the order of the
+/// friction coefficient.
 #[test]
 fn traction_agrees_with_raceway_control_for_rolling_balls() {
     let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
@@ -58,7 +58,7 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
     };
     for screw in real_screws(31).filter(calm).take(400) {
         let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
-        if onset(&rolling).is_some_and(|s| s < 0.03) {
+        if onset_number(&rolling).is_some_and(|s| s < 0.03) {
             tried += 1;
             let o = traction(screw, 1e-8, 1e-4);
             let difference = rolling.efficiency().expect("a root") - o.transmission.efficiency;
@@ -66,7 +66,7 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
         }
     }
     assert!(tried > 150, "{tried}");
-    // In a larger sample, 98.6 % of the points agree.
+    // In a larger sample of random screws, 98.6 % of the points agree.
     assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
 }
 
@@ -78,7 +78,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
     let mut tried = 0;
     for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
         let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
-        if onset(&rolling).is_some_and(|s| s > 3.0) {
+        if onset_number(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
             let difference = solve_elastic(screw).transmission.efficiency
                 - traction(screw, 1e-8, 1e-4).transmission.efficiency;
@@ -88,8 +88,8 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
     assert!(tried >= 20, "{tried}");
 }
 
-/// At every lead angle, the onset number separates rolling balls from sliding balls; the skid
-/// number does not.
+/// The onset number separates rolling balls from sliding balls at every lead angle; the skid number
+/// does not.
 #[test]
 fn the_onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
@@ -121,8 +121,8 @@ fn the_onset_number_separates_rolling_from_sliding() {
         println!("S in {low}-{high}: {:.3?}", shares(&|_, s| (low..high).contains(&s)));
     }
     println!("G in 0.05-0.2: {:.3?}", shares(&|g, _| (0.05..0.2).contains(&g)));
-    // The share is 0 for rolling balls and 1 for sliding balls. The effect of friction on the
-    // contact angles is about 2 %.
+    // `share` is 0 for rolling balls and 1 for sliding balls. Friction changes the contact angles,
+    // which changes `share` by about 2 %.
     let (_, low, _, high) = shares(&|_, s| s < 0.1);
     assert!(low > -0.03 && high < 0.03, "{low} {high}");
     assert!(shares(&|_, s| s > 2.0).1 > 0.9);
@@ -130,7 +130,7 @@ fn the_onset_number_separates_rolling_from_sliding() {
     assert!(low < 0.05 && high > 0.8, "{low} {high}");
 }
 
-/// Results do not depend on the units of length and force.
+/// Results do not depend on the units of length and force, so a scaled screw has the same motion.
 #[test]
 fn a_scaled_screw_has_the_same_motion() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
@@ -144,7 +144,7 @@ fn a_scaled_screw_has_the_same_motion() {
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
         (solve_elastic(screw), solve_elastic(large)),
     ] {
-        // In scaled units, the results differ only by rounding errors.
+        // The results in scaled units differ only by rounding errors.
         assert_relative_eq!(
             one.transmission.efficiency,
             other.transmission.efficiency,
@@ -158,7 +158,8 @@ fn a_scaled_screw_has_the_same_motion() {
     }
 }
 
-/// Operating points without a solution report the correct reason.
+/// Operating points without a solution report the correct reason, such as self-locking or a ball
+/// that leaves its flank.
 #[test]
 fn points_without_a_solution_report_the_correct_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
@@ -194,10 +195,10 @@ fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
     }
 }
 
-/// If the branch of roots from small inertia ends in a fold, another root may exist further along
-/// the curve. There is no root above the largest inertia on the curve.
+/// If the branch of roots that begins at small inertia ends in a fold, another root may exist
+/// further along the curve. Above the largest inertia on the curve, there is no root.
 #[test]
-fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
+fn no_solution_exists_above_the_largest_inertia_on_the_curve() {
     let mut work = ElasticWorkspace::default();
     let (mut roots, mut most) = (0, 0.0);
     for step in 0..200 {
@@ -216,8 +217,8 @@ fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
     assert!(roots > 50 && most > 0.5, "{roots} {most}");
 }
 
-/// In an earlier version, the iteration from small inertia lost its root at a very small load. The
-/// ball still slides, but orbits very slowly.
+/// In an earlier version, the iteration that started from small inertia lost its root at a very
+/// small load. The ball still slides, but orbits very slowly.
 #[test]
 fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
@@ -226,8 +227,8 @@ fn a_ball_under_very_small_load_slides() {
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
-/// An earlier version rejected a material as invalid input if it is so soft that the contact angle
-/// approaches 90 deg. At such a contact angle, the ball would travel against the drive.
+/// An earlier version rejected a very soft material as invalid input if the contact angle
+/// approached 90 deg under load. At such a contact angle, the ball would travel against the drive.
 #[test]
 fn a_very_soft_screw_has_no_solution() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
@@ -237,16 +238,17 @@ fn a_very_soft_screw_has_no_solution() {
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
 
-/// In an earlier version, the solver panicked if friction was smaller than the rounding errors.
+/// In an earlier version, the solver panicked if the friction was smaller than the rounding errors
+/// of the loads.
 #[test]
 fn negligible_friction_is_treated_as_zero() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
-    // Without friction, the skid number is undefined, not infinite.
+    // Without friction, the skid number must be `None`, not infinite.
     let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
-    let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
+    let o = expect_solution(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
 }
@@ -263,8 +265,8 @@ fn root_beyond_the_flank_is_not_a_solution() {
     assert!(*nut < 0.0, "{nut}");
 }
 
-/// In an earlier version, the slip at the screw lost accuracy at low speed through cancellation of
-/// the spin, which is of order 1/P. As a result, an accurate root violated the power balance.
+/// In an earlier version, the slip at the screw lost accuracy at low speed, because the large spin,
+/// which is of order 1/P, canceled. As a result, an accurate root violated the power balance.
 #[test]
 fn power_balance_holds_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
@@ -285,8 +287,8 @@ fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
 }
 
 /// In an earlier version, raceway control claimed an error of at most 3.6e-3 relative to traction.
-/// Traction has no solution here, because friction would rotate the contact angle at the screw to
-/// 90.05 and 92.0 deg.
+/// However, traction has no solution at these points, because friction would rotate the contact
+/// angle at the screw to 90.05 and 92.0 deg.
 #[test]
 fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
@@ -323,7 +325,7 @@ proptest! {
     /// back-drives the screw. The models `traction` and `elastic` satisfy the power balance in both
     /// cases.
     #[test]
-    fn friction_costs_power_and_power_balance_holds(
+    fn friction_causes_a_power_loss_and_power_balance_holds(
         lead in 2.0..30.0_f64, beta in 35.0..55.0_f64, rpm in 100.0..3000.0_f64,
         axial in 20.0..3000.0_f64, back in any::<bool>(),
     ) {
@@ -332,10 +334,10 @@ proptest! {
             let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.point.drive.relative_speed();
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
-            // Friction always costs power.
+            // Friction always causes a power loss.
             prop_assert!((torque - ideal) * speed > 0.0);
-            // The residual of the root is 1e-10, and the error of the power balance is relative to
-            // the input power.
+            // The residual of the equations is 1e-10, and the error of the power balance is divided
+            // by the input power.
             prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
             prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }
@@ -350,7 +352,7 @@ proptest! {
         let drive = bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed };
         let turned = with(driven, |screw| screw.point.drive = drive);
         let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
-        // The ratio of inertia force to friction force is at most 2e-6 here.
+        // The ratio of inertia force to friction force is at most 2e-6 for these screws.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
     }
 }

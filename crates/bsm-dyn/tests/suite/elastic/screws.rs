@@ -1,4 +1,4 @@
-//! Random screws within the ranges for which the elastic models are intended.
+//! Random screws within the ranges of inputs for which the elastic models are intended.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
     }
 }
 
-/// Returns a copy of a screw after changing its inputs.
+/// Returns a copy of a screw with changed inputs.
 pub(crate) fn with(
     mut screw: ElasticPoint,
     change: impl FnOnce(&mut ElasticPoint),

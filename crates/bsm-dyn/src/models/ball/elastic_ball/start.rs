@@ -1,6 +1,7 @@
 //! Starting values for models of a ball with two elastic contacts.
 //!
-//! Theory: `docs/theory/07-raceway-control.md`, equation (W12), with the geometry (J7) of chapter 06.
+//! Theory: `docs/theory/07-raceway-control.md`, equation (W12), with the geometry (J7) of chapter
+//! 06.
 
 use std::f64::consts::PI;
 
@@ -10,8 +11,8 @@ use super::ElasticContacts;
 
 impl ElasticContacts {
     /// Returns the loads and the tilt that balance axial force and centrifugal force without
-    /// friction, for the precession rate `rate` divided by `$W$`. The result is a starting value
-    /// with an accuracy of two digits.
+    /// friction, for the precession rate `rate`, which is divided by `$W$`. The result is a
+    /// starting value with an accuracy of two digits.
     ///
     /// For given axial and centrifugal forces, the force triangle leaves one unknown, the contact
     /// angle `$\beta_B$` at the screw, which is at least the unloaded contact angle. The radial
@@ -35,7 +36,8 @@ impl ElasticContacts {
         // residual of (J7) is below -1. Any negative number serves as the residual at this end of
         // the bracket.
         let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
-        // The last evaluated state is a sufficient starting value, even if the search fails.
+        // Even if the search fails, the state that was evaluated last is a sufficient starting
+        // value.
         let _ = bracket.root(|screw| {
             let (found, excess) = at(screw);
             state = found;

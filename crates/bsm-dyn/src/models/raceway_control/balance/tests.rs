@@ -23,8 +23,8 @@ fn random_screws() -> impl Strategy<Value = ElasticPoint> {
     (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
         let ball = Ball::of_density(3e-3, 7800.0);
         let radius = ball.radius / size;
-        // The modulus is calculated from its ratio to the load, and the speed from the inertia
-        // ratio.
+        // The elastic modulus follows from its given ratio to the load, and the speed follows from
+        // the given inertia ratio.
         let axial = 100.0;
         let modulus = axial / (soft * ball.radius * ball.radius);
         let speed = (10.0_f64.powf(inertia) * axial / (ball.mass * radius)).sqrt();
@@ -46,8 +46,8 @@ fn random_screws() -> impl Strategy<Value = ElasticPoint> {
 }
 
 /// Returns the residual of the radial force balance, calculated from the contact angle at the
-/// screw. Returns `None` if no contact angle at the nut satisfies the radial closure, or if the
-/// contact angle at the nut would be larger than at the screw.
+/// screw. Returns `None` if no contact angle at the nut satisfies the radial closure of the groove
+/// arcs, or if the contact angle at the nut would be larger than at the screw.
 fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     let [nut_offset, screw_offset] = contacts.scaled.offsets;
     let lead = contacts.helix.lead_angle;
@@ -81,7 +81,7 @@ fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// If the model finds no root, the dense search must not find a root either.
+    /// If the model finds no root on the flanks, the dense search must not find a root either.
     #[test]
     fn first_root_agrees_with_a_dense_search(screw in random_screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
@@ -113,7 +113,7 @@ proptest! {
                     prop_assert!(residual.abs() <= 1e-6 * size, "{residual}");
                 }
                 if let Some((beyond, _)) = crossed {
-                    // The dense search cannot resolve two roots within one step.
+                    // If there are two roots within one step, the dense search may miss both.
                     prop_assert!(angle <= beyond + step, "{angle} {beyond}");
                 }
             }
@@ -150,7 +150,8 @@ fn scan_finds_no_second_root_below_the_inertia_limit() {
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
         let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
-        // Smaller inertia has no significant effect on the contact angles.
+        // Very small inertia has no significant effect on the contact angles, so such points are
+        // skipped.
         if contacts.inertia_ratio() < 1e-2 {
             continue;
         }
