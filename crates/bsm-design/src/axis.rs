@@ -123,7 +123,7 @@ impl Axis {
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
     }
 
-    /// Returns the largest relative speed of screw and nut \[rad/s\].
+    /// Returns the largest relative speed between screw and nut \[rad/s\].
     pub fn fastest(&self) -> f64 {
         self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }

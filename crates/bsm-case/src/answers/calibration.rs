@@ -74,7 +74,7 @@ impl MeasurementError {
             Self::Absolute => Ok(1.0),
             Self::Relative if value != 0.0 => Ok(value.abs()),
             Self::Relative => Err(CaseError::Invalid(format!(
-                "{0} is 0, which has no relative error; use absolute errors, or add a column {0}{ERROR}",
+                "{0} is 0, so its error cannot be relative; use absolute errors, or add a column {0}{ERROR}",
                 output.name
             ))),
         }
@@ -368,8 +368,7 @@ impl Calibration {
         let mut warnings = case.warnings();
         if let Some((key, SignRuns { runs, probability })) = self.systematic(report) {
             warnings.push(format!(
-                "The residuals are systematic along {}: their signs have {runs} runs in {} points, and random \
-                 residuals have so few runs in only {:.2} % of all fits. The model or another input differs from the \
+                "The residuals are systematic along {}: their signs have only {runs} runs in {} points; with random residuals, only {:.2} % of all fits would have so few runs. The model or another input differs from the \
                  measurement, and the standard deviations are too small.",
                 key.name(),
                 self.points.len(),
@@ -482,7 +481,7 @@ fn points(
         (true, None) => None,
         (true, Some(errors)) => {
             let what = format!(
-                "is a column of the table, but the option for errors says {}; give only one of them",
+                "is a column of the table, but the option for errors is also set (to {}); use only one of them",
                 errors.name()
             );
             return Err(bad(format!("{}{ERROR}", output.name), what));

@@ -191,7 +191,10 @@ impl DesignReport {
         }
         let mut notes = requirement.notes.clone();
         if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
-            notes.push("The ball diameter is estimated; ask the manufacturer.".to_owned());
+            notes.push(
+                "The ball diameter is an estimate; ask the manufacturer for the actual diameter."
+                    .to_owned(),
+            );
         }
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, case }
@@ -400,7 +403,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         motor_speed_rpm = AXIS Scalar(|x| x / RPM);
         nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut, with equal load sharing";
         screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw, with equal load sharing";
-        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "end of the contact ellipse in the groove";
+        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "angle at which the contact ellipse ends in the groove";
         screw_efficiency = AXIS Scalar(|x| *x);
         screw_input_power_W ["W"] Scalar(|x| *x), "input power of the screw";
         screw_output_power_W ["W"] Scalar(|x| *x), "output power of the screw";
@@ -557,7 +560,7 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
             )
         }
         Infeasibility::WholeBalls => format!(
-            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number would meet the limit",
+            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number of balls would meet the limit",
             number(check.value)
         ),
     }

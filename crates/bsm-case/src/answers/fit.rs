@@ -266,7 +266,7 @@ impl Measurement {
         if !self.value.is_finite() {
             return Err(bad(
                 &self.name,
-                format!("has the measured value {}, but must have a finite one", self.value),
+                format!("has the measured value {}, but the value must be finite", self.value),
             ));
         }
         Ok(Target::Measured { output, value: change.value(self.value) })

@@ -402,16 +402,16 @@ fn about_partial(numbers: &[PartialNumber], count: usize) -> Vec<String> {
         };
         let mut names: Vec<_> = group.iter().take(NAMED).map(shown).collect();
         if group.len() > NAMED {
-            names.push(format!("{} more numbers", group.len() - NAMED));
+            names.push(format!("{} more results", group.len() - NAMED));
         }
         let names = names.join(", ");
         if has_value {
             format!(
-                "{grooves} of {count} possible grooves have a value of {names}. An interval contains 90 % of these grooves."
+                "Only {grooves} of {count} possible grooves have values for {names}. The 90 % intervals refer to these grooves."
             )
         } else {
             format!(
-                "The best groove has no value of {names}, but {grooves} of {count} possible grooves have one."
+                "The best groove has no value for {names}, but {grooves} of {count} possible grooves have one."
             )
         }
     };
@@ -555,7 +555,7 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
         let percent = 100.0 * (factor - 1.0);
         format!(
-            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, which is usual for clean steel."
+            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, which is typical for clean steel."
         )
     });
     let stiffness = || {
@@ -567,8 +567,7 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
         let ratio = stated / ours;
         (!USUAL_STIFFNESS.contains(&ratio)).then(|| {
             format!(
-                "rated_rigidity_N_um = {stated} is {ratio:.2} times the contact stiffness of the estimated groove, {ours:.0} N/um; ratios of \
-                 0.6 to 0.95 are usual."
+                "rated_rigidity_N_um = {stated} is {ratio:.2} times the contact stiffness of the estimated groove, {ours:.0} N/um; ratios of 0.6 to 0.95 are typical."
             )
         })
     };

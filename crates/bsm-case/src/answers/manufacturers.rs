@@ -300,7 +300,7 @@ impl ManufacturerRow {
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
         let unusual = at.has_unusual_groove().then(|| {
-            "few usual grooves with these sizes have these ratings; check ball, turns and ratings of the row".to_owned()
+            "few typical grooves with these dimensions have these ratings; check ball diameter, turns and ratings in this row".to_owned()
         });
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string)).or(unusual);
         // The first note, which describes the estimate itself, is skipped.
@@ -399,8 +399,7 @@ impl ManufacturerRow {
                 .filter(|(ratio, median)| !(low..=high).contains(&(ratio / **median)));
             let of_rating = far.map(|(ratio, median)| {
                 format!(
-                    "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball, \
-                     turns and rating of the row",
+                    "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball diameter, turns and rating in this row",
                     digits(ratio, 3),
                     digits(*median, 3)
                 )
@@ -562,8 +561,7 @@ impl ManufacturerRow {
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
         answer.notes.extend((undecided > 0).then(|| {
             format!(
-                "{undecided} of {} nuts neither pass nor fail: the 90 % interval of a number contains its limit because the groove is \
-                 estimated. `bsm axis` on such a nut names the inputs that decide the rule.",
+                "{undecided} of {} nuts neither pass nor fail: because their groove is estimated, the 90 % interval of a result contains its limit. For each of these nuts, `bsm axis` names the inputs that would decide the rule.",
                 rows.len()
             )
         }));

@@ -304,7 +304,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         unloaded_balls [""] Scalar(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
         max_pressure_MPa ["MPa"] Scalar(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
         equal_load_N ["N"] Scalar(|n| Some(n.equal()?.load)), "load of each ball if all balls shared the axial load equally";
-        load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest load (guided nut)";
+        load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest contact load (guided nut)";
     }
     "stiffness along the axis" {
         nut_stiffness_N_um ["N/um"] Scalar(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
@@ -313,11 +313,11 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_stiffness_2_N_um ["N/um"] Scalar(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
         preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
-        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: for a pair at its preload, for one nut the secant stiffness at its load";
+        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness according to ISO 3408-4: stiffness of a pair at its preload, or secant stiffness of one nut at its load";
         catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load and temperature rises";
+        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load or temperature rises";
         warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, without external load and with the temperature rises";
         preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
         preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
@@ -346,13 +346,13 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that catch up with a slower ball";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
-            "balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
+            "number of balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
             "  third contacts, included in the contacts with nut and screw";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
-            "share of the third contacts in the friction torque of the balls";
+            "share of the friction torque of the balls that third contacts cause";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
             "friction torque of the balls in the opposite direction of travel, at the same axial load";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
@@ -361,17 +361,17 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, including returns and seals";
         friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "friction heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Scalar(|n| n.drag(Travel::Given)) needs FRICTION,
-            "friction torque of the preload, contacts alone";
+            "friction torque of the preload, ball contacts only";
         preload_torque_reverse_Nm ["N m"] Scalar(|n| n.drag(Travel::Reverse)) needs FRICTION,
-            "friction torque of the preload in the opposite direction of travel, contacts alone";
+            "friction torque of the preload in the opposite direction of travel, ball contacts only";
         preload_torque_factor [""] Scalar(|n| Some(n.drag(Travel::Given)? / n.rule_torque()?)) needs FRICTION,
-            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
+            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), ball contacts only";
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
-            "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
+            "drag coefficient K_p of the preload according to the manufacturers' rule, 0.05/sqrt(tan lead angle)";
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
-            "friction torque of the running preload, contacts alone";
+            "friction torque of the running preload, ball contacts only";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
             "friction torque of the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
@@ -379,7 +379,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_torque_over_rule [""] Scalar(|n| {
             Some(n.running_pair(Travel::Given)?.torque / n.drag_by_rule()?)
         }) needs FRICTION,
-            "friction torque of the running preload / friction torque by manufacturers' rule";
+            "friction torque of the running preload / friction torque according to the manufacturers' rule";
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
             "drag coefficient K_p of the running preload torque if neither nut of the pair has play";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
@@ -388,7 +388,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "friction torque of the preload, catalog estimate with K_p = 0.3";
     }
     "ball train" {
-        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls: (largest - smallest) / mean";
+        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the speeds of freely rolling balls: (largest - smallest) / mean";
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
@@ -396,8 +396,8 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without forces between balls";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
-        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "idle balls, which are moved without a load";
-        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "blocked balls, whose rotation is stopped by neighboring balls";
+        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "number of idle balls, which move without a load";
+        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "number of blocked balls, whose rotation neighboring balls stop";
     }
 }
 
@@ -416,7 +416,7 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         screw_plus_deg ["deg"] Scalar(|b| b.angle(2)), "contact angle at the flank of the screw that pushes along +z";
         screw_minus_deg ["deg"] Scalar(|b| b.angle(3)), "contact angle at the other flank of the screw";
         max_pressure_MPa ["MPa"] Scalar(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
-        outwards_um ["um"] Scalar(|b| b.outwards / UM), "displacement away from the axis";
+        outwards_um ["um"] Scalar(|b| b.outwards / UM), "radial displacement of the ball, positive away from the axis";
         friction_torque_Nm ["N m"] Scalar(|b| b.torque), "friction torque, without forces from other balls";
         free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut / relative speed, without forces from other balls";
         rate [""] Scalar(|b| Some(b.pushed?.rate)), "precession relative to the nut / relative speed";
@@ -424,7 +424,7 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         gap_to_next_mm ["mm"] Scalar(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
         front_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
         back_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
-        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1 if the ball is moved without a load, else 0";
+        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1 if the ball moves without a load, else 0";
         blocked [""] Scalar(|b| b.is(Rolling::Blocked)), "1 if neighboring balls stop the rotation of the ball, else 0";
     }
 }
@@ -474,7 +474,7 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
 /// Returns a note that states the cold and the warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
-        "The preload is set cold, without temperature rises: {cold:.0} N cold, {warm:.0} N warm."
+        "The preload is set without temperature rises. It is {cold:.0} N cold, and {warm:.0} N with the temperature rises."
     )
 }
 
@@ -501,8 +501,7 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
-        "The friction torque to be measured for the preload is {torque:.3} N m ({tolerance}) at \
-         100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
+        "A measurement of the preload should give a friction torque of {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
          1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
     )
 }
@@ -859,7 +858,7 @@ impl NutReport {
                 if self.is_lubricated() {
                     notes.push(
                         "Friction from the lubricant is uncertain by about 25 % while the balls roll, and by more if \
-                         rolling resistance dominates. `bsm solve` prints the interval for one ball, and `bsm axis` for the axis."
+                         rolling resistance dominates. `bsm solve` prints the 90 % interval for one ball, and `bsm axis` prints it for the axis."
                             .to_owned(),
                     );
                 }

@@ -40,7 +40,7 @@ impl OutputName {
     pub const fn of(name: &str) -> Self {
         match Self::named(name) {
             Some(known) => known,
-            None => panic!("no answer has a number with this name"),
+            None => panic!("no result has this name"),
         }
     }
 

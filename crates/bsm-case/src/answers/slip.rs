@@ -26,7 +26,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
         ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighboring balls";
     }
     "slip at the contacts" {
-        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip at the center";
+        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip at the center of the contact";
         slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "slide-roll ratio: differential slip / rolling speed";
         rolling_speed_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.rolling_speed(&c.touch))), "rolling speed";
         spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip as printed";
@@ -50,12 +50,12 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
             "gyroscopic moment about the tangent, which equals the sum of the friction moments";
     }
     "friction power, all balls" {
-        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center";
+        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center of the contact";
         spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power of the spin";
         curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power of the slip due to the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";
         total_friction_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.total())), "friction power of all contacts";
-        dissipated_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipated by the model";
+        dissipated_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipation that the model calculates";
         power_difference [""] Scalar(|s| Some(s.loss.as_ref()?.difference()).filter(|x| x.is_finite())),
             "relative difference between friction power and the power that the model dissipates by sliding";
     }

@@ -203,7 +203,7 @@ impl Warm {
         }
         if state.given.contains(InputKey::ball_gap_mm) {
             notes.push(
-                "The warm state does not include the heat of ball-to-ball contact.".to_owned(),
+                "The warm state excludes the friction heat of ball-to-ball contact.".to_owned(),
             );
         }
         if state.steady.on_jump {

@@ -207,7 +207,7 @@ impl Case {
         });
         let stated = stated.collect::<Vec<_>>().join(", ");
         let nearest = match nearest {
-            None => "no usual ball fits these sizes".to_owned(),
+            None => "no standard ball diameter fits these dimensions".to_owned(),
             Some(nearest) => {
                 let groove = nearest.best();
                 let case = self.with(&groove);
@@ -226,10 +226,10 @@ impl Case {
         let readings = if readings.is_empty() {
             String::new()
         } else {
-            format!(" A usual groove would fit if {}.", readings.join(", or "))
+            format!(" A typical groove would match the ratings if {}.", readings.join(", or "))
         };
         format!(
-            "No usual groove has these ratings and sizes: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
+            "No typical groove has these ratings and dimensions: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
              keep_ratings=true to use the nearest groove."
         )
     }

@@ -91,7 +91,7 @@ impl Cycle {
             if sum < 1.0 - SHARE_ROUNDING {
                 segments.push(rest(1.0 - sum));
                 notes.push(format!(
-                    "The shares of the cycle sum to {}. The axis is at standstill for the other {}.",
+                    "The shares of the cycle sum to {}. The axis is at standstill for the remaining share of {}.",
                     trimmed(sum),
                     trimmed(1.0 - sum)
                 ));

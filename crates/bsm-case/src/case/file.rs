@@ -354,7 +354,7 @@ impl Case {
         let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
         self.drag_coefficient.is_none().then(|| {
             format!(
-                "drag_coefficient is not given, so churning of the lubricant counts as 0; the torque to start from rest is not \
+                "drag_coefficient is not given, so churning of the lubricant is neglected; the torque to start from rest is not \
                  calculated at a viscosity of {:.0} mm2/s",
                 viscosity * 1e6
             )

@@ -209,10 +209,10 @@ impl Settings {
         let (others, used) = match self.model {
             ModelChoice::Auto => return Ok(self),
             ModelChoice::Fixed(Model::Traction) => {
-                (Self { accuracy, creep, ..self }, "accuracy and creep alone")
+                (Self { accuracy, creep, ..self }, "only the settings accuracy and creep")
             }
             ModelChoice::Fixed(Model::RacewayControl) => {
-                (Self { control, friction, ..self }, "control and friction alone")
+                (Self { control, friction, ..self }, "only the settings control and friction")
             }
             ModelChoice::Fixed(_) => (self, "no settings"),
         };

@@ -128,8 +128,10 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
     }
     let widest = thread.nut.root;
     if body.outer <= widest {
-        let (value, rule) =
-            (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
+        let (value, rule) = (
+            body.outer / MM,
+            format!("> {:.3} mm, the largest diameter of the groove", widest / MM),
+        );
         return Err(CaseError::out_of_range("nut_outer_diameter_mm", value, rule));
     }
     Ok(body)
@@ -190,7 +192,6 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
 /// * `force`: assumed preload \[N\].
 pub(crate) fn assumed_preload(force: f64) -> String {
     format!(
-        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} of its \
-         dynamic load rating (D22). The rule of `axis` permits 0.1."
+        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} times its dynamic load rating (D22). The rule of `axis` permits at most 0.1 times."
     )
 }

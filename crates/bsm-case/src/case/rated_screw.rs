@@ -94,7 +94,7 @@ impl RatedScrew {
         let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
         let by_rule = || Screw::usual_core(nominal, lead, case.ball_diameter_mm.map(|mm| mm * MM));
         let by = if least.is_some() {
-            "the smallest core in manufacturers' lists"
+            "the smallest core diameter in manufacturers' lists"
         } else {
             "nominal diameter and lead (Z30)"
         };

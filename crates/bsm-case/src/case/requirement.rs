@@ -48,7 +48,11 @@ pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with text values, and their permitted values. The first value is the default.
 pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
-    ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
+    (
+        "motion",
+        &["rotary-to-linear", "linear-to-rotary"],
+        "motion that drives: rotation of the screw, or linear motion of the nut",
+    ),
     (
         "objective",
         &["mass", "efficiency", "capacity", "inertia", "power"],
@@ -62,7 +66,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     (
         "allow_warnings",
         &["false", "true"],
-        "true: a selected screw may exceed the usual temperature rise of 40 K",
+        "true: a selected screw may exceed the recommended limit of 40 K for the temperature rise",
     ),
 ];
 

@@ -138,7 +138,7 @@ entries! {
     coolant: Named<Coolant>,
         "fluid that flows through a hollow screw; defaults to water";
     drag_rule: bool,
-        "false: the preload has no drag except for the drag of the contacts; defaults to true, the manufacturers' rule";
+        "false: the preload causes no drag torque except for friction in the contacts; defaults to true, which means that the drag torque follows the manufacturers' rule";
 }
 
 impl CaseEntries {
@@ -492,7 +492,7 @@ impl GradeName {
         let within = format!("{} um within any 300 mm", um(*variation));
         let Some(number) = self.number else {
             let twice = if name.starts_with('T') {
-                "; transport screws may have twice this deviation of the travel (usual value)"
+                "; transport screws may have twice this travel deviation (common rule)"
             } else {
                 ""
             };

@@ -215,7 +215,7 @@ impl CaseError {
 
     /// Creates the error for two alternative keys that are both missing.
     pub(crate) fn neither([one, other]: [&str; 2]) -> Self {
-        Self::Invalid(format!("give one of {one} and {other}; neither is given"))
+        Self::Invalid(format!("give either {one} or {other}; neither is given"))
     }
 
     /// Creates the error for an input that is given in two units, or twice with the same name.
@@ -234,7 +234,7 @@ impl CaseError {
         let what = if one == other {
             format!("`{}` is given twice; give it once", brief(one))
         } else {
-            format!("give one of {one} and {other}; both are given")
+            format!("give either {one} or {other}; both are given")
         };
         Self::entry(other, what)
     }

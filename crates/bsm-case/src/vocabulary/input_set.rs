@@ -219,18 +219,18 @@ macro_rules! forms {
 forms! {
     /// Lead angle, or lead together with the pitch circle diameter.
     pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
-        lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to turn lead_mm into an angle";
+        lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to convert lead_mm to an angle";
     /// Contact angle, or the distance between the groove bottoms, from which it is calculated. Only
     /// the ratings of a nut use the distance.
     pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
     /// Speed of the screw, or feed rate of the nut.
-    SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to turn feed_m_min into a speed";
+    SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to convert feed_m_min to a speed";
     /// Viscosity of the lubricant, given at two temperatures or by its grade.
     pub(crate) VISCOSITY, "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)":
         viscosity_40C_mm2_s with viscosity_100C_mm2_s "for the viscosity at other temperatures", iso_vg;
     /// Temperature of the lubricant, or the inputs from which it is calculated.
     pub(crate) TEMPERATURE, "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)":
-        heat_transfer_W_K with ambient_temperature_C "for the heat that leaves", lubricant_temperature_C;
+        heat_transfer_W_K with ambient_temperature_C "for the heat transfer to the surroundings", lubricant_temperature_C;
     /// Conductance from nut and table to the air.
     NUT_IN_AIR, "nut_conductance_W_K (or carriage_area_m2)": nut_conductance_W_K, carriage_area_m2;
     /// Conductance from a hollow screw to its coolant.

@@ -309,7 +309,7 @@ fn film<F: Real>(solved: &SteadyState<F>, at: Site) -> Option<&ContactFilm<F>> {
 outputs! {
     "" {
         "efficiency of the balls" ["" "eta"] Number: efficiency whole = |s, _| Some(s.transmission.efficiency),
-            "output power divided by input power of the balls, without preload, seals and bearings; negative: self-locking";
+            "output power divided by input power of the balls, without preload, seals and bearings; a negative value means self-locking";
         "torque of the balls" ["N m"] Number: ball_torque_Nm whole = |s, _| s.transmission.screw_torque,
             "torque of all balls on the screw; screw_torque_Nm also includes preload, seals and bearings";
         "input power" ["W"] Number: input_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.input),
@@ -349,11 +349,11 @@ outputs! {
         "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
             "precession, the angular velocity of the ball center about the screw axis";
         "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
-            "angular velocity of the ball along the helix";
+            "angular velocity of the ball, component along the helix";
         "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
-            "angular velocity of the ball toward the axis";
+            "angular velocity of the ball, component towards the axis of the screw";
         "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
-            "angular velocity of the ball along the binormal";
+            "angular velocity of the ball, component along the binormal of the helix";
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
             "gyroscopic moment divided by friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),

@@ -22,10 +22,10 @@ impl SelectionLimit {
     pub fn label(self) -> &'static str {
         match self {
             Self::ScrewLength => "longest screw in manufacturers' lists",
-            Self::LoadedTurns => "usual number of loaded turns",
-            Self::BallOverLead => "ball diameter over lead",
-            Self::UnsolvedNut => "solution of the nut with all its balls",
-            Self::TemperatureRise => "usual steady-state temperature rise",
+            Self::LoadedTurns => "typical number of loaded turns",
+            Self::BallOverLead => "ball diameter divided by lead",
+            Self::UnsolvedNut => "calculation of the nut with all its balls",
+            Self::TemperatureRise => "recommended limit of the steady-state temperature rise",
             Self::NutResonance => "resonance of the driven nut",
         }
     }

@@ -147,16 +147,16 @@ fn violated_recommendations_of_sobolewski_are_reported() {
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
     for (changes, words) in [
-        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic load rating"),
+        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 times the dynamic load rating"),
         (
             &[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)],
             "Above 43841 N (with equal ball loads), one nut is unloaded",
         ),
-        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 turns are usual"),
-        (&[("lead_mm", 12.0)], "The ball diameter is 0.833 of the groove pitch"),
+        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 turns are typical"),
+        (&[("lead_mm", 12.0)], "The ball diameter is 0.833 times the groove pitch"),
         (
             &[("pitch_circle_diameter_mm", 27.0), ("loaded_balls_per_turn", 6.0)],
-            "of the root diameter",
+            "times the root diameter",
         ),
         (
             &[("nut_conformity", 0.58)],

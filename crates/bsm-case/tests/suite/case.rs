@@ -145,7 +145,7 @@ fn lead_and_lead_angle_are_equivalent() {
     let no_pitch = case(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
     let error = no_pitch.problem(&Settings::default()).expect_err("no pitch circle").to_string();
     assert!(
-        error.starts_with("pitch_circle_diameter_mm (to turn lead_mm into an angle)"),
+        error.starts_with("pitch_circle_diameter_mm (to convert lead_mm to an angle)"),
         "{error}"
     );
 }
@@ -260,7 +260,7 @@ fn auto_states_error_bound_and_reason_of_its_choice() {
     };
     for (tolerance, load, model, part) in [
         (0.02, "axial_load_N=2113", "raceway-control", "rolling, skid onset"),
-        (1e-4, "axial_load_N=2113", "traction", "integrated to"),
+        (1e-4, "axial_load_N=2113", "traction", "integrated with"),
         (0.02, "axial_load_N=1", "elastic", "gross skid, skid onset"),
     ] {
         let (name, why) = solve(tolerance, load);
@@ -375,7 +375,7 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
     // message.
     let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
     let error = Grid::new(leads.to_vec()).expect_err("two forms").to_string();
-    assert_eq!(error, "give one of lead_angle_deg and lead_mm; both are given");
+    assert_eq!(error, "give either lead_angle_deg or lead_mm; both are given");
     // A drive with a varied nut speed used to be rejected because the base case is at standstill.
     let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
@@ -416,7 +416,7 @@ fn error_about_two_forms_of_a_quantity_states_both_names() {
         let expected = if names.iter().any(|name| name.contains("load_kN")) {
             expected
         } else {
-            format!("give one of {}; both are given", names.join(" and ").replace('`', ""))
+            format!("give either {}; both are given", names.join(" or ").replace('`', ""))
         };
         let mut case = Case::default();
         let checked = case.apply(&forms).and_then(|()| case.check());

@@ -183,7 +183,7 @@ fn error_about_unreachable_ratings_states_the_nearest_groove() {
     assert!(kept.has_estimated_groove());
     let no_ball = groove_error(&case(SFU1605, &["lead_mm=0.5"]));
     assert!(
-        no_ball.contains("no usual ball fits") && no_ball.contains("lead_mm = 0.5 mm"),
+        no_ball.contains("no standard ball diameter fits") && no_ball.contains("lead_mm = 0.5 mm"),
         "{no_ball}"
     );
     let starts = groove_error(&case(SFU1605, &["starts=2"]));
@@ -647,7 +647,7 @@ fn fold_that_only_some_grooves_have_is_reported_with_its_share() {
     let (some, estimate, notes) = fold(0.5 * (all + high));
     assert!(some.is_some_and(|some| (some / all - 1.0).abs() < 1e-3), "{some:?}");
     let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");
-    let text = format!("{grooves} of 16 possible grooves have a value of fold_speed_factor");
+    let text = format!("Only {grooves} of 16 possible grooves have values for fold_speed_factor");
     assert!(notes.iter().any(|note| note.starts_with(&text)), "{notes:?}");
 }
 

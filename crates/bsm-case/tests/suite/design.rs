@@ -75,8 +75,8 @@ fn selected_screw_for_linear_to_rotary_motion_turns_backward() {
 
 #[test]
 fn invalid_requirements_are_rejected() {
-    says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
-    says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
+    says(&["screw_torque_Nm=3"], "give either axial_load_N or screw_torque_Nm; both are given");
+    says(&["screw_length_mm=900"], "give either screw_length_mm or stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
     says(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
     says(&["life=10"], "did you mean `required_life_h`?");

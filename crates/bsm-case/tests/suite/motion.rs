@@ -285,7 +285,7 @@ fn time_not_covered_by_shares_is_standstill() {
     assert_eq!(half.phases.len(), 3);
     assert_eq!(half.number(output!(travel_per_cycle_mm)), None);
     assert_eq!(half.number(output!(regenerated_energy_J)), None);
-    let note = "The shares of the cycle sum to 0.5. The axis is at standstill for the other 0.5.";
+    let note = "The shares of the cycle sum to 0.5. The axis is at standstill for the remaining share of 0.5.";
     assert!(half.answer.notes.iter().any(|own| own == note));
     assert!(of([0.6, 0.6]).expect_err("refused").to_string().contains("sum to 1.2"));
     assert!(of([1e308, 1e308]).is_err());

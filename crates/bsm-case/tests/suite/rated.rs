@@ -67,7 +67,7 @@ fn four_catalog_numbers_suffice_for_an_axis_sheet() {
             report.answer.notes
         );
     }
-    assert!(has_note(&report, "smallest core in manufacturers' lists"));
+    assert!(has_note(&report, "smallest core diameter in manufacturers' lists"));
     // For a size that is not listed, the core diameter is estimated by a rule as 0.84 of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);

@@ -132,7 +132,7 @@ fn screw_bore_reduces_area_inertia_and_mass() {
     near(change("yield_load_N"), 147.0 * rod, 1e-9, "section");
     assert!(change("critical_speed_rpm") < 0.0 && change("buckling_load_N") > 0.0);
     let stated = axis(&["screw_inertia_kg_m2_m=0.01"]);
-    assert!(says(&stated, "Manufacturers print the moment of inertia of a rod"));
+    assert!(says(&stated, "Catalogs often state the moment of inertia of a solid rod"));
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 

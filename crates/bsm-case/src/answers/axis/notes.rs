@@ -72,7 +72,7 @@ impl AxisState<'_> {
         let speed_number = self.axis().speed_number() / (MM * RPM);
         if speed_number > FAST {
             note(
-                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is usual. Ask the manufacturer which grease is suitable.",
+                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is normally used. Ask the manufacturer which grease is suitable.",
             );
         }
         if let Some(short) = self.short_stroke() {
@@ -86,7 +86,7 @@ impl AxisState<'_> {
         }
         if self.case.screw_inertia_kg_m2_m.is_some() {
             note(
-                "screw_inertia_kg_m2_m is used as given. Manufacturers print the moment of inertia of a rod with the nominal diameter, which \
+                "screw_inertia_kg_m2_m is used as given. Catalogs often state the moment of inertia of a solid rod with the nominal diameter, which \
                  is 1.15 to 1.87 times the value that corresponds to their mass per meter.",
             );
         }
@@ -160,8 +160,7 @@ impl AxisState<'_> {
         let first = jumps.first().map(|[before, after]| {
             let feed = |speed: f64| trimmed(speed * self.machine.advance() * 60.0);
             format!(
-                "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of a jump is not included; \
-                 moves and ramps include it.",
+                "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of these jumps is not included. To include it, replace the jumps by moves or ramps.",
                 if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
                 feed(before.speed[1]),
                 feed(after.speed[0])
@@ -203,7 +202,7 @@ impl AxisState<'_> {
     fn about_heat(&self) -> Vec<String> {
         if self.powers().is_none() {
             let needs = self.machine.held.filter(|_| self.tension().is_none());
-            let cold = "The load of the support bearings refers to the cold screw, because temperatures are unknown without friction.";
+            let cold = "The load on the support bearings is calculated for the cold screw, because temperatures are unknown without friction.";
             return needs.map(|_| cold.to_owned()).into_iter().collect();
         }
         let mut notes = Vec::new();
@@ -218,11 +217,10 @@ impl AxisState<'_> {
             });
             notes.push(format!(
                 "The steady-state temperature rise of the screw is {mean:.0} K ({low:.0} to {high:.0} K{usual}; nut {nut:.0} K, screw along \
-                 its travel {screw:.0} K). It follows from the thermal network with estimated conductances, without feedback of the \
-                 temperatures. With warm_state, the temperatures include their effect on the preload."
+                 its travel {screw:.0} K). It is calculated with a thermal network whose conductances are estimated, and without the effect of the temperatures on the preload. To include this effect, set warm_state to true."
             ));
             if self.machine.groove.is_none() {
-                let link = "The conductance of the balls from nut to screw is estimated from the pitch circle, accurate to a factor of 2.";
+                let link = "The thermal conductance of the balls between nut and screw is estimated from the pitch circle diameter. The estimate is accurate to a factor of 2.";
                 notes.push(link.to_owned());
             }
             if self.case.stroke_mm.is_none() {
@@ -242,7 +240,7 @@ impl AxisState<'_> {
             && case.accuracy_factor.is_none()
         {
             notes
-                .push(format!("rated_dynamic_load_N is used as printed for grade {}.", grade.name));
+                .push(format!("rated_dynamic_load_N is used without an accuracy factor, because it is assumed to be the catalog value for grade {}.", grade.name));
         }
         let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
         let lubricated = case.given().is_lubricated();
@@ -272,12 +270,9 @@ impl AxisState<'_> {
         let drags: Vec<_> = drags.into_iter().filter(|key| self.case[*key].is_none()).collect();
         if !drags.is_empty() && self.mean_heat().is_some() {
             let names = drags.iter().map(|key| key.name()).collect::<Vec<_>>().join(" and ");
-            let verb = if drags.len() == 1 {
-                "is not given and counts"
-            } else {
-                "are not given and count"
-            };
-            let text = format!("{names} {verb} as 0");
+            let verb =
+                if drags.len() == 1 { "is not given and is" } else { "are not given and are" };
+            let text = format!("{names} {verb} assumed to be 0");
             let numbers = [
                 "peak_motor_torque_Nm",
                 "screw_torque_Nm",
@@ -291,7 +286,10 @@ impl AxisState<'_> {
         }
         let plays = self.preload.is_none() && self.lost_motion().is_some();
         if plays && self.case.axial_play_um.is_none() {
-            lack(&["lost_motion_um"], "axial_play_um is not given and counts as 0".to_owned());
+            lack(
+                &["lost_motion_um"],
+                "axial_play_um is not given and is assumed to be 0".to_owned(),
+            );
         }
         if let Some(text) = self.case.cold_lubricant() {
             lack(&["screw_torque_Nm"], text);
@@ -320,7 +318,7 @@ impl AxisState<'_> {
             return None;
         }
         Some(format!(
-            "load_factor is not given and counts as 1; catalogs recommend {low} to {high} at this speed, which gives lives of {long:.0} to {short:.0} h"
+            "load_factor is not given and is assumed to be 1; catalogs recommend {low} to {high} at this speed, which gives lives of {long:.0} to {short:.0} h"
         ))
     }
 
@@ -334,7 +332,7 @@ impl AxisState<'_> {
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
                 "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \
-                 condition); with the end conditions of support, it is {of_support:.2}. Set buckling_support."
+                 condition); for the end conditions that the input support implies, it is {of_support:.2}. Set buckling_support to the actual end conditions."
             )
         })
     }
@@ -356,8 +354,7 @@ impl AxisState<'_> {
         });
         if let Some(round) = round.filter(|round| stroke < *round) {
             return Some(format!(
-                "A stroke of less than {:.0} mm does not circulate the balls, so the same balls always carry the load. Make a stroke of two nut \
-                 lengths every few thousand strokes (usual advice).",
+                "A stroke of less than {:.0} mm does not circulate the balls, so the same balls always carry the load. Make a stroke of two nut lengths every few thousand strokes (common recommendation).",
                 round / MM
             ));
         }
@@ -380,8 +377,7 @@ impl AxisState<'_> {
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
                 .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(
-                "The torque follows from the catalog efficiency and is {torque:.3} N m at the largest load in motion; usual efficiencies give \
-                 {low:.3} to {high:.3} N m."
+                "The torque of {torque:.3} N m at the largest load during motion is calculated from the catalog efficiency; typical efficiencies give {low:.3} to {high:.3} N m."
             ))
         });
         let left_out = self.machine.groove.is_none().then(|| LEFT_OUT.to_owned());
@@ -397,8 +393,7 @@ impl AxisState<'_> {
         let [low, high] = contacts::band(self.case, self.settings, point, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
-            "Friction from the lubricant: at {:.0} N and {:.0} rpm, the 90 % interval of the contact friction over uncertain inputs is \
-             {:.3} to {:.3} N m, and the value is {friction:.3} N m.",
+            "Friction calculated from the lubricant: at {:.0} N and {:.0} rpm, the friction torque of the contacts has a 90 % interval of {:.3} to {:.3} N m due to uncertain inputs; the calculated value is {friction:.3} N m.",
             point.load,
             point.friction_speed / RPM,
             low * friction,

@@ -100,7 +100,7 @@ impl RuleInputs<'_> {
         let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
-            "Euler (Z2); end conditions {}{by_default}; with the end conditions of support, {}: {}",
+            "Euler (Z2); end conditions {}{by_default}; for the end conditions that the input support implies, {}: {}",
             shaft.buckling.0.name(),
             shaft.support.name(),
             number(of_support)
@@ -243,7 +243,7 @@ rules! {
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "DN limit, THK A-697 (Z15)",
         format!(
-            "lead_mm {} at the same feed, or another ball return (speed_number_limit_mm_min)",
+            "lead_mm {} at the same feed, or a ball return that permits a higher speed (speed_number_limit_mm_min)",
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety
@@ -276,7 +276,7 @@ rules! {
         "rating of the bearing manufacturer, cold and warm (BB7)",
         match of.number(output!(pretension_for_no_slack_K)) {
             Some(kelvin) if kelvin > 0.0 && of.number(output!(screw_tension_N)).is_some_and(|t| t < 0.0) => {
-                format!("larger bearings, or pretension_K up to {}, or one bearing that permits the growth of the screw", at_least(kelvin, 1))
+                format!("larger bearings, or pretension_K up to {}, or one bearing that permits thermal growth of the screw", at_least(kelvin, 1))
             }
             _ => "larger bearings, or less pretension".to_owned(),
         };
@@ -308,7 +308,7 @@ rules! {
         at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "a higher viscosity, a cleaner lubricant or a larger dynamic load rating";
-    "life by all balls" cycle_life_by_balls_h at_least of.required_life(),
+    "life from the loads of all balls" cycle_life_by_balls_h at_least of.required_life(),
         "loads of all balls (U24)",
         of.needed_rating(margin);
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),

@@ -24,9 +24,9 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, including the moved mass";
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
-        contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
+        contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  ball contacts";
         third_contact_torque_Nm = NUT Scalar(|t| t.contacts.third);
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  drag of the preload (catalog rule)";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag (catalog rule)";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
@@ -128,7 +128,7 @@ impl Torques {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
             ("contacts", self.contacts.friction?),
-            ("drag of the preload", self.drag),
+            ("preload drag", self.drag),
             ("seals", self.seal),
             ("support bearings", self.bearing),
         ];
@@ -138,7 +138,7 @@ impl Torques {
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
-                "Shares of friction in the input power at the largest load in motion: {}.",
+                "Friction losses as shares of the input power, at the largest load during motion: {}.",
                 costs.join(", ")
             )
         })

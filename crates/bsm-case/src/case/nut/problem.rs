@@ -365,7 +365,7 @@ impl Case {
             }
         };
         let note = format!(
-            "The nut is solved {at}: {} N at {} rpm.",
+            "The nut is calculated {at}: {} N at {} rpm.",
             trimmed(phase.load),
             trimmed(speed / RPM)
         );
