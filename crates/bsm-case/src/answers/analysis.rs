@@ -120,7 +120,7 @@ impl AnalysisKind {
 }
 
 impl Output {
-    /// Returns true if the output can only be calculated by solving the point.
+    /// Returns true if the output can only be calculated after the operating point is solved.
     pub fn needs_solution(&self) -> bool {
         self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
@@ -158,7 +158,8 @@ impl Output {
         Self::all().find(|output| output.name == name).or_else(|| Self::interval_end(name))
     }
 
-    /// Returns the output with the given name, which may have another unit, and the unit of the name.
+    /// Returns the output to which `name` refers, and the unit at the end of `name`, which may
+    /// differ from the unit of the output.
     pub fn in_unit(name: &str) -> Option<(&'static Self, DisplayUnit)> {
         if let Some(output) = Self::named(name) {
             return Some((output, DisplayUnit::own(output.unit)));

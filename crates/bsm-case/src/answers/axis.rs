@@ -300,7 +300,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
-    /// Results of the nut in the warm state at the end of the phase.
+    /// Results of the nut at the end of the phase, in the warm state.
     nut: Option<&'a NutInPhase>,
 }
 
@@ -478,7 +478,7 @@ impl AxisReport {
     #[must_use]
     pub(crate) fn over_grooves(mut self, answer: impl Fn(&Case) -> Option<Answer> + Sync) -> Self {
         self.answer = self.answer.over_grooves(&self.case, FEW_DRAWS, answer);
-        // Without a steady state, there are no phases.
+        // An axis without a warm steady state has no phases.
         if !self.phases.is_empty() {
             self.answer.fails = self.answer.rules.iter().any(Criterion::fails);
             self.answer = self.answer.with_verdict();
@@ -486,7 +486,7 @@ impl AxisReport {
         self
     }
 
-    /// Calculates numbers and rules, but omits the notes that require additional solves.
+    /// Calculates numbers and rules, but omits the notes that require additional model solutions.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail::JUDGED)
     }
@@ -592,7 +592,7 @@ impl AxisReport {
         Self { phases, answer: self.answer.clone().in_units(units), ..self.clone() }
     }
 
-    /// Returns the verdict on all rules.
+    /// Returns the verdict on all rules together: passed, failed or undecided.
     pub fn verdict(&self) -> Verdict {
         self.answer.verdict()
     }
@@ -667,7 +667,8 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     if worked.machine.groove.is_none() || is_estimated {
         texts.extend(case.warnings());
     }
-    // The rule about the edge load considers all possible grooves.
+    // For an estimated groove, the edge-load rule, which considers all possible grooves, replaces
+    // the warning about the flanks.
     let of_balls =
         if is_estimated { NutReport::warnings_besides_flanks } else { NutReport::warnings };
     texts.extend(worked.nut.as_ref().map(of_balls).unwrap_or_default());
@@ -683,7 +684,7 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     warnings
 }
 
-/// Adds the sections of a sheet to an answer.
+/// Adds the sections of the axis sheet to an answer.
 fn sheet(
     of: Answer,
     case: &Case,
@@ -702,7 +703,7 @@ fn sheet(
 }
 
 impl Answer {
-    /// Sets the member `passes` to the verdict on all rules.
+    /// Sets the JSON member `passes` to the verdict on all rules.
     fn with_verdict(mut self) -> Self {
         const MEMBER: &str = "passes";
         let verdict = Content::Json(json!(self.verdict().passes()));
@@ -753,7 +754,7 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        // The last sample of the phase is the closest one to its end.
+        // The last sample of a phase is the sample closest to the end of the phase.
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());

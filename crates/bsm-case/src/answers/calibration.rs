@@ -25,10 +25,10 @@ use crate::{
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
 pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
 
-/// A measured point.
+/// A row of the measurement table: an operating point with its measured value.
 #[derive(Debug, Clone)]
 struct MeasuredPoint {
-    /// Inputs of the point.
+    /// Inputs of the measured operating point.
     case: Case,
     /// Measured value, in the unit of the output.
     value: f64,
@@ -50,7 +50,7 @@ impl MeasurementError {
     /// All kinds of measurement errors.
     pub const ALL: [Self; 2] = [Self::Relative, Self::Absolute];
 
-    /// Name on the command line and in Python.
+    /// Returns the name that the command line and Python use for this kind of measurement error.
     pub fn name(self) -> &'static str {
         match self {
             Self::Relative => "relative",
@@ -81,7 +81,7 @@ impl MeasurementError {
     }
 }
 
-/// Suffix of the column that contains the errors of the output.
+/// Suffix in the name of the column that contains the measurement errors of the output.
 const ERROR: &str = "_error";
 
 /// Significance level of the runs test for residuals, divided by the number of inputs by which the
@@ -89,7 +89,7 @@ const ERROR: &str = "_error";
 /// with a probability below this level.
 const SYSTEMATIC: f64 = 0.05;
 
-/// A fit of inputs to measured values of an output.
+/// A fit of several inputs to measured values of one output.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
@@ -126,7 +126,7 @@ pub enum NoFit {
     },
 }
 
-/// A fitted input that ended at a limit of its range, so that the fit fails.
+/// A fitted input that ended at a limit of its search range. The fit then fails.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldInput {
     /// Name of the input.
@@ -139,7 +139,7 @@ pub struct HeldInput {
     reachable: Option<(f64, f64)>,
 }
 
-/// Result of a fit to all points.
+/// Result of the fit to all measured points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
     /// Values, standard deviations and conditioning of the inputs, and the residuals divided by the
@@ -359,7 +359,7 @@ impl Calibration {
         fewest.filter(|(_, runs)| runs.probability < level)
     }
 
-    /// Returns the name of the assumed errors.
+    /// Returns the name of the assumed kind of measurement error.
     fn errors(&self) -> &'static str {
         self.errors.map_or("column", MeasurementError::name)
     }
@@ -432,7 +432,7 @@ fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     }
 }
 
-/// Measured points of a table.
+/// Measured points that were read from a table.
 struct Measurements {
     points: Vec<MeasuredPoint>,
     /// Assumed errors; `None` if the table has a column of errors.

@@ -33,9 +33,9 @@ pub struct DesignRow {
     pub label: &'static str,
     /// Unit of the quantity as text.
     pub unit: &'static str,
-    /// Value of the quantity, if it is known.
+    /// Value of the quantity; `None` if it is not known.
     pub value: Option<f64>,
-    /// Requirement as text, if there is one.
+    /// Requirement on the quantity as text; `None` if there is none.
     pub requirement: Option<String>,
     /// True if the requirement is met or if there is no requirement.
     pub passes: bool,
@@ -278,7 +278,7 @@ impl RequirementFile {
 }
 
 impl RequirementFile {
-    /// Returns the requirement, completed by the usual limit of loaded turns for the sizes of the
+    /// Returns the requirement, completed by the default limit for the number of loaded turns in a
     /// catalog.
     pub(crate) fn within(&self, catalog: &Catalog) -> Self {
         let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
@@ -291,7 +291,7 @@ impl RequirementFile {
         let Requirement { fixed, largest_turns, ball_over_lead, .. } = &self.problem;
         let usual = Requirement::BALL_OVER_LEAD * (1.0 + 1e-9);
         warning.limit.filter(|limit| match limit {
-            // A limit in the requirement replaces the usual limit.
+            // A limit in the requirement replaces the default limit.
             SelectionLimit::LoadedTurns => fixed.turns.is_none() && largest_turns.is_none(),
             SelectionLimit::BallOverLead => *ball_over_lead <= usual,
             other => !(self.allow_warnings && other.can_be_allowed()),
@@ -426,7 +426,7 @@ fn label(name: &str) -> Option<&'static str> {
     known.map(|quantity| quantity.about)
 }
 
-/// Returns the name, unit and label of a design quantity.
+/// Returns the name, the unit and the label of a design quantity.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }

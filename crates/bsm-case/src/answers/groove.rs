@@ -20,7 +20,8 @@ const ROUNDING: f64 = 1e-9;
 /// 0.1 s to several seconds.
 const WARM_DRAWS: usize = 16;
 
-/// Probability of clean steel above which a note states that the ratings are raised for it.
+/// Probability of clean steel above which a note states that the load ratings are increased for
+/// clean steel.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
 /// Maximum number of names in a note.
@@ -74,7 +75,8 @@ impl Case {
         Some((line, estimate))
     }
 
-    /// Returns true if the groove is estimated, and few usual grooves have the ratings and sizes of the case.
+    /// Returns true if the groove is estimated, and few typical grooves have the ratings and
+    /// dimensions of the case.
     pub(crate) fn has_unusual_groove(&self) -> bool {
         self.estimate().is_some_and(|(_, estimate)| estimate.is_unusual())
     }
@@ -206,7 +208,8 @@ impl Answer {
         }
     }
 
-    /// Returns the numbers that some of the possible grooves have and others do not, such as a fold of the warm states.
+    /// Returns the numbers that exist only for some of the possible grooves, such as the speed at
+    /// the fold of the warm state.
     fn partial_numbers(&self, answers: &[Self]) -> Vec<PartialNumber> {
         let has_same_names = |answer: &Self| {
             answer
@@ -240,7 +243,8 @@ impl Answer {
         names.into_iter().filter_map(partial).collect()
     }
 
-    /// Returns the numbers that have a value. A number of several sections is repeated.
+    /// Returns the numbers that have a value. A number that occurs in several sections is returned
+    /// once per section.
     fn existing_numbers(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let rows = self.all_rows().filter(|row| row.quantity.scope != Scope::Statement);
         let values = rows.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -466,7 +470,8 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
     };
-    // Answers have the same tables of quantities in most cases, so the comparison of names is rarely necessary.
+    // In most cases, two answers have the same tables of quantities, so their names need not be
+    // compared.
     let own = rows.iter().find(|other| std::ptr::eq(other.quantity, row.quantity));
     own.or_else(|| rows.iter().find(is_same)).copied()
 }

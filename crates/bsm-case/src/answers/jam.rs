@@ -131,7 +131,7 @@ struct Jam {
     permanent: Option<PermanentContacts>,
     /// Ratio of maximum pressure to pressure at first yield, at nut and screw.
     yield_ratios: Option<[f64; 2]>,
-    /// Drag force of the lubricant \[N\].
+    /// Drag force of the lubricant on the ball \[N\].
     drag: Option<f64>,
     friction: Friction,
     wedge: Wedge<f64>,
@@ -160,7 +160,7 @@ struct Friction {
 struct BallReturn {
     /// Speed of the ball at the entry to the return \[m/s\].
     speed: f64,
-    /// Force of the impact on the ball return \[N\].
+    /// Force of the ball's impact on the ball return \[N\].
     impact: f64,
     /// Thrust at the apex of the return curve \[N\].
     apex: Option<f64>,
@@ -180,7 +180,7 @@ struct Track {
     /// friction (`weaker`).
     screw: f64,
     weaker: f64,
-    /// Friction force at the screw for stopped balls.
+    /// Friction force of the screw on the balls of one turn while they stand still.
     stopped: f64,
 }
 

@@ -21,7 +21,7 @@ use crate::{
     sheet_columns,
 };
 
-/// Known columns that are not named after an input.
+/// Names of known columns that do not contain an input.
 const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
@@ -31,8 +31,8 @@ const TEXT_COLUMNS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
-/// Returns the name of the input that a column contains. Only the columns of ratings are not named
-/// after their input.
+/// Returns the name of the input that a column contains. Except for the columns of ratings, each
+/// column has the name of its input.
 fn input_of(column: &'static str) -> &'static str {
     match column {
         "dynamic_load_rating_N" => InputKey::rated_dynamic_load_N.name(),
@@ -253,7 +253,7 @@ fn numbers_of(
 impl ManufacturerRow {
     /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
     /// pass all rules come first. Within each group, the nuts are sorted by the mass of screw and
-    /// nut. An unknown mass of the nut counts as zero.
+    /// nut. If the mass of a nut is unknown, it is assumed to be zero.
     ///
     /// # Errors
     ///
@@ -423,7 +423,7 @@ impl ManufacturerRow {
             let [rating, stiffness, mass] =
                 ["dynamic_load_rating_N", "our_stiffness_N_um", "mass_kg"]
                     .map(|name| row.value(name));
-            // A missing number counts as the worst possible value.
+            // A missing number is treated as the worst possible value.
             let stiffness = row.value("stiffness_N_um").or(stiffness);
             [-rating.unwrap_or(0.0), -stiffness.unwrap_or(0.0), mass.unwrap_or(f64::INFINITY)]
         };
@@ -569,8 +569,8 @@ impl ManufacturerRow {
     }
 }
 
-/// Completes the case of a nut with data that tables omit, by the rule that reproduces the HIWIN
-/// data.
+/// Completes the case of a nut with data that tables omit. The missing data follow from a rule that
+/// reproduces the HIWIN data.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     let given = case.clone();
     // Without a ball diameter, there is no groove to complete.
@@ -605,7 +605,7 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
         *case = given;
         return without_ball(case, circuits, core);
     }
-    // This call fails if inputs are missing.
+    // Creating the nut fails if inputs are missing.
     rated_nut::nut(case).map(drop)
 }
 

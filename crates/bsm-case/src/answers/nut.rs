@@ -43,8 +43,8 @@ const USUAL: f64 = 0.8;
 /// Smallest and largest measured drag coefficient `$K_p$` in catalogs (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Ratio of the neglected centrifugal force to the mean load of a ball: above the first value a
-/// note is given, above the second value a warning.
+/// Limits of the ratio of the neglected centrifugal force to the mean ball load: a note is given
+/// above the first limit, and a warning above the second limit.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
 /// Number of intervals of the load-displacement curve.
@@ -234,8 +234,8 @@ impl NutReport {
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
-    /// Returns the share of the third contacts in the friction torque of all balls, without push
-    /// forces between the balls.
+    /// Returns the fraction of the friction torque of all balls that third contacts cause. Push
+    /// forces between the balls are neglected.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
         Some(torque / lasting(self.friction()?.parts?.torque)?)
@@ -279,11 +279,11 @@ impl NutReport {
     }
 }
 
-/// Inputs required for the friction of all balls.
+/// Inputs required to calculate the friction of all balls.
 const FRICTION: &[InputSet] =
     quantities!(@needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
-/// Inputs required for the ball train.
+/// Inputs required to calculate the push forces in the ball train.
 const TRAIN: &[InputSet] = quantities!(@needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
@@ -445,7 +445,7 @@ pub(crate) struct OneBall<'a> {
 }
 
 impl OneBall<'_> {
-    /// Returns 1 if the ball of the train has the given kind of rolling, and 0 otherwise.
+    /// Returns 1 if the ball rolls, is idle or is blocked, as `rolling` states, and 0 otherwise.
     fn is(&self, rolling: Rolling) -> Option<f64> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }
@@ -526,8 +526,8 @@ impl NutReport {
         Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
     }
 
-    /// Returns a ball that carries an equal share of the load, or `None` for a preloaded nut,
-    /// because its bodies carry different loads.
+    /// Returns a ball that carries an equal share of the load. Returns `None` for a preloaded nut,
+    /// because its two bodies carry different loads.
     fn equal(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
         let single = self.made.preload.is_none() && axial != 0.0;
@@ -956,7 +956,8 @@ impl NutReport {
         }
         warnings.extend(self.loose_balls());
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
-        // The warning of such a warm state already states that balls skid.
+        // If raceway control replaced model traction in the warm state, another warning already
+        // states that the balls skid.
         let is_stated = self.problem.warm.as_ref().is_some_and(|warm| warm.replaced.is_some());
         let skid = self.ball_friction().and_then(|found| skid_warning(found.onset?));
         warnings.extend(skid.filter(|_| !is_stated));

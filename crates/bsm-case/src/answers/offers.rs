@@ -8,7 +8,7 @@ use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table, Verdict};
 
-/// Columns of the tables of rules, numbers and inputs of two offers.
+/// Columns of the tables that compare the rules, numbers and inputs of two offers.
 pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
                                 -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
@@ -135,7 +135,7 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     };
     let [first, second] = reports.map(inputs);
     let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
-    // The description names the offer, and the marks of estimates are not inputs.
+    // The description names the offer, and the list of estimated inputs is not an input itself.
     let is_input = |key: &&String| !["description", "estimated_inputs"].contains(&key.as_str());
     let differ = keys.filter(is_input).filter(|key| first.get(*key) != second.get(*key));
     differ.map(|key| vec![json!(key), json!(first.get(key)), json!(second.get(key))]).collect()

@@ -164,7 +164,7 @@ fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), Ca
 /// Returns a warning if the optimum contact angle for a motion is difficult to manufacture.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
     let (low, high) = USUAL_CONTACT_ANGLES_DEG;
-    // An angle at a limit of the usual range may exceed the limit by a rounding error.
+    // An angle at a limit of the recommended range may exceed the limit by a rounding error.
     let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
         "{motion}: a contact angle of {deg:.1} deg is difficult to manufacture; {low:.0} to {high:.0} deg are usual."

@@ -95,7 +95,7 @@ impl Record {
         self.solution.as_ref()?.solved()
     }
 
-    /// Returns the status of the solve.
+    /// Returns the status of the solution.
     pub fn status(&self) -> Status {
         self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
     }
@@ -298,7 +298,7 @@ impl Record {
             });
             return Some(format!("{below} The balls touch the far flank of the {body}{factor}."));
         }
-        // This model does not calculate the friction at a third contact.
+        // Only model `traction` calculates the friction at a third contact.
         (solved.far_flank.is_none() && play < threshold).then(|| {
             format!(
                 "{below} The balls touch a far flank, whose friction only model traction calculates, so the loss is larger than stated."
@@ -519,10 +519,10 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 
 /// Returns warnings if a lubricant film is outside the range of its formulas.
 fn of_a_film(film: &FilmState) -> Vec<String> {
-    /// Temperature rise that reduces the film thickness by about half \[K\].
+    /// Temperature rise of the lubricant film that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Value of M below which rigid and elastic contacts have different film thicknesses (theory
-    /// 17).
+    /// Value of the load parameter M below which rigid and elastic contacts have different film
+    /// thicknesses (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
@@ -542,7 +542,8 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// Returns the message for a reason, with numbers in the units of the outputs.
+/// Returns the message for the reason why a model has no solution, with numbers in the units of the
+/// outputs.
 #[expect(clippy::too_many_lines, reason = "one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {

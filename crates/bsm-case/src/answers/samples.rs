@@ -42,7 +42,7 @@ pub struct Samples<'a> {
 type DrawnNut = Option<Vec<Option<f64>>>;
 
 impl<'a> Samples<'a> {
-    /// Probabilities for which quantiles are calculated.
+    /// Probabilities of the quantiles that are calculated.
     const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
     /// Prepares `number` random copies of the nut.

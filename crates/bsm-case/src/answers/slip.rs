@@ -72,8 +72,8 @@ const POWERS_AGREE: f64 = 1e-6;
 const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 
 /// Calculates the gyroscopic angles, the differential slip, the slip between neighboring balls, the
-/// spin and the orbit slip, with formulas as printed, as corrected and in exact form. Also
-/// calculates the power that each part of the slip dissipates.
+/// spin and the orbit slip. Each formula is evaluated as printed, as corrected and in exact form.
+/// Also calculates the power that each part of the slip dissipates.
 ///
 /// If running contact angles are given, the ball rolls at these angles. Friction and its power are
 /// then omitted, because the given angles are not in equilibrium with the load.
@@ -114,7 +114,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     Ok(answer)
 }
 
-/// Motion of the ball and its friction losses.
+/// Motion of a ball, and the friction losses at its contacts.
 struct SlipMotion {
     solved: MovingBall,
     /// Friction losses; `None` if the contact angles are given.
@@ -122,9 +122,9 @@ struct SlipMotion {
 }
 
 impl SlipMotion {
-    /// Applies a printed formula to the contacts with nut and screw. As in print, the formula for
-    /// each contact uses the contact angle of the other contact. No formula is printed for the
-    /// unloaded flank.
+    /// Applies a printed formula to the contacts with nut and screw. As in the publication, the
+    /// formula for each contact uses the contact angle of the other contact. There is no printed
+    /// formula for the unloaded flank.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.solved.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))

@@ -114,7 +114,7 @@ const OF_BAND: [&str; 10] = [
     "loop_gain",
 ];
 
-/// Numbers of each phase with motion for which an uncertainty band is calculated.
+/// Numbers for which an uncertainty band is calculated in each phase with motion.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
 /// Returns whether the lower and the upper bound of a number are missing because no steady state

@@ -153,11 +153,11 @@ fn drive_train(
     })
 }
 
-/// Nut and thread, sizes of the screw and the nut body, and a warning about the ratings.
+/// Nut and thread, dimensions of the screw and the nut body, and a warning about the ratings.
 type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
 
-/// Returns the nut and thread of a case, the sizes of its screw and nut body, and a warning if the
-/// given ratings do not match the groove.
+/// Returns the nut and thread of a case, the dimensions of its screw and nut body, and a warning if
+/// the given ratings do not match the groove.
 fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     if case.lacks_groove() {
         return Ok((None, RatedScrew::without_groove(case)?, None));
@@ -350,7 +350,7 @@ pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
 pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     let equal = case.number(InputKey::screws_count).recip();
     let share = case.load_share.unwrap_or(equal);
-    // The comparison tolerates load shares that are rounded to two or three digits.
+    // The comparison allows for load shares that are rounded to two or three digits.
     if share < 0.99 * equal {
         let what = format!(
             "is {share}, but the most loaded of the screws carries at least 1 / screws_count = {}",

@@ -26,7 +26,7 @@ pub(crate) struct Cycle {
     pub(crate) time: Option<f64>,
     /// Process force that acts at rest \[N\]. It is positive if it acts against a positive feed.
     pub(crate) rest_force: f64,
-    /// Notes on assumptions.
+    /// Notes on assumptions about the cycle.
     pub(crate) notes: Vec<String>,
 }
 

@@ -18,7 +18,7 @@ pub struct Axis {
     values: AxisValues,
 }
 
-/// Values of a varied input.
+/// Values of an input that is varied in a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AxisValues {
     /// Equally spaced values, including both ends.
@@ -92,8 +92,8 @@ impl Axis {
 
     /// Creates an axis that varies an input.
     ///
-    /// * `name`: name of the input, which may have another unit.
-    /// * `values`: values in the unit of the name.
+    /// * `name`: name of the input, which may end with a unit other than the default unit.
+    /// * `values`: values in the unit with which `name` ends.
     ///
     /// # Errors
     ///
@@ -189,7 +189,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Parses the axes of a grid (see [`Axis::parse`]).
+    /// Parses the text of each axis of a grid (see [`Axis::parse`]).
     ///
     /// # Errors
     ///
@@ -233,7 +233,7 @@ impl Grid {
         &self.axes
     }
 
-    /// Returns the values at point `i`, one per axis.
+    /// Returns the values of the varied inputs at point `i`, one per axis.
     pub fn point(&self, i: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.axes.len());
         for axis in 0..self.axes.len() {

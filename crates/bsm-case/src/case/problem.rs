@@ -61,7 +61,7 @@ impl ModelChoice {
     }
 }
 
-/// Choice of the model, and settings of the solvers.
+/// Choice of the model, and settings of its solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Model that solves the case.
@@ -113,7 +113,7 @@ impl Settings {
     pub const CREEP: Rule = Rule::Above(0.0);
 
     /// Returns settings with the given names of the model, the controlling raceway and the location
-    /// of friction. The other settings have their defaults.
+    /// of friction. All other settings have their default values.
     ///
     /// # Errors
     ///
@@ -325,8 +325,8 @@ impl Needs {
     }
 }
 
-/// Returns missing inputs as text. For a quantity with several forms, the form with the fewest missing
-/// inputs counts.
+/// Returns missing inputs as text. If a quantity has several forms, the form with the fewest
+/// missing inputs is named.
 ///
 /// * `all`: required inputs.
 /// * `quantities`: quantities of which one form is required.
@@ -402,8 +402,8 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // If there is play, friction determines which flanks are in contact, so the error of a
-            // less expensive model is unknown.
+            // With play, friction determines which flanks are in contact, so the error of a faster
+            // model is unknown.
             Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),

@@ -1,4 +1,4 @@
-//! Nut of a case: balls, thread and body.
+//! Nut of a case: balls, thread and nut body.
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 
@@ -32,8 +32,8 @@ pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
     nut_for(case, || case.given().purpose("for the ratings of a nut"))
 }
 
-/// Returns the nut of a case. If inputs are missing, the message names the purpose for which they
-/// are needed.
+/// Returns the nut of a case. If inputs are missing, the error message states for which purpose
+/// they are needed.
 pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(case);
@@ -145,8 +145,8 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
 /// Returns [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless
 /// `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Ranges of the ratio of calculated to stated rating that need no note, because the formulas
-    /// of manufacturers differ by this much.
+    /// Ranges of the ratio of calculated to stated rating for which no note is given, because the
+    /// formulas of manufacturers differ by this much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
     /// If the ratio is outside this range, the ratings belong to another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);

@@ -34,13 +34,13 @@ pub struct NotGiven {
     pub text: String,
 }
 
-/// A section of an answer.
+/// A section of an answer: numbers, a table or text.
 #[derive(Debug, Clone)]
 pub struct Section {
     /// Name of the member in the JSON object. If the name is empty, the numbers of the section
     /// become members of the enclosing object. A section with `None` is only shown on the screen.
     pub member: Option<&'static str>,
-    /// Content of the section.
+    /// Numbers, table or text of the section.
     pub content: Content,
 }
 
@@ -83,7 +83,7 @@ pub struct Table {
     pub keyed: bool,
 }
 
-/// A column of a table.
+/// A column of a result table.
 #[derive(Debug, Clone)]
 pub struct Column {
     /// Name in JSON. A column with an empty name is only shown on the screen.
@@ -149,7 +149,7 @@ pub enum Verdict {
     Fails,
     /// The groove is estimated, and the 90 % interval of the number contains the limit.
     Undecided,
-    /// The rule is met, or nothing is required.
+    /// The rule is met, or the rule has no limit.
     Passes,
 }
 
@@ -391,7 +391,7 @@ impl Answer {
         texts
     }
 
-    /// Returns the verdict on all rules: the worst one.
+    /// Returns the verdict on all rules, which is the worst of their verdicts.
     pub fn verdict(&self) -> Verdict {
         let of_rules = self.rules.iter().map(Criterion::verdict).min();
         let verdict = if self.fails { Verdict::Fails } else { Verdict::Passes };

@@ -1,4 +1,4 @@
-//! Values in a column of a list.
+//! Values in one column of a list of nuts.
 
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ impl ColumnValues {
         self.len() == 0
     }
 
-    /// Returns the values of a range of rows.
+    /// Returns the values in a range of rows.
     pub(crate) fn part(self, places: Range<usize>) -> Self {
         match self {
             Self::Numbers(values) => Self::Numbers(values[places].to_vec()),

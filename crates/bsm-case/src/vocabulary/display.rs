@@ -48,7 +48,7 @@ const INCH: [(&str, &str); 23] = [
     ("K", "degF"),
 ];
 
-/// A displayed unit, and the conversion to it.
+/// A displayed unit, and the conversion to this unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayUnit {
     /// Unit as text.

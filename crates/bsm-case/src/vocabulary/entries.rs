@@ -188,10 +188,10 @@ impl CaseEntries {
 pub struct CircuitEntry {
     /// Helix angle at which the loaded arc begins.
     pub start_deg: f64,
-    /// Length of the loaded arc.
+    /// Angle of the loaded arc around the screw axis.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub arc_deg: f64,
-    /// Loaded balls.
+    /// Number of loaded balls in the circuit.
     pub balls: usize,
     /// Index of the thread on which the circuit lies, from 0.
     #[serde(default)]
@@ -212,7 +212,7 @@ pub struct CircuitEntry {
     pub ball_gap_mm: Option<f64>,
 }
 
-/// A row of the torque-speed curve of a motor.
+/// A point of the torque-speed curve of a motor.
 #[expect(
     non_snake_case,
     reason = "the names end with unit symbols, some of which are capital letters"
@@ -287,17 +287,17 @@ impl From<ClassName> for String {
     }
 }
 
-/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel (usual values of
-/// ISO 3408-5).
+/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel (typical values
+/// in ISO 3408-5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelFactor(pub f64);
 
 /// Basis for the viscosity ratio of the modified life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KappaBy {
-    /// Viscosity ratio from the film thickness, if it is known.
+    /// The viscosity ratio is calculated from the film thickness, if the film thickness is known.
     Film,
-    /// Viscosity ratio from the viscosity alone.
+    /// The viscosity ratio is calculated from the viscosity alone.
     Viscosity,
 }
 
@@ -518,10 +518,10 @@ pub struct LeadErrorEntry {
     /// Phase of the wave. Defaults to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_deg: Option<f64>,
-    /// Slope.
+    /// Change of the axial error per millimeter of travel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope_um_per_mm: Option<f64>,
-    /// Coordinate at which the slope has no error. Defaults to 0.
+    /// Axial position at which the sloping error is zero. Defaults to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z0_mm: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Errors in cases. They state the key, the value and the requirement.
+//! Errors in case files and settings. Each error states the key, the value and the requirement.
 
 use std::io;
 use std::path::PathBuf;
@@ -22,20 +22,20 @@ pub enum CaseError {
     Unreadable {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Error that the operating system reported.
         source: io::Error,
     },
     /// The file is not valid JSON.
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
-    /// A name is unknown.
+    /// The name of an input, an output or a column is unknown.
     #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
         /// Kind of the name.
         known: Known,
         /// The unknown name.
         name: String,
-        /// The most similar known name.
+        /// Known name that is most similar to the unknown name.
         nearest: Option<String>,
     },
     /// The names of the columns of a table are separated by an unexpected character.
@@ -44,7 +44,7 @@ pub enum CaseError {
     /// A number is outside its permitted range or outside the range of a model.
     #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
-        /// Name of the input or setting.
+        /// Name of the input or setting with the invalid value.
         key: String,
         /// Invalid value.
         value: f64,
@@ -56,9 +56,9 @@ pub enum CaseError {
     /// An input is invalid or missing.
     #[error("{what}")]
     Entry {
-        /// Name of the input.
+        /// Name of the invalid or missing input.
         key: String,
-        /// Message about the input.
+        /// Message about the invalid or missing input.
         what: String,
     },
     /// An axis has no warm steady state.
@@ -67,13 +67,13 @@ pub enum CaseError {
     /// A nut cannot carry its load, or its preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
-    /// No usual groove has the given load ratings, so no groove can be estimated.
+    /// No typical groove has the given load ratings, so no groove can be estimated.
     #[error("{0}")]
     NoGroove(String),
     /// No search range is known for an input.
     #[error("`{key}` is not in the case, and no range to search is given")]
     NoRange {
-        /// Name of the input.
+        /// Name of the input without a search range.
         key: &'static str,
     },
     /// The inputs contradict each other, or no result can be calculated from them.
@@ -84,7 +84,7 @@ pub enum CaseError {
     InRow {
         /// Number of the row, counted from 1.
         row: usize,
-        /// Error in this row.
+        /// Error that occurred in this row.
         error: Box<Self>,
     },
 }
@@ -98,7 +98,7 @@ pub enum Known {
     List,
     /// Names of the columns in a list of nuts.
     Column,
-    /// Columns of a manufacturer's table.
+    /// Names of the columns in a manufacturer's table.
     TableColumn,
     /// Names of the keys of a requirement.
     Requirement,
@@ -239,7 +239,8 @@ impl CaseError {
         Self::entry(other, what)
     }
 
-    /// Creates the error for a value, with the message of the code that reads the value.
+    /// Creates the error for an invalid value, with the message of the parser that rejected the
+    /// value.
     pub(crate) fn of_value(key: &str, error: &str) -> Self {
         Self::entry(key, format!("`{key}`: {error}"))
     }

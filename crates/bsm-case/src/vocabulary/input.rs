@@ -83,7 +83,7 @@ impl Rule {
         self.check(key, value).map(|()| value)
     }
 
-    /// Describes the rule as text after "must be".
+    /// Describes the rule as a phrase that can follow "must be".
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
@@ -196,8 +196,9 @@ impl InputKey {
         Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
-    /// Returns the input for a name that may have another unit, and the conversion to the unit of
-    /// the input. For example, `axial_load_kN` is `axial_load_N` with a factor of 1000.
+    /// Returns the input to which `name` refers, and the conversion from the unit at the end of
+    /// `name` to the unit of the input. For example, `axial_load_kN` is `axial_load_N` with a
+    /// factor of 1000.
     ///
     /// # Errors
     ///

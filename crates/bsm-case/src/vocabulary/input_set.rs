@@ -1,4 +1,4 @@
-//! Sets of inputs, and the effect of new inputs on a set.
+//! Sets of inputs, and the changes to a set if new inputs are given.
 
 use std::f64::consts::PI;
 
@@ -185,7 +185,7 @@ pub(crate) struct Quantity {
 pub(crate) struct Form {
     /// Input of the form.
     pub(crate) key: InputKey,
-    /// Additional inputs that this form needs.
+    /// Additional inputs that are needed if the quantity is given in this form.
     pub(crate) with: InputSet,
     pub(crate) to: &'static str,
 }
@@ -238,7 +238,7 @@ forms! {
         coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
     /// Pretension of a screw between two fixed bearings.
     PRETENSION, "pretension_N (or pretension_K)": pretension_N, pretension_K;
-    /// Required life.
+    /// Required life in one of several units.
     REQUIRED_LIFE, "required_life_h (or _revolutions, _km, _cycles, _strokes or _years)":
         required_life_h, required_life_revolutions, required_life_km, required_life_cycles,
         required_life_strokes, required_life_years;
@@ -246,8 +246,8 @@ forms! {
     HARDNESS, "hardness_HRC (or hardness_HV10)": hardness_HRC, hardness_HV10;
 }
 
-/// Returns the value of an input that follows from other inputs: the number of balls from the balls
-/// per turn, or the speed from the feed rate.
+/// Returns the value of an input that is calculated from other inputs: the number of balls from the
+/// balls per turn, or the speed from the feed rate.
 pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     use InputKey as K;
     match key {
@@ -292,7 +292,7 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
 }
 
 /// Inputs that show that friction is calculated from a lubricant. Density and drag coefficient are
-/// not among them, because the jamming analysis also uses them for dry balls.
+/// not included, because the jamming analysis also uses them for dry balls.
 pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
@@ -413,7 +413,7 @@ impl Case {
         for key in given.replaced().without(given).iter() {
             self[key] = None;
         }
-        // An input that is given is no longer estimated.
+        // An input that the user gives is no longer an estimate.
         if let Some(estimated) = &mut self.nut.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }

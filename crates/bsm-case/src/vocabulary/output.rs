@@ -30,14 +30,15 @@ pub struct Output {
     pub(crate) origin: Origin,
 }
 
-/// Where the value of an output comes from.
+/// Source of the value of an output.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
-    /// The solution of a model.
+    /// The value comes from the solution of a model.
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
-    /// A table of quantities. `kind` is set if the table belongs to an analysis.
+    /// The value comes from a table of quantities. `kind` is set if the table belongs to an
+    /// analysis.
     Table { kind: Option<AnalysisKind> },
-    /// An input of a case.
+    /// The value is an input of a case.
     Input,
     /// One end of the 90 % interval of another output over the possible grooves.
     Interval { of: &'static Output, is_high: bool },
@@ -288,7 +289,7 @@ fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
-/// Converts true to 1 and false to 0.
+/// Converts the value true to 1 and false to 0.
 fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }

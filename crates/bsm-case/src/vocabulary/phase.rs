@@ -52,7 +52,7 @@ macro_rules! phase {
         }
 
         impl PhaseEntry {
-            /// Returns the keys that are given.
+            /// Returns the keys that the cycle entry contains.
             fn given(&self) -> impl Iterator<Item = &'static str> {
                 let profile = self.profile.map(|_| PROFILE);
                 let all = [$(self.$name.map(|_| stringify!($name)),)* profile];

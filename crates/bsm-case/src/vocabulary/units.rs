@@ -22,14 +22,14 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
-/// Converts the speeds of screw and nut from revolutions per minute, for one point or several
-/// points side by side.
+/// Converts the speeds of screw and nut from revolutions per minute to SI units, for one point or
+/// for several points in SIMD lanes.
 #[inline(always)]
 pub fn drive_of_rpm<F: Real>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
 }
 
-/// Returns a label for a name: the words of the name, a comma and the unit. For example,
+/// Returns the label of a quantity: the words of its name, a comma and the unit. For example,
 /// `axial_load_N` becomes "axial load, N".
 pub fn label(name: &str, unit: &str) -> String {
     let stem = &name[..name.len() - unit_suffix(name, unit).len()];
@@ -95,11 +95,11 @@ impl UnitChange {
 /// A unit, with its suffix in names, its printed text and its size.
 #[derive(Debug)]
 struct Unit {
-    /// Suffix in names.
+    /// Suffix of the unit in the names of quantities.
     suffix: &'static str,
     /// Text of the unit, as printed after a number.
     text: &'static str,
-    /// Size in SI units.
+    /// Size of the unit in SI units.
     size: f64,
 }
 
@@ -246,7 +246,7 @@ pub(crate) type Counterpart = (&'static str, &'static str, UnitChange);
 /// the other unit.
 pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
     let of = |dimension: &'static Dimension, unit: Option<&'static Unit>| {
-        // The first of several suffixes with the same text is the usual one.
+        // If several suffixes have the same text, the first one is the preferred suffix.
         let other = dimension.units.iter().find(|unit| unit.text == other)?;
         Some((unit?.suffix, other.suffix, dimension.change(other, unit?)))
     };
@@ -257,7 +257,8 @@ pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
     let any = |dimension: &'static Dimension| {
         of(dimension, dimension.units.iter().find(|unit| unit.text == own))
     };
-    // Units of the vocabulary come first, because a text such as K is a unit of several quantities.
+    // Units of the vocabulary are searched first, because a text such as K is a unit of several
+    // quantities.
     DIMENSIONS.iter().find_map(of_vocabulary).or_else(|| DIMENSIONS.iter().find_map(any))
 }
 

@@ -5,7 +5,7 @@
 pub enum SelectionLimit {
     /// The screw is longer than any screw that manufacturers list.
     ScrewLength,
-    /// The nut has more or fewer loaded turns than usual.
+    /// The number of loaded turns is outside the typical range.
     LoadedTurns,
     /// The land between the grooves is too narrow for these balls.
     BallOverLead,

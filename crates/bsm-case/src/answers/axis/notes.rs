@@ -1,4 +1,5 @@
-//! Notes and warnings on the sheet of an axis: assumptions, usual practice and uncertainties.
+//! Notes and warnings on the sheet of an axis: assumptions, recommendations from practice, and
+//! uncertainties.
 
 use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
@@ -19,18 +20,20 @@ use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
 /// short strokes (HIWIN BS-08-2, F 3.10).
 const SHORT: (f64, f64) = (3.0, 3.0);
 
-/// Speed number above which the manufacturer must approve the grease \[mm/min\] (usual value).
+/// Speed number above which the manufacturer must approve the grease \[mm/min\] (value from common
+/// practice).
 const FAST: f64 = 100e3;
 
-/// Steady-state temperature rise above which cooling is recommended \[K\] (usual value).
+/// Steady-state temperature rise above which cooling is recommended \[K\] (value from common
+/// practice).
 const HOT: f64 = 40.0;
 
 /// Range of the ratio of nut speed to critical screw speed in which a driven nut can excite the
-/// screw (usual advice).
+/// screw (common recommendation).
 const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Ratio between the viscosity ratios from film thickness and from viscosity above which a note
-/// states both of them.
+/// Ratio between the viscosity ratio from the film thickness and the viscosity ratio from the
+/// viscosity. Above this limit, a note states both viscosity ratios.
 const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
@@ -348,7 +351,8 @@ impl AxisState<'_> {
             );
         }
         let circuits = self.case.value_or_default(InputKey::circuits_count)?;
-        // While the nut moves by a distance, the balls advance by (1 − γ)/2 of this distance.
+        // While the nut moves by a distance, the balls advance along the thread by (1 − γ)/2 of
+        // this distance.
         let round = self.machine.groove.as_ref().map(|(nut, _)| {
             2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
         });

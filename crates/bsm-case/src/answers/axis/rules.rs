@@ -83,12 +83,13 @@ impl RuleInputs<'_> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
-    /// Returns the largest permitted utilization of the motor, if a torque-speed curve is given.
+    /// Returns the largest permitted utilization of the motor if its torque-speed curve is given,
+    /// and `None` otherwise.
     fn utilization_limit(&self) -> Option<f64> {
         self.case.nut.motor_curve.as_ref().map(|_| 1.0)
     }
 
-    /// Returns true if the screw moves. The life of a screw at standstill is not checked.
+    /// Returns true if the screw moves. For a screw at standstill, life is not checked.
     fn moves(&self) -> bool {
         self.axis.fastest() > 0.0
     }
@@ -107,8 +108,8 @@ impl RuleInputs<'_> {
         )
     }
 
-    /// Describes the remedy of whirling apart from length and core: two fixed ends cannot become stiffer, but a driven nut
-    /// turns around a screw at rest.
+    /// Describes a remedy against whirling other than a shorter or thicker screw: a stiffer support
+    /// or, if both ends are already fixed, a driven nut on a screw at rest.
     fn other_remedy_of_whirling(&self) -> &'static str {
         let is_fixed = |shaft: &Shaft| shaft.support == EndFixity::FixedFixed;
         if self.axis.shaft.as_ref().is_some_and(is_fixed) {
@@ -200,7 +201,7 @@ macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
     )*) => {
-        /// Titles of these rules.
+        /// Titles of the rules in this table.
         const $titles: &[&str] = &[$($title),*];
 
         $(#[$doc])*

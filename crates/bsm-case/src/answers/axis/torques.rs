@@ -46,8 +46,8 @@ pub struct ScrewTorque {
 }
 
 impl ScrewTorque {
-    /// Parts of the torque in the order in which they are added: first the torque of the load, then
-    /// the parts that turn into heat.
+    /// Parts of the screw torque in the order in which they are added: first the torque of the
+    /// load, then the parts that dissipate energy as heat.
     pub const PARTS: [OutputName; 5] = [
         output!(ideal_torque_Nm),
         output!(contact_friction_torque_Nm),
@@ -155,7 +155,7 @@ impl Torques {
     }
 }
 
-/// Torques in a phase.
+/// Torques in a phase of the cycle.
 pub(crate) struct PhaseTorques {
     pub(super) phase: Phase,
     /// Torques at the start and the end of the phase.
@@ -228,7 +228,7 @@ pub(crate) struct Preload {
     pub(super) warm: f64,
     /// Drag torque that a measurement is expected to give, according to the manufacturers' rule.
     pub(super) by_rule: f64,
-    /// Drag torque of the contacts alone; `None` without friction.
+    /// Drag torque of the ball contacts only; `None` if friction is not known.
     pub(super) of_contacts: Option<f64>,
     /// The nut without external load; `None` without friction or motion.
     pub(super) unloaded: Option<NutReport>,
@@ -317,7 +317,7 @@ pub fn torque_parts(
 /// screws. Even for a preloaded nut, it solves only one ball that carries an equal share of the
 /// load, and it takes the friction torque of the preload from the manufacturers' rule.
 ///
-/// * `nut`: nut of the case.
+/// * `nut`: nut that the case describes.
 pub(crate) fn quick_efficiency(
     case: &Case,
     settings: &Settings,

@@ -27,7 +27,7 @@ quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     }
 }
 
-/// A circuit of the ball train.
+/// A circuit of balls in the ball train.
 struct OneCircuit<'a> {
     number: f64,
     needed: f64,

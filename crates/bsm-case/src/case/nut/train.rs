@@ -19,7 +19,7 @@ pub(crate) struct BallGaps {
     pub(crate) train: Option<TrainInputs>,
 }
 
-/// Returns a message that states for how many balls a circuit has room.
+/// Returns a message that states how many balls fit into a circuit.
 ///
 /// * `spacer`: thickness of the spacers \[m\].
 pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {

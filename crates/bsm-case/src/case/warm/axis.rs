@@ -23,7 +23,7 @@ const SLOW: f64 = 100.0 * RPM;
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
-    /// Equilibrium under the support of the problem.
+    /// Equilibrium of the nut with the loads and constraints of the problem.
     found: Equilibrium,
     pub(super) preload: Option<NutPreload>,
     /// Equilibrium of the preloaded nut without load; the guides prevent tilting.
