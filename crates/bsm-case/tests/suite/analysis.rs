@@ -1,5 +1,5 @@
-//! Tests of general properties of the motion analyses. Published trends are checked by `bsm
-//! validate`.
+//! Tests of general properties of the analyses of the ball motion. Published trends are checked by
+//! `bsm validate`.
 
 use bsm_case::{
     AnalysisKind, Answer, Case, CaseError, Catalog, EllipseFields, INPUTS, ModelChoice,

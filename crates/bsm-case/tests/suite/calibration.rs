@@ -15,7 +15,7 @@ const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 /// True values of the fitted inputs.
 const TRUTH: [(&str, f64); 2] = [("friction_coefficient", 0.06), ("contact_angle_deg", 45.0)];
 
-/// Number of data sets of each kind.
+/// Number of random data sets of each kind.
 const SETS: usize = 400;
 
 /// 97.5 % quantile of Student's t distribution with 10 degrees of freedom, which is 12 points minus

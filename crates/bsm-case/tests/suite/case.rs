@@ -558,10 +558,10 @@ fn contact_columns_show_values_of_their_own_contact() {
     }
 }
 
-/// Missing inputs are those of the nearest way to a result: a catalog line if it lacks fewer inputs than the groove, otherwise the
-/// groove.
+/// The error names the smallest set of missing inputs with which a result can be calculated: inputs
+/// of a catalog line if fewer of them are missing, otherwise inputs of the groove.
 #[test]
-fn missing_inputs_are_those_of_the_nearest_way() {
+fn error_names_the_smallest_set_of_missing_inputs() {
     let refusal = |json: &str| {
         let case = Case::from_json(json.as_bytes()).expect("a case");
         let error = NutProblem::of(&case, &Settings::default()).expect_err("inputs are missing");

@@ -574,7 +574,7 @@ fn rule_is_undecided_where_the_interval_of_an_estimated_groove_contains_its_limi
             assert!(notes.iter().any(|note| note.contains("is undecided")), "{notes:?}");
         }
     }
-    // With the groove, the rule is decided.
+    // If the groove is given, the rule is decided.
     let mut given = sheet(band.low * margin).case.with_groove().expect("a groove");
     given.nut.estimated_inputs = None;
     given.axial_load_N = Some(band.low * margin);
@@ -618,7 +618,7 @@ strong,40,20,51300";
 /// Only some of the possible grooves have a fold of the warm states. The answer states how many, with the interval of the fold over
 /// these grooves. It used to say nothing if the best groove has no fold.
 #[test]
-fn fold_that_only_some_grooves_have_is_reported_with_its_share() {
+fn fold_that_exists_only_for_some_grooves_is_reported_with_their_number() {
     let base = ["stroke_mm=800", "warm_state=true", "preload_N=2000", "screw_speed_rpm=1500"];
     let limit = |factor: f64| format!("fold_search_factor={factor}");
     let fold = |factor: f64| {

@@ -303,7 +303,7 @@ fn film_conductance_is_averaged_over_standstill() {
 }
 
 /// If the torques of seals and bearings are not given, they are named next to the heat. The upper
-/// end of the temperature rise includes typical values of these torques.
+/// bound of the temperature rise includes typical values of these torques.
 #[test]
 fn sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];

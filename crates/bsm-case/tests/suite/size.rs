@@ -91,8 +91,8 @@ fn rules_match_a_calculation_in_catalog_units() {
             size(&report, "screw_core_diameter_mm"),
             1200.0 + size(&report, "nut_length_mm") + 2.0 * size(&report, "lead_mm"),
         );
-        // Young's modulus is 207 GPa = 207 000 N/mm², and the density is 7850 kg/m³ = 7.85e-9
-        // t/mm³.
+        // Young's modulus is 207 GPa = 207 000 N/mm², and the density of steel is 7850 kg/m³ =
+        // 7.85e-9 t/mm³.
         let (e, rho): (f64, f64) = (207e3, 7.85e-9);
         let (i, a) = (PI * d.powi(4) / 64.0, PI * d * d / 4.0);
         let critical = 60.0 / TAU * (root / l).powi(2) * (e * i / (rho * a)).sqrt();
@@ -473,9 +473,9 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 }
 
 /// `select`, `axis`, `nut` and `solve` give equal values for outputs with the same name. This is
-/// tested for random requirements (200 with `CAMPAIGNS=whole`), plain and preloaded, dry and
-/// lubricated. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in `axis`,
-/// which used another model.
+/// tested for random requirements (200 with `CAMPAIGNS=whole`), with and without preload, and with
+/// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
+/// `axis`, which used another model.
 #[test]
 fn select_axis_nut_and_solve_agree() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);

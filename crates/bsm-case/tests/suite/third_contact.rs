@@ -28,14 +28,14 @@ fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{name} {found} {expected}");
 }
 
-/// Ten balls of reference V06 share ten times the load of one ball.
+/// The nut has ten balls, which share ten times the load of the single ball in reference case V06.
 #[test]
 fn third_contact_below_the_threshold_play_matches_the_reference() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
     let record = solved(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
     let get = |key: &str| expect[key].as_f64().expect("a number");
-    // The tolerance is the tolerance of the reference.
+    // The tolerance is taken from the reference case.
     near(&record, "nut_normal_load_N", get("nut_plus_N"), 1e-6);
     near(&record, "screw_normal_load_N", get("screw_plus_N"), 1e-6);
     near(&record, "third_contact_load_N", get("nut_minus_N"), 3e-5);
@@ -124,7 +124,7 @@ fn radial_gap_deeper_than_the_grooves_is_rejected() {
         let why = case.problem(&Settings::from(model)).expect_err("no groove is that deep");
         assert!(why.to_string().contains("radial_gap_um"), "{why}");
     }
-    // Models without grooves do not use the play.
+    // Models that do not depend on the groove geometry ignore the play.
     case.radial_gap_um = Some(300.0);
     assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
 }

@@ -25,7 +25,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The specification and the program have different names for this input.
+    // The specification and the program use different names for this input.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
