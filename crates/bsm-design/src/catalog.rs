@@ -169,7 +169,7 @@ fn balls_on(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
 }
 
 /// Returns the length of a turn divided by the ball diameter. All lengths are in units of [`STEP`],
-/// and the length of the turn is rounded to a whole step.
+/// and the length of the turn is rounded to a whole number of units.
 fn balls_of_turn(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
     // The added 1e-9 ensures that rounding errors do not reduce a whole number of balls by one.
     turn_length(pitch_diameter, lead).round() / ball + 1e-9

@@ -47,8 +47,8 @@ impl Make {
 
     /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
     /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
-    /// its grade or a finer grade or, if the grade is unknown, to any grade. An unknown diameter has no
-    /// longest screw.
+    /// its grade or a finer grade or, if the grade is unknown, to any grade. Returns `None` if the
+    /// diameter is unknown.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {

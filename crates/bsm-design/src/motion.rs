@@ -537,7 +537,8 @@ impl FrictionCurve {
         }
     }
 
-    /// Returns the friction torque at a coordinate \[N·m\] by barycentric interpolation.
+    /// Returns the friction torque \[N·m\] at a coordinate of the curve, calculated by barycentric
+    /// interpolation.
     fn value(&self, place: f64) -> f64 {
         let (mut above, mut below) = (0.0, 0.0);
         let last = self.nodes.len() - 1;
@@ -554,7 +555,8 @@ impl FrictionCurve {
         above / below
     }
 
-    /// Returns the operating point at a coordinate and its friction torque.
+    /// Returns the operating point at a coordinate of the curve, and the friction torque at this
+    /// point.
     fn at(&self, phase: &Phase, place: f64) -> (PhasePoint, f64) {
         (phase.at(curve_share(self.root_of, place)), self.value(place))
     }

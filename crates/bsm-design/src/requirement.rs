@@ -81,7 +81,7 @@ pub enum Objective {
 }
 
 impl Objective {
-    /// Returns the quantity to optimize.
+    /// Returns the design quantity that the objective optimizes.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Efficiency => Quantity::Efficiency,
@@ -214,9 +214,9 @@ pub struct Requirement {
     pub largest_power: Option<f64>,
     /// Permitted ranges of further design quantities.
     pub ranges: Ranges,
-    /// Quantity to optimize.
+    /// Quantity that the search optimizes.
     pub objective: Objective,
-    /// Design variables with fixed values.
+    /// Design variables whose values are fixed.
     pub fixed: FixedValues,
     /// Available ball diameters \[m\].
     pub stock: Vec<f64>,
