@@ -109,7 +109,7 @@ const REACH_STEPS: u32 = 8;
 pub enum NoFit {
     /// The search ended without a result, for one of the reasons in the message.
     #[error(
-        "a point has no solution for some of the tried values, or the search does not converge; \
+        "a point has no solution for some values of the fitted inputs, or the search does not converge; \
          give narrower ranges for the inputs"
     )]
     Lost,

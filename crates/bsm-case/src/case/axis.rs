@@ -520,7 +520,10 @@ pub(crate) fn mount(case: &Case) -> Mount {
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
     let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
     let Some(stated) = case.rated_dynamic_load_N else {
-        return Err(bad("rating_basis", "needs rated_dynamic_load_N, whose basis it states"));
+        return Err(bad(
+            "rating_basis",
+            "needs rated_dynamic_load_N, because it states the basis of this rating",
+        ));
     };
     match case.lead() {
         Some(lead) => Ok(Some(basis.factor(lead * MM) * stated)),

@@ -215,7 +215,7 @@ impl Case {
         let assumed: Vec<_> = SURFACES.iter().filter_map(assumed).collect();
         (self.given().is_lubricated() && !assumed.is_empty()).then(|| {
             format!(
-                "The roughness of ground surfaces is assumed, accurate to about 40 %: {}. If screw_make is rolled, screw_roughness_um \
+                "A typical roughness of ground surfaces is assumed, which is accurate to about 40 %: {}. If screw_make is rolled, screw_roughness_um \
                  defaults to 0.4.",
                 assumed.join(", ")
             )

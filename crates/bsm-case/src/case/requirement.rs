@@ -61,7 +61,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     (
         "model",
         &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
-        "model for the efficiency",
+        "model that calculates the efficiency",
     ),
     (
         "allow_warnings",

@@ -118,7 +118,7 @@ entries! {
     kappa_by: Named<KappaBy>,
         "basis of the viscosity ratio of the modified life: film (the film thickness ratio, if groove and roughness are known) or viscosity; defaults to film";
     rating_basis: Named<RatingBasis>,
-        "travel for which rated_dynamic_load_N is stated: revolutions, a million of them (ISO 3408-5); 100 km; million inches. Defaults to revolutions";
+        "travel for which rated_dynamic_load_N is stated: revolutions (one million revolutions, ISO 3408-5), 100 km, or million inches (one million inches). Defaults to revolutions";
     motor_curve: Vec<MotorCurveRow>,
         "torque-speed curve of the motor, which replaces motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
     keep_ratings: bool,
@@ -134,7 +134,7 @@ entries! {
     brake_at_rest: bool,
         "true: a brake holds the load at standstill, so that the motor needs no torque there; defaults to false";
     warm_state: bool,
-        "true: calculates the temperatures that the axis reaches by friction, and the preload at these temperatures";
+        "true: calculates the steady-state temperatures that result from friction, and the preload at these temperatures";
     coolant: Named<Coolant>,
         "fluid that flows through a hollow screw; defaults to water";
     drag_rule: bool,

@@ -71,7 +71,7 @@ pub enum CaseError {
     #[error("{0}")]
     NoGroove(String),
     /// No search range is known for an input.
-    #[error("`{key}` is not in the case, and no range to search is given")]
+    #[error("`{key}` has no value in the case, and no search range is given")]
     NoRange {
         /// Name of the input without a search range.
         key: &'static str,

@@ -300,7 +300,7 @@ inputs! {
         ball_oversize_um ["um"] Any, None,
             "oversize of all balls relative to the diameter at which they just touch both flanks of a nut; a negative value means play";
         ball_deviation_sd_um ["um"] AtLeast(0.0), None,
-            "standard deviation of the ball diameters of a nut; the diameters are drawn at random with seed";
+            "standard deviation of the ball diameters of a nut; the diameters are random numbers that depend on the input seed";
         seed [""] Whole(0.0), Some(0.0),
             "seed of the random deviations of the balls";
     }
@@ -398,9 +398,9 @@ inputs! {
     }
     "nut" {
         raceway_yield_strength_MPa ["MPa"] Above(0.0), None,
-            "yield strength of the raceways, from which the safety margin against yielding of the contacts is calculated";
+            "yield strength of the raceways; used to calculate the safety margin against yielding of the contacts";
         ball_yield_strength_MPa ["MPa"] Above(0.0), None,
-            "yield strength of the balls, from which the safety margin against yielding of the contacts is calculated";
+            "yield strength of the balls; used to calculate the safety margin against yielding of the contacts";
     }
     "lubricant" {
         lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
@@ -494,7 +494,7 @@ inputs! {
         screw_bore_mm ["mm" "d_b"] Above(0.0), None,
             "bore of a hollow screw";
         coolant_density_kg_m3 ["kg/m3"] AtLeast(0.0), Some(0.0),
-            "density of the liquid in the bore of a hollow screw, for its critical speed";
+            "density of the liquid in the bore of a hollow screw; reduces the critical speed";
         buckling_length_mm ["mm"] Above(0.0), None,
             "length of the screw that may buckle, between fixed bearing and nut; defaults to the unsupported length";
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
@@ -502,7 +502,7 @@ inputs! {
         support_bearing_axial_load_N ["N"] Above(0.0), None,
             "largest permitted axial load of the support bearings; the sum of the load, the pretension and the force due to constrained thermal expansion must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
-            "tension of a screw between two fixed bearings when it is as warm as the bed";
+            "tension of a screw between two fixed bearings when the screw and the bed have the same temperature";
         pretension_K ["K"] AtLeast(0.0), None,
             "temperature rise of the screw that the pretension compensates, between two fixed bearings; usually 2 to 5. It replaces pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
@@ -602,9 +602,9 @@ inputs! {
         required_life_years [""] Above(0.0), None,
             "required life in years of operating_h_day and operating_days_year; replaces required_life_h";
         operating_h_day ["h/day"] Within(0.1, 24.0), None,
-            "hours of operation per day; for the life in years";
+            "hours of operation per day; used to calculate the life in years";
         operating_days_year [""] Within(1.0, 366.0), None,
-            "days of operation per year; for the life in years";
+            "days of operation per year; used to calculate the life in years";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
             "required static safety";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),

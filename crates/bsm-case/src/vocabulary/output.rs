@@ -358,7 +358,7 @@ outputs! {
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
             "gyroscopic moment divided by friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
-            "skid onset number: skid number times a factor for the friction that the lead-induced slip uses. Below 0.1 the ball rolls; above 2 it is in gross skid";
+            "skid onset number: skid number times a factor that accounts for the friction consumed by lead-induced slip. Below 0.1, the ball rolls; above 2, it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
             "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
         "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),

@@ -251,7 +251,7 @@ impl PhaseEntry {
         let given: Vec<_> =
             speeds.iter().filter(|(given, _)| *given).map(|(_, key)| *key).collect();
         if given.len() > 1 {
-            return Err(format!("a phase has only one of {}", given.join(" and ")));
+            return Err(format!("a phase can contain only one of {}", given.join(" and ")));
         }
         let accelerates = self.acceleration_m_s2.is_some_and(|acceleration| acceleration != 0.0);
         if is_ramp && self.acceleration_m_s2.is_some() {

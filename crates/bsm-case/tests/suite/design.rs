@@ -287,7 +287,7 @@ fn error_of_a_fit_states_the_reachable_range() {
         ("friction", "screw_torque_Nm=1", "did you mean `friction_coefficient`?"),
         ("friction_coefficient", "torque=1", "no numeric output is named `torque`"),
         ("friction_coefficient", "screw_torque_Nm", "does not have the form"),
-        ("rolling_friction_mm", "screw_torque_Nm=1", "no range to search is given"),
+        ("rolling_friction_mm", "screw_torque_Nm=1", "no search range is given"),
     ] {
         let error = Fit::parse(&case, input, measured).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");

@@ -346,7 +346,7 @@ rules! {
     "power of the motor" peak_motor_power_W
         = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
-        "the worst phase",
+        "largest motor power in any phase",
         format!("{} times the feed, or a larger motor", at_most(margin, 2));
     "inertia ratio" inertia_ratio at_most of.input(K::largest_inertia_ratio),
         "THK, eq. 49: 3 to 10",
@@ -371,7 +371,7 @@ rules! {
     of_preload(of, margin) TITLES_OF_PRELOAD:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
-        "end of the flank (G8)",
+        "load at which a contact ellipse reaches the end of its flank (G8)",
         "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),
