@@ -396,7 +396,8 @@ mod tests {
             (100e-3, 20e-3, 10e-3, 101.66e-3, 28.0),
         ] {
             let (found, n) = loaded_balls(nominal, lead, ball, BALL_GAP);
-            // The diameters are multiples of 0.01 mm, stored in meters.
+            // The diameters are multiples of 0.01 mm, but are stored in meters, which causes
+            // rounding errors.
             assert!((found - diameter).abs() < 1e-12 && (n - balls).abs() < 0.5, "{found} {n}");
         }
     }

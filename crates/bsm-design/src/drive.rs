@@ -439,7 +439,7 @@ mod tests {
             BackDriving::of(efficiencies.map(|eta| eta * ideal), drag)
         };
         let ([low, high], what) = of([0.75, 0.85], 0.25);
-        // The hand calculation has four digits.
+        // The hand calculation is accurate to four digits.
         assert_relative_eq!(low, 2.426_46, max_relative = 2e-6);
         assert_relative_eq!(high, 3.066_65, max_relative = 2e-6);
         assert_eq!(what, BackDriving::Turns);
@@ -601,7 +601,7 @@ mod tests {
         assert_relative_eq!(drive.inertia(), 2.071_26e-3, max_relative = 3e-6);
         let falling = drive.falling(250.0 * GRAVITY);
         let distance = falling.stopping_distance(9.0, 0.05, 0.25).expect("it holds");
-        // The hand calculation has four digits.
+        // The hand calculation is accurate to four digits.
         assert_relative_eq!(distance, 36.66e-3, max_relative = 2e-4);
         assert_eq!(falling.stopping_distance(3.9, 0.05, 0.25), None);
         let fall = falling.acceleration(0.8 * falling.torque - 0.25);

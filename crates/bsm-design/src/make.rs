@@ -41,7 +41,7 @@ impl Make {
             Self::Caged => 130e3,
             Self::HighSpeed => 160e3,
         };
-        // The limit is stated in mm/min.
+        // Catalogs state the limit in mm/min.
         workshop * 1e-3 * TAU / 60.0
     }
 
@@ -67,7 +67,7 @@ impl Make {
             (Self::Rolled, fineness) => fineness.is_none(),
             (_, fineness) => fineness.is_some_and(|fineness| fineness <= own),
         };
-        // Coarser grades come last and permit longer screws.
+        // Coarser grades come last in the table and permit longer screws.
         Some(1e-3 * number(rows.rfind(fits)?[column])?)
     }
 }

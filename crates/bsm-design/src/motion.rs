@@ -443,7 +443,7 @@ pub struct PhaseMeans {
 }
 
 impl PhaseMeans {
-    /// Returns the instantaneous values at an operating point.
+    /// Returns the heat, the squared motor torque and the regenerated power at an operating point.
     fn at(drive: &DriveTrain, point: &PhasePoint, friction: f64) -> Self {
         let torque = drive.motor_torque(point, friction);
         // Q̇ = T_f |Ω|,  T_rms² = mean T²,  E_reg/t = max(0, −s T) i_g |Ω|  (BB3)

@@ -288,7 +288,7 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 pub struct Check {
     /// Step of Lin's procedure that introduces the quantity, or 11 for additional quantities.
     pub step: u8,
-    /// The checked quantity.
+    /// Quantity that is compared with its limits.
     pub quantity: Quantity,
     /// Value of the quantity, or NaN if it cannot be calculated.
     pub value: f64,

@@ -120,7 +120,8 @@ pub fn sign_changes<E: Into<SearchError>>(
             None
         };
         let Some(at) = root else { continue };
-        // A continuous function changes only slightly within the tolerance of the root.
+        // Near a root, a continuous function changes only slightly over the tolerance of the root
+        // finder. A larger change indicates a jump.
         let near = 1e-9 * at.abs();
         let change = function(at + near)? - function(at - near)?;
         if change.abs() > JUMP * (v[1] - v[0]).abs() && v[1] != 0.0 {

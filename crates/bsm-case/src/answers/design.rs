@@ -358,7 +358,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     let conformity = Some(decimal(nut.conformity.0));
-    // Each thread start has one circuit.
+    // A nut with several thread starts has one circuit on each start.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Case {
         ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),

@@ -1091,7 +1091,8 @@ impl NutReport {
         loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
         loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
-        // A nut without preload and load has no definite position, so the curve omits this point.
+        // A nut without preload and load has no definite axial position, so its curve does not
+        // begin at zero load.
         let start = usize::from(self.made.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }

@@ -76,7 +76,7 @@ impl<'a> Samples<'a> {
         Some(NutReport::new(one, made).some(&SAMPLED))
     }
 
-    /// Returns the answer for all copies: the quantiles of each quantity.
+    /// Returns the answer for all random copies of the nut: the quantiles of each quantity.
     pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
         let carried: Vec<_> = nuts.iter().flatten().collect();
         let failed = nuts.len() - carried.len();

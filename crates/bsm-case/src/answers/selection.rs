@@ -294,7 +294,8 @@ impl NutFilter {
         let mut chosen =
             if self.pareto { ManufacturerRow::front(&rows, &within) } else { within.clone() };
         if let Some((column, descending)) = &self.order {
-            // A row without this number comes last in ascending and descending order.
+            // A row without a value in the sort column comes last, both in ascending and in
+            // descending order.
             chosen.sort_by(|a, b| {
                 let verdict = |place: &u32| rows[*place as usize].verdict;
                 let [one, other] = [a, b].map(|place| number(*place, column));

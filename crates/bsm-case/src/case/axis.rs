@@ -678,7 +678,7 @@ impl Case {
         let (preload, play) = preload(self)?;
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
-            // The axis is only required for a preload that depends on the load.
+            // The axis is only needed to calculate a preload that depends on the load.
             let axis = Machine::of(&case)?.axis;
             case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }

@@ -110,7 +110,7 @@ impl Cycle {
             return Ok(Self { segments, time: Some(sum), rest_force, notes });
         };
         let time = 3600.0 / cycles;
-        // Differences below a millionth are rounding errors of the inputs.
+        // The cycle may exceed the available time by one millionth, because the inputs are rounded.
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
                 "is {}, but the cycle takes {} s, so at most {} cycles per hour are possible",

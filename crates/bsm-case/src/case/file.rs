@@ -134,7 +134,7 @@ impl Case {
             let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
-            // Text values need no quotes.
+            // In a setting such as `support=fixed-fixed`, the text value needs no quotes.
             let word = match name {
                 DESCRIPTION => json!(value.trim_matches('"')),
                 _ => json_or_text(value)?,

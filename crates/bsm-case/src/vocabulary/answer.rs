@@ -49,7 +49,7 @@ pub struct Section {
 pub enum Content {
     /// Values of a table of quantities.
     Numbers {
-        /// Numbers of the section.
+        /// Numbers that the section contains.
         numbers: Numbers,
         /// Heading of the numbers that do not belong to a contact or a direction.
         whole: &'static str,
@@ -121,11 +121,11 @@ pub struct Criterion {
     pub title: &'static str,
     /// Name of the number, with its unit as a suffix.
     pub name: &'static str,
-    /// Symbol of the number.
+    /// Symbol of the number that the rule limits.
     pub symbol: &'static str,
     /// Displayed unit.
     pub unit: DisplayUnit,
-    /// Value of the number.
+    /// Value of the number that the rule limits.
     pub value: f64,
     /// Limit; `None` if there is no requirement.
     pub limit: Option<f64>,
@@ -176,7 +176,7 @@ impl Verdict {
 impl Criterion {
     /// Returns the verdict on the rule.
     pub fn verdict(&self) -> Verdict {
-        // A decimal limit can differ from the value by a rounding error.
+        // The tolerance allows for rounding errors of limits that are entered as decimal numbers.
         let meets = |margin: f64| margin >= 1.0 - 1e-9;
         match (self.margin(), self.margins) {
             (Some(_), Some(Band { low, high })) if !meets(low) && meets(high) => Verdict::Undecided,

@@ -333,7 +333,8 @@ pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError 
 
 /// Returns the beginning of a user's text for use in a message, with control characters escaped.
 pub fn brief(text: &str) -> String {
-    // The limit is about one line. The longest name of an input has half as many characters.
+    // The limit corresponds to about one line of text, and to twice the length of the longest input
+    // name.
     const MAX_CHARACTERS: usize = 60;
     match text.char_indices().nth(MAX_CHARACTERS) {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),

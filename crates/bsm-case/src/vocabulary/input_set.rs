@@ -180,7 +180,7 @@ pub(crate) struct Quantity {
     pub(crate) forms: &'static [Form],
 }
 
-/// A form of a quantity.
+/// One of the forms in which a quantity may be given.
 #[derive(Debug)]
 pub(crate) struct Form {
     /// Input of the form.
@@ -254,7 +254,8 @@ pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Opti
         K::loaded_balls => {
             let balls = given(K::loaded_balls_per_turn)? * loaded_turns(&given)?;
             match (given(K::loaded_turns), given(K::circuits_count)) {
-                // Each circuit of one turn minus its gap has an integer number of balls.
+                // Each circuit covers one turn minus its gap, and contains an integer number of
+                // balls.
                 (None, Some(circuits)) => Some((balls / circuits).round() * circuits),
                 _ => Some(balls),
             }

@@ -70,8 +70,8 @@ impl Quantity {
         default: None,
     };
 
-    /// Returns the quantity with the given name, which must exist in the table. Its meaning is cut
-    /// off at the first semicolon.
+    /// Returns the quantity with the given name from a table. The text of its meaning is cut off at
+    /// the first semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {

@@ -60,13 +60,13 @@ pub fn direction_deg<F: Real>(angle: F) -> F {
     F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }
 
-/// Conversion from another unit to the unit of the vocabulary: `factor * (value - zero)`.
+/// Conversion from an alternative unit to the unit of the vocabulary: `factor * (value - zero)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitChange {
-    /// Size of the other unit, in the unit of the vocabulary.
+    /// Size of the alternative unit, expressed in the unit of the vocabulary.
     pub factor: f64,
-    /// Value in the other unit that corresponds to zero in the unit of the vocabulary. It is 0
-    /// except for temperatures.
+    /// Value in the alternative unit that corresponds to zero in the unit of the vocabulary. It is
+    /// 0 except for temperatures.
     pub zero: f64,
 }
 
@@ -84,8 +84,8 @@ impl UnitChange {
         self.factor * difference
     }
 
-    /// Converts a value from the unit of the vocabulary to the other unit. Without an offset, the
-    /// result keeps the sign of zero.
+    /// Converts a value from the unit of the vocabulary to the alternative unit. Without an offset,
+    /// the result keeps the sign of zero.
     pub fn back(self, value: f64) -> f64 {
         let scaled = value / self.factor;
         if self.zero == 0.0 { scaled } else { scaled + self.zero }
@@ -361,7 +361,7 @@ mod tests {
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
             let (found, change) = convert(name, known()).expect(name);
-            // Factors are rounded to fifteen digits.
+            // The conversion factors are rounded to fifteen digits.
             assert!(
                 found == own && (change.factor / factor - 1.0).abs() < 1e-14,
                 "{name}: {found} {change:?}"

@@ -283,7 +283,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
     lin.apply(&["friction_coefficient=0.1"]).expect("known name");
     lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
     assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
-    // A new lead replaces the lead angle in the file.
+    // A lead in the settings replaces the lead angle of the case.
     lin.apply(&["lead_mm=20"]).expect("known name");
     assert_eq!((lin.lead_mm, lin.lead_angle_deg), (Some(20.0), None));
     assert!(lin.check().is_ok());
@@ -296,7 +296,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
         let error = lin.apply(&[setting]).expect_err(setting).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // The rule for an input rejects NaN.
+    // A setting can contain NaN, but the check of the case rejects this value.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
 }

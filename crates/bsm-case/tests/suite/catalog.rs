@@ -5,7 +5,7 @@ use bsm_design::Candidate;
 
 use crate::named;
 
-/// Short lists of sizes. The other lists keep their standard values.
+/// Short lists of sizes as JSON text. Lists that are not given keep their standard values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;

@@ -62,7 +62,8 @@ fn complete_grooves_are_not_changed_by_the_estimate() {
         let stated = ["nominal_diameter_mm=40", "lead_mm=20", "rated_dynamic_load_N=51300"];
         let mut rated = given.clone();
         rated.apply(&stated).expect("inputs");
-        // If the groove is incomplete, it may contradict these ratings.
+        // The incomplete groove of an example may contradict these ratings, and the example is then
+        // skipped.
         let Ok(found) = rated.with_groove() else { continue };
         if !found.has_estimated_groove() {
             complete += 1;

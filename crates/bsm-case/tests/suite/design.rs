@@ -152,7 +152,7 @@ fn lead_and_lead_angle_determine_the_pitch_circle() {
     );
     let case = report.case;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
-    // The diameter is rounded to one micrometer.
+    // The pitch circle diameter in the case is rounded to one micrometer.
     assert!((case.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
 }
 
@@ -473,7 +473,7 @@ fn nut_results_for_a_cycle_match_the_axis_sheet() {
         let notes = nut.solve().expect("a solution").notes();
         assert!(notes[0].contains("largest load: 6058.8 N at 300 rpm"), "{notes:?}");
         let nut = NutProblem::of(&case, &Settings::default()).expect("a nut").solve().expect("one");
-        // Both commands solve the same problem.
+        // The commands `axis` and `nut` solve the same nut problem, so the stiffnesses are equal.
         let stiffness = sheet.number(output!(nut_stiffness_at_largest_load_N_um));
         assert_eq!(nut.number(output!(nut_stiffness_N_um)), stiffness);
         assert_eq!(nut.number(output!(cold_preload_N)).is_some(), is_pair);

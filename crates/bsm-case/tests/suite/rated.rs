@@ -48,7 +48,8 @@ fn four_catalog_numbers_suffice_for_an_axis_sheet() {
     ] {
         number(&report, name);
     }
-    // The torque is F h/0.9, with h = lead / (2 pi), without preload and seals.
+    // Without preload and seals, the screw torque at an efficiency of 0.9 is F h/0.9, with h = lead
+    // / (2 pi).
     let torque = 5000.0 * 0.02 / TAU / 0.9;
     assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
     assert_eq!(report.phases[0].contacts, "catalog efficiency");
@@ -146,7 +147,7 @@ fn machining_center_with_catalog_data_matches_the_reference() {
     // When warm, the screw is compressed between its bearings. The pretension is 6605.3 N for 3 K.
     // The temperature rise of 13.979 K from the thermal network was calculated independently.
     let pressed = 6605.3 / 3.0 * 13.979_30 - 6605.3;
-    // Each of these numbers has five digits.
+    // Each number in this hand calculation has five digits.
     let safety = 265_885.0 / (7000.0 + pressed);
     assert_relative_eq!(number(&report, "buckling_safety"), safety, max_relative = 3e-5);
     let slack = report.answer.rules.iter().find(|rule| rule.title == "pretension left");
@@ -498,7 +499,7 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
 fn constant_process_force_acts_like_a_weight() {
     let sheet = |more: &[&str]| sheet(UPRIGHT, more).expect("a sheet");
     let upright = sheet(&[]);
-    // The force is 250 kg times 9.80665 m/s2.
+    // The process force equals the weight of a mass of 250 kg, which is 250 kg times 9.80665 m/s2.
     let level = sheet(&["moved_mass_kg=0", "inclination_deg=0", "hold_force_N=2451.6625"]);
     for name in [
         "holding_torque_frictionless_Nm",
@@ -508,7 +509,7 @@ fn constant_process_force_acts_like_a_weight() {
         "back_driving_torque_high_Nm",
     ] {
         let [a, b] = [&upright, &level].map(|sheet| sheet.number(named(name)).expect(name));
-        // The values differ only by rounding errors.
+        // The two calculated values differ only by rounding errors.
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }
 }

@@ -83,8 +83,8 @@ fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
     let (answer, rows) = with_derivatives(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
-        // Model `quasi-static` only uses which part turns, so it has no derivatives with respect to
-        // speeds.
+        // Model `quasi-static` depends on which part turns, but not on the speeds, so it has no
+        // derivatives with respect to speeds.
         if settings.model == Model::QuasiStatic.into() && row.input.unit == "rpm" {
             assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
             continue;
@@ -390,7 +390,7 @@ proptest! {
             // Inputs that the chosen model does not use have no row.
             let same = own.1.iter().find(|own| own.input.name == row.input.name);
             let expected = same.map_or(0.0, |own| own.efficiency);
-            // The two solves find the same root from different starting points.
+            // In both cases, the solver finds the same root, but from different starting points.
             let error = (row.efficiency - expected) * row.value.abs().max(1.0);
             prop_assert!(error.abs() <= 1e-8, "{row:?} {expected}");
         }
@@ -430,7 +430,7 @@ fn raceway_control_differences_deviate_from_derivatives_as_documented() {
         let difference =
             (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
         let deviation = 100.0 * (difference / row.efficiency - 1.0);
-        // The table in the theory has one decimal place.
+        // The table in theory chapter 12 states the deviations with one decimal place.
         assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
     }
 }

@@ -35,7 +35,8 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// The expected values have five digits. Bearings with a stiffness of 750 N/um deform noticeably.
+/// The expected values are accurate to five digits. Bearings with a stiffness of 750 N/um deform
+/// noticeably.
 #[test]
 fn pretension_force_is_calculated_and_checked_by_a_rule() {
     let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);

@@ -338,7 +338,7 @@ fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
         axis(&["preload_N=1", "keep_ratings=true", &format!("rated_dynamic_load_N={}", 0.5 * c)]);
-    // The preload of 1 N changes both loads by the same fraction, 1e-4.
+    // The preload of 1 N increases the load in both cases by the same fraction, 1e-4.
     near(number(&stated, "cycle_life_h"), number(&own, "cycle_life_h") / 8.0, 1e-6, "life");
     let half = axis(&["preload_N=1", "reliability_percent=95"]);
     near(number(&half, "cycle_life_h"), 0.62 * number(&own, "cycle_life_h"), 1e-9, "95 %");
@@ -790,7 +790,7 @@ fn each_result_requires_only_the_inputs_on_which_it_depends() {
     );
     let buckling =
         ("buckling_safety", "The buckling is not calculated, because inputs are missing: ");
-    // The torque is F h/0.9, with h = lead / (2 pi).
+    // At an efficiency of 0.9, the screw torque is F h/0.9, with h = lead / (2 pi).
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);
     left_out(&torque, &[life, safety, speed, buckling]);

@@ -62,7 +62,7 @@ fn threshold_play_is_stated_if_no_play_is_given() {
     assert!(threshold > 10.0 && threshold < 40.0, "{threshold}");
     assert_eq!(record.number(output!(far_flank_gap_um)), None);
     assert!(!record.warnings(&case).join(" ").contains("far flank"));
-    // Above the threshold, a larger play only increases the gap.
+    // Above the threshold play, a larger play only increases the gap between ball and far flank.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
     let wide = solved(&above, &settings);
     // The tolerance allows for rounding errors of the contact angle.
@@ -113,7 +113,8 @@ fn radial_gap_counts_as_play() {
     let angle = (45_f64.to_radians().cos() - gap / l).acos().to_degrees();
     let wide = torque(&["radial_gap_um=90"]);
     let turned = torque(&["axial_play_um=1000", &format!("contact_angle_deg={angle}")]);
-    // Both force balances are solved to 1e-10 of the friction.
+    // The tolerance allows for the residuals of both force balances, which are 1e-10 of the
+    // friction.
     assert!((wide / turned - 1.0).abs() < 1e-9, "{wide} {turned}");
 }
 
@@ -301,7 +302,8 @@ fn lubricated_pair_has_more_drag_with_little_play() {
         let [little, wide, unknown] = [&none, &wide, &unknown]
             .map(|nut| nut.number(named(name)).unwrap_or_else(|| panic!("{name}")));
         assert!(little > 1.2 * wide, "{name}: {little} {wide}");
-        // In both cases, the balls have two contacts and are solved in the same way.
+        // Whether the play is large or unknown, the balls have two contacts and are solved in the
+        // same way.
         assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
     }
     assert_eq!(wide.number(output!(third_contact_balls)), Some(0.0));

@@ -84,7 +84,7 @@ fn torque_parts_add_up_to_the_total() {
     assert!((sum - whole).abs() <= 1e-15 * whole, "{sum} {whole}");
     let ideal = 6340.0 * 10e-3 / std::f64::consts::TAU;
     let drive = number(&report, "drive_torque_Nm");
-    // The equilibrium of the nut is solved to 1e-10 of its load.
+    // The tolerance corresponds to the residual of the nut equilibrium, which is 1e-10 of the load.
     assert!((drive - ideal - whole - 0.2).abs() < 1e-9 * drive, "{drive}");
 }
 
@@ -147,7 +147,8 @@ fn ball_contact_torque_range_uses_traction_or_raceway_control() {
     // The rotations of most balls are interpolated from the rotations of a few balls, with an error
     // of 1e-4.
     assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-4);
-    // The spin at one raceway tilts the axis of rotation by a few degrees.
+    // In raceway control, the ball spins at one raceway, which tilts its axis of rotation by a few
+    // degrees.
     assert!((band(Model::RacewayControl) / traction - 1.0).abs() < 0.02);
 }
 

@@ -40,7 +40,7 @@ pub(super) fn nut_at(
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
-    // The axis adds the seal torque separately.
+    // The seal torque is omitted here, because the axis sheet adds it separately.
     let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }

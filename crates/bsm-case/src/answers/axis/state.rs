@@ -80,8 +80,8 @@ impl<'a> AxisState<'a> {
         // is removed first.
         let mut of_a_moment = case.clone();
         of_a_moment.nut.cycle = None;
-        // Contact friction depends only on load and speed, so moments with equal load and speed
-        // share one solve.
+        // Contact friction depends only on load and speed, so it is calculated only once for
+        // moments with equal load and speed.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
         let torque = |phase: &Phase| {
             PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
