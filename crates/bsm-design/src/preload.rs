@@ -1,5 +1,5 @@
-//! Amount of preload, which is specified as a force, by the load or by a manufacturer's preload
-//! class.
+//! Amount of preload, which is specified as a force, derived from the load, or given by a
+//! manufacturer's preload class.
 
 use crate::OPENS_AT;
 

@@ -1,4 +1,4 @@
-//! Requirement for a screw, and the checks of a design.
+//! Requirements that a screw must meet, and checks that show whether a design meets them.
 
 use std::f64::consts::{PI, TAU};
 

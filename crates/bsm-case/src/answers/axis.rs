@@ -1,4 +1,4 @@
-//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and
+//! Axis sheet of a screw: loads of its cycle, torque, and every rule with its value, limit and
 //! source.
 
 mod contacts;
@@ -296,7 +296,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     }
 }
 
-/// Results of one phase of a cycle.
+/// Results of the axis in one phase of a cycle.
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
@@ -325,7 +325,7 @@ impl PhaseResult<'_> {
     }
 }
 
-/// Screw and nut as used in the calculation.
+/// Dimensions of screw and nut that are used in the calculation.
 pub(crate) struct Screw<'a> {
     case: &'a Case,
     machine: &'a Machine,

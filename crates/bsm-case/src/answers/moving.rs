@@ -82,7 +82,7 @@ pub struct MotionAnswer {
     pub solution: Solution,
 }
 
-/// A contact of a moving ball.
+/// A contact of a moving ball, with its load and slip.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingContact {
     pub(crate) touch: ContactSite<f64>,

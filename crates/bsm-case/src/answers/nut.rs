@@ -64,7 +64,7 @@ pub struct NutReport {
     limit_load: OnceCell<Option<f64>>,
 }
 
-/// A pair of nuts without external load while the screw turns.
+/// Results for a pair of nuts without external load while the screw turns.
 #[derive(Debug, Clone, Copy)]
 struct PairDrag {
     /// Friction torque of the contacts \[N·m\].
@@ -93,7 +93,7 @@ impl Travel {
     }
 }
 
-/// Friction of all balls and details of its calculation.
+/// Friction of all balls in a nut, and details of its calculation.
 #[derive(Debug)]
 struct BallFriction {
     friction: NutFriction,
@@ -198,16 +198,16 @@ impl NutReport {
         Some(pair.torque / self.rule_torque()?)
     }
 
-    /// Returns the pair of nuts while the screw turns, or `None` if the model does not integrate
-    /// friction over the contacts.
+    /// Returns the torque and the preload of the nut pair while the screw turns, or `None` if the
+    /// model does not integrate friction over the contacts.
     fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
         let play = self.made.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
         *self.running_pair[direction as usize].get_or_init(work_out)
     }
 
-    /// Calculates a pair of nuts without external load while the screw turns. All balls of a nut
-    /// are assumed to be equal.
+    /// Calculates the torque and the preload of a nut pair without external load while the screw
+    /// turns. All balls of a nut are assumed to be equal.
     ///
     /// * `play`: play of each nut \[m\]; `None` for a play so large that no ball touches a far
     ///   flank.

@@ -32,7 +32,7 @@ const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 /// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
     let (first, second) = (first?, second?);
-    // Differences up to this size are rounding errors.
+    // Relative differences of up to 1e-9 are rounding errors.
     if (first - second).abs() <= 1e-9 * first.abs().max(second.abs()) {
         return None;
     }
@@ -44,7 +44,7 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
     rules.iter().find(|rule| rule.title == title)
 }
 
-/// Returns words with the titles of the rules that have the given verdict.
+/// Returns a text that consists of `words` and the titles of the rules with the given verdict.
 fn with_titles(report: &AxisReport, words: &str, verdict: Verdict) -> String {
     let rules = report.answer.rules.iter().filter(|rule| rule.verdict() == verdict);
     let titles: Vec<_> = rules.map(|rule| rule.title).collect();

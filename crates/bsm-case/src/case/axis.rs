@@ -63,7 +63,7 @@ pub(crate) struct Machine {
     pub(crate) warning: Option<String>,
 }
 
-/// A screw between two fixed bearings.
+/// Properties of a screw between two fixed bearings, which prevent its thermal expansion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FixedEnds {
     pub(crate) shaft: Shaft,

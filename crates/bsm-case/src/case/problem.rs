@@ -18,11 +18,12 @@ use crate::{Case, CaseError, InputKey, InputSet, Rule};
 /// The model that solves a case, or its automatic choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
-    /// The fastest model whose error is below the tolerance. If inputs for the error estimate are
-    /// missing, the most complete model for which the case has the inputs.
+    /// The program chooses the fastest model whose error is below the tolerance. If inputs for the
+    /// error estimate are missing, it chooses the most complete model for which the case has the
+    /// inputs.
     #[default]
     Auto,
-    /// A fixed model.
+    /// The user chooses this model.
     Fixed(Model),
 }
 

@@ -22,7 +22,7 @@ pub enum TextError {
 #[error("the column names are separated by `{}`, but the expected separator is `{}`",
     found.escape_debug(), expected.escape_debug())]
 pub struct OtherSeparator {
-    /// Separator in the file.
+    /// Separator that the file contains.
     pub found: char,
     /// Expected separator.
     pub expected: char,

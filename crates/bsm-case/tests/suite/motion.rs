@@ -7,7 +7,7 @@ use crate::named;
 
 /// Adds a catalog screw without inertia to inputs that contain no screw. None of the compared
 /// numbers depends on the screw.
-fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
+fn with_catalog_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
     let screw = [
         ("nominal_diameter_mm", 20.0),
@@ -29,7 +29,7 @@ fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
 }
 
 fn report(inputs: &Value) -> Result<AxisReport, CaseError> {
-    let inputs = Value::Object(with_screw(inputs.as_object().expect("inputs")));
+    let inputs = Value::Object(with_catalog_screw(inputs.as_object().expect("inputs")));
     let case = Case::from_json(inputs.to_string().as_bytes())?;
     AxisReport::of(&case, &Settings::default())
 }

@@ -68,7 +68,7 @@ fn cases() -> impl Strategy<Value = Case> {
 
 /// Removes the nut speed if the screw turns, because model `quasi-static` does not cover drives in
 /// which both parts turn.
-fn single_drive(mut case: Case) -> Case {
+fn with_one_turning_part(mut case: Case) -> Case {
     if case.screw_speed_rpm != Some(0.0) {
         case.nut_speed_rpm = None;
     }
@@ -204,7 +204,7 @@ fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseErr
 }
 
 /// Returns the same operating point at speeds that are a thousand to a million times smaller.
-fn slowed_down(mut case: Case, log_factor: f64) -> Case {
+fn at_low_speed(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
         *speed = speed.map(|rpm| rpm * factor);
@@ -338,7 +338,7 @@ proptest! {
 
     #[test]
     fn quasi_static_derivatives_match_finite_differences(case in cases()) {
-        check_derivatives(&single_drive(case), &Model::QuasiStatic.into())?;
+        check_derivatives(&with_one_turning_part(case), &Model::QuasiStatic.into())?;
     }
 
     #[test]
@@ -356,8 +356,9 @@ proptest! {
         check_derivatives(&case, &Model::Traction.into())?;
     }
 
-    /// The controlling raceway is given. Otherwise, near a tie of (W7), the points of a finite
-    /// difference could be controlled by different raceways.
+    /// The controlling raceway is given. Otherwise, if both raceways have nearly equal spin
+    /// friction moments (W7), the points of a finite difference could be controlled by different
+    /// raceways.
     #[test]
     fn raceway_control_derivatives_match_finite_differences(case in cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
@@ -367,7 +368,7 @@ proptest! {
     /// The balls are so slow that the result is extrapolated from faster balls.
     #[test]
     fn derivatives_of_slow_balls_match_finite_differences(case in cases(), log_factor in 3.0..6.0_f64) {
-        let case = slowed_down(case, log_factor);
+        let case = at_low_speed(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
             check_derivatives(&case, &model.into())?;
         }

@@ -93,7 +93,7 @@ fn warm_state_matches_reference_cases() {
 /// The answer states the value of each conductance, which agrees with the reference case, and the
 /// origin of this value.
 #[test]
-fn conductances_state_their_origin() {
+fn conductances_are_listed_with_their_origin() {
     let names = [
         ("nut_conductance_W_K", "nut"),
         ("screw_film_W_m2K", "screw_film_W_m2K"),

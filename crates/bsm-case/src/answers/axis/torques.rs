@@ -212,8 +212,8 @@ impl PhaseTorques {
         })
     }
 
-    /// Returns the torques at the end of the phase with the larger load. If both loads are equal,
-    /// the faster end is returned.
+    /// Returns the torques at the start or the end of the phase, whichever has the larger load. If
+    /// both loads are equal, the larger speed decides.
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }

@@ -56,8 +56,8 @@ impl ColdNut {
         Ok(Self { problem, nut, found, preload, unloaded, set: set_temperature(case) })
     }
 
-    /// Returns the heat transfer through the balls. The contact areas are calculated for the mean
-    /// ball load under the cold preload or, without a preload, under the largest load.
+    /// Returns the data of the heat transfer through the balls. The contact areas are calculated
+    /// for the mean ball load under the cold preload or, without a preload, under the largest load.
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
             Some(found) if self.problem.support == Support::guided(0.0) => found.mean_load(),
