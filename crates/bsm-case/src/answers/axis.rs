@@ -152,7 +152,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
             "fatigue load limit, at a maximum pressure of 1500 MPa";
         modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs MODIFIED_LIFE,
-            "modified life under the cycle according to ISO 281, with lubricant and contamination";
+            "modified life under the cycle according to ISO 281, which takes lubricant and contamination into account";
         modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs MODIFIED_LIFE,
             "modified life at the smallest contamination factor";
         modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
@@ -165,9 +165,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
             "stiffness of the nut at the largest load; tangent stiffness of all balls, or 0.8 times the catalog stiffness";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
-        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, with the nut in the worst position";
-        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass with the axis stiffness";
-        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass, including the torsion of the screw";
+        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, for the nut position with the lowest stiffness";
+        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency that results from the moved mass and the axis stiffness";
+        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency that results from the moved mass and the axis stiffness, including the torsion of the screw";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic displacement, plus the axial play of a nut without preload";
     }
     "drive" {
@@ -267,7 +267,7 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         viscosity_ratio ["" "kappa"] Scalar(|p| {
             let [by_film, by_viscosity] = p.worked.viscosity_ratios_of(&p.torques.phase);
             by_film.or(by_viscosity)
-        }), "viscosity ratio of the lubricant, from the film ratio if groove and roughness are known";
+        }), "viscosity ratio of the lubricant, calculated from the film ratio if groove and roughness are known";
     }
 }
 
@@ -394,7 +394,7 @@ const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 
 /// Effects that the calculation of an axis always neglects.
 const NOT_MODELED: [&str; 4] = [
-    "vibration and control of the axis, and shocks beyond load_factor",
+    "vibration and control of the axis, and shocks that load_factor does not cover",
     "bending of the screw under its own weight; deformation of the frame; misalignment, unless it \
      is given",
     "compliance of brackets beyond housing_stiffness_N_um; displacement due to twist of the screw, which can exceed the elastic axial displacement at large leads",
@@ -426,7 +426,7 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
         }
         // The torque of a preloaded nut is calculated from the friction of all its balls.
         (Some(_), true) => {
-            "ball returns, except for the force return_push_N and its effects, which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
+            "ball returns (except for return_push_N and its effects), which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
         (Some(_), false) => {
             "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"

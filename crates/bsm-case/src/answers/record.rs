@@ -544,7 +544,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
 
 /// Returns the message for the reason why a model has no solution, with numbers in the units of the
 /// outputs.
-#[expect(clippy::too_many_lines, reason = "one arm for each reason")]
+#[expect(clippy::too_many_lines, reason = "the match has one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(

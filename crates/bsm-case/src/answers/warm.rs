@@ -264,7 +264,7 @@ impl Warm {
 #[derive(Debug, Clone)]
 #[expect(
     non_snake_case,
-    reason = "the names end with unit symbols, some of which are capital letters"
+    reason = "the names end with units, and some unit symbols are capital letters"
 )]
 pub struct WarmBranch {
     /// States in the order in which the branch passes through them.
@@ -279,7 +279,7 @@ pub struct WarmBranch {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(
     non_snake_case,
-    reason = "the names end with unit symbols, some of which are capital letters"
+    reason = "the names end with units, and some unit symbols are capital letters"
 )]
 pub struct WarmPoint {
     /// Largest screw speed \[rpm\].
@@ -302,7 +302,7 @@ impl WarmBranch {
     /// exists at low speed.
     #[expect(
         non_snake_case,
-        reason = "the names end with unit symbols, some of which are capital letters"
+        reason = "the names end with units, and some unit symbols are capital letters"
     )]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {

@@ -100,7 +100,7 @@ entries! {
     base_oil: Named<BaseOil>,
         "base oil of the lubricant, which determines the properties that are not given; defaults to mineral";
     ball_precession_rad_s: f64,
-        "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; defaults to 0";
+        "angular velocity of the balls about the axis [rad/s]; determines their centrifugal force in a nut. Defaults to 0";
     driven_part: Named<DrivenPart>,
         "part that the motor turns, for `axis`: screw, or nut with the screw at rest; defaults to nut if nut_speed_rpm is given and the screw is at rest, else to screw";
     support: Named<EndFixity>,
@@ -215,7 +215,7 @@ pub struct CircuitEntry {
 /// A point of the torque-speed curve of a motor.
 #[expect(
     non_snake_case,
-    reason = "the names end with unit symbols, some of which are capital letters"
+    reason = "the names end with units, and some unit symbols are capital letters"
 )]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -107,7 +107,7 @@ macro_rules! inputs {
         /// An operating point, given by named inputs with units. All inputs are optional. Each
         /// model states which inputs it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
-        #[expect(non_snake_case, reason = "the names end with unit symbols, some of which are capital letters")]
+        #[expect(non_snake_case, reason = "the names end with units, and some unit symbols are capital letters")]
         pub struct Case {
             /// Description of the case as free text.
             pub description: Option<String>,

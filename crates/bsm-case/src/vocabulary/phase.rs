@@ -33,7 +33,7 @@ macro_rules! phase {
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[schemars(!try_from, deny_unknown_fields)]
         #[serde(try_from = "Map<String, Value>")]
-        #[expect(non_snake_case, reason = "the names end with unit symbols, some of which are capital letters")]
+        #[expect(non_snake_case, reason = "the names end with units, and some unit symbols are capital letters")]
         pub struct PhaseEntry {
             $(
                 #[doc = $about]
