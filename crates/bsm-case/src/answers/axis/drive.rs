@@ -252,7 +252,7 @@ impl AxisState<'_> {
             (None, None) => String::new(),
         };
         Some(format!(
-            "Without motor power, an axial load of {load:.0} N acts at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the screw. {what} The brake torque at the motor must be at least {brake:.3} N m, {safety} times the torque of the load without \
+            "Without motor power, an axial load of {load:.0} N acts at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the screw. {what} The brake needs a torque of at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
              friction.{holds}"
         ))
     }
