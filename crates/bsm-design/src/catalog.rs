@@ -288,8 +288,8 @@ impl Lists {
         self.len() == 0
     }
 
-    /// Returns the lengths of the lists. The list of offered sizes replaces four lists and counts
-    /// as one.
+    /// Returns the lengths of the lists. The list of offered sizes replaces four lists and is
+    /// treated as one list.
     fn lengths(&self) -> [usize; 6] {
         let Self { diameters, leads, balls, turns, conformities, contact_angles, offered } = self;
         let sizes = match offered.len() {
@@ -387,7 +387,7 @@ mod tests {
     };
 
     /// Three published pitch circle diameters and ball counts are reproduced. One of the turns has
-    /// a length of 319.9999 mm, which must count as 32 balls.
+    /// a length of 319.9999 mm, which must be treated as the length of 32 balls.
     #[test]
     fn published_pitch_diameters_and_ball_counts_are_reproduced() {
         for (nominal, lead, ball, diameter, balls) in [

@@ -43,7 +43,7 @@ const MIN_PITCH_DIAMETER: f64 = 2e-3;
 /// Safety margin that the search keeps from each limit, relative to the limit.
 const RESERVE: f64 = SLACK - ROUNDING;
 
-/// Margin below which a limit counts as active, relative to the limit.
+/// Margin below which a limit is treated as active, relative to the limit.
 const ACTIVE_MARGIN: f64 = 2e-3;
 
 /// A limit that prevents a better design.

@@ -279,7 +279,7 @@ impl Quantity {
     }
 }
 
-/// Relative violation up to which a limit counts as met, because decimal inputs have rounding
+/// Relative violation up to which a limit is treated as met, because decimal inputs have rounding
 /// errors.
 pub(crate) const ROUNDING: f64 = 1e-9;
 

@@ -82,7 +82,7 @@ impl AnalysisKind {
         }
     }
 
-    /// Calculates the numbers of the analysis for a case.
+    /// Calculates the results of the analysis for a case.
     ///
     /// * `settings`: model and solver settings of analyses that solve the case themselves.
     /// * `motion`: solved motion, if the analysis [needs](Self::needs_solution) one.
@@ -128,7 +128,7 @@ impl Output {
     /// Checks that the output can be calculated for points with the inputs `given`.
     ///
     /// * `base`: case that supplies all inputs that do not vary between the points.
-    /// * `model`: model that solves the points.
+    /// * `model`: model with which the points are solved.
     ///
     /// # Errors
     ///

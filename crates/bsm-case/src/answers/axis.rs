@@ -401,7 +401,7 @@ const NOT_MODELED: [&str; 4] = [
     "wear, the torque to start from rest, and jerk",
 ];
 
-/// Returns the effects that the numbers of an axis neglect.
+/// Returns the effects that the results for an axis neglect.
 ///
 /// * `contacts`: true if friction is calculated from the contacts, false if it follows from the
 ///   catalog efficiency.
@@ -624,7 +624,7 @@ impl AxisReport {
     }
 }
 
-/// Calculates the numbers of an axis without creating a report.
+/// Calculates the results for an axis without creating a report.
 ///
 /// # Errors
 ///

@@ -25,8 +25,8 @@ const SHOWN: [(&str, &str); 9] = [
 ];
 
 /// Solves a case with all models whose inputs are given, ordered by the number of inputs, and
-/// measures the time of one solve \[µs\]. The answer states why other models are omitted. If the
-/// groove is estimated, the numbers have 90 % intervals.
+/// measures the time of one solver run \[µs\]. The answer states why other models are omitted. If
+/// the groove is estimated, the numbers have 90 % intervals.
 ///
 /// # Errors
 ///

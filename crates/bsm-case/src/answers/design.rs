@@ -68,7 +68,7 @@ const EFFICIENCY: OutputName = output!(screw_efficiency);
 pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
 
 thread_local! {
-    /// Workspace of the models. Each search thread has its own.
+    /// Workspace of the models. Each search thread has its own workspace.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 

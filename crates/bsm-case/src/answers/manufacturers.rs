@@ -239,7 +239,7 @@ pub struct ListNumber {
     pub band: Option<Band>,
 }
 
-/// Returns the numbers of an answer for the given columns, with their intervals.
+/// Returns the numbers that an answer contains for the given columns, with their intervals.
 fn numbers_of(
     answer: &Answer,
     columns: impl Iterator<Item = &'static Output>,

@@ -1118,8 +1118,9 @@ impl NutReport {
         })
     }
 
-    /// Returns the answer with the numbers of the nut. In addition, it contains displacements,
-    /// loads of all balls and stiffness under the names that the reference cases use.
+    /// Returns the answer with the results for the nut. In addition, the answer contains
+    /// displacements, loads of all balls and stiffness under the names that the reference cases
+    /// use.
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;

@@ -52,7 +52,8 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     format!("efficiency error at most {bound:.1e}: {why}")
 }
 
-/// Result at one point: model, status and numbers, and the reason if there are no numbers.
+/// Result at one operating point: model, status and numbers, or the reason why there are no
+/// numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
@@ -90,7 +91,7 @@ impl Record {
         self.solution
     }
 
-    /// Returns the steady state, if the solve converged.
+    /// Returns the steady state, if the solver converged.
     pub fn solved(&self) -> Option<&SteadyState> {
         self.solution.as_ref()?.solved()
     }
@@ -120,7 +121,7 @@ impl Record {
         self.others().is_some_and(|others| others.count > 0)
     }
 
-    /// Returns the reason why there are no numbers, or `None` if the solve converged.
+    /// Returns the reason why there are no results, or `None` if the solver converged.
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }

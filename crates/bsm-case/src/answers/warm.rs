@@ -100,7 +100,7 @@ fn is_of_fold(name: &str) -> bool {
     name.starts_with("fold_") || name.starts_with("unstable_")
 }
 
-/// Numbers of a warm state for which an uncertainty band is calculated.
+/// Results for a warm state that have an uncertainty band.
 const OF_BAND: [&str; 10] = [
     "nut_temperature_C",
     "screw_temperature_C",
@@ -114,7 +114,7 @@ const OF_BAND: [&str; 10] = [
     "loop_gain",
 ];
 
-/// Numbers for which an uncertainty band is calculated in each phase with motion.
+/// Results for each phase with motion that have an uncertainty band.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
 /// Returns whether the lower and the upper bound of a number are missing because no steady state
@@ -133,7 +133,7 @@ fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Returns the numbers of a warm state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase with
+/// Returns the results for a warm state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase with
 /// motion.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
@@ -357,7 +357,7 @@ pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
-/// Calculates the numbers of the warm state. The numbers are empty if the case does not request the
+/// Calculates the results for the warm state. There are no results if the case does not request the
 /// warm state.
 ///
 /// * `wanted`: selects the quantities to calculate. The fold is only searched for if one of its

@@ -310,7 +310,7 @@ impl Machine {
 
     /// Returns the length of screw over which the nut moves \[m\]. It is the stroke plus the length
     /// of the nut set or, without a stroke, the unsupported length minus the overrun at both ends.
-    /// Returns `None` if there is no room for the nut.
+    /// Returns `None` if the nut does not fit.
     pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let by_length = || {
             let overrun = mount(case).overrun_of(self.axis.screw.lead);

@@ -204,7 +204,7 @@ impl ListEntries {
         Ok(())
     }
 
-    /// Returns the numbers of a key, converted to SI units.
+    /// Returns the numbers in the list with the given key, converted to SI units.
     fn all(&self, key: &str, unit: f64) -> Vec<f64> {
         let value = self.0.get(key);
         let list = value

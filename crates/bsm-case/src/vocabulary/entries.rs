@@ -264,7 +264,7 @@ pub enum Arrangement {
 pub struct ClassName(&'static (&'static str, PreloadClass));
 
 impl ClassName {
-    /// Returns the preload or play that the class stands for.
+    /// Returns the preload or the play that the class specifies.
     pub(crate) fn class(self) -> PreloadClass {
         self.0.1
     }

@@ -13,7 +13,7 @@ use crate::{InputKey, OtherSeparator, exact, nearest};
 
 /// Error in a case, a setting or a grid.
 ///
-/// The message names neither the file nor the command or option. The caller adds them.
+/// The message does not contain the name of the file, command or option. The caller adds this name.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaseError {

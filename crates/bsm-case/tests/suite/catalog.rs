@@ -120,8 +120,8 @@ fn ball_gap_and_axial_play_can_be_set() {
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
-    // The row with a pitch circle of 101.66 mm has room for 31.99999 balls, which count as 32 balls
-    // without a gap.
+    // The turn with a pitch circle of 101.66 mm is as long as 31.99999 balls, which is treated as
+    // 32 balls without a gap.
     let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
     assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);

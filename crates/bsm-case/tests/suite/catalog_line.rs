@@ -453,7 +453,7 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
 }
 
-/// Each model has its own intervals. The solve time has no interval.
+/// Each model has its own intervals. The calculation time has no interval.
 #[test]
 fn model_comparison_has_intervals() {
     let line = case(R40, &[]).with_groove().expect("a groove");

@@ -11,7 +11,7 @@ use bsm_dyn::ModelWorkspace;
 
 use crate::named;
 
-/// Four catalog numbers of a screw, and the motion of its axis.
+/// A case with four catalog values of a screw, and the motion of its axis.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "estimate_groove": false,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
@@ -310,7 +310,7 @@ fn life_is_modified_by_load_factors_and_lubricant() {
         factor.number(output!(modified_life_low_h)),
         factor.number(output!(modified_life_h))
     );
-    // The load factor affects neither static safety nor buckling nor torque.
+    // The load factor does not affect static safety, buckling or torque.
     for name in ["static_safety_factor", "buckling_safety", "peak_motor_torque_Nm"] {
         let plain = sheet(FEED_AXIS, &[]).expect("a sheet");
         assert_eq!(typical.number(named(name)), plain.number(named(name)), "{name}");

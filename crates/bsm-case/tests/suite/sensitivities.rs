@@ -1,5 +1,5 @@
 //! Tests of derivatives with respect to the inputs, compared with finite differences of complete
-//! solves and with exact identities.
+//! solutions and with exact identities.
 
 use approx::assert_relative_eq;
 use bsm_case::{Case, ModelChoice, Sensitivities, Sensitivity, Settings};
@@ -76,8 +76,8 @@ fn with_one_turning_part(mut case: Case) -> Case {
     case
 }
 
-/// Compares each derivative with finite differences of complete solves with a relative step of `h`.
-/// After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
+/// Compares each derivative with finite differences of complete solutions with a relative step of
+/// `h`. After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
 /// error, relative to the change that a relative change of 1 in the input would cause.
 fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
     let (answer, rows) = with_derivatives(case, settings)?;

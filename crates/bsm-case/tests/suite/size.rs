@@ -187,7 +187,7 @@ fn screw_torque_is_the_sum_of_its_parts() {
     }
 }
 
-/// The sheet answers each of these usual questions in one line: which torque to measure (THK
+/// The sheet answers each of these frequent questions in one line: which torque to measure (THK
 /// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
 /// the load falls.
 #[test]

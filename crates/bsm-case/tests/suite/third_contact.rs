@@ -87,7 +87,7 @@ fn only_models_with_friction_in_the_force_balance_have_a_threshold_play() {
 }
 
 /// An axial play of zero and a radial gap of zero describe the same grooves. If either of these
-/// inputs is given, the play counts as given.
+/// inputs is given, the play is known.
 #[test]
 fn radial_gap_counts_as_play() {
     let settings = Settings::default();

@@ -33,7 +33,7 @@ impl Contacts {
     }
 }
 
-/// Solves the nut of an axis with all its balls under a given load.
+/// Calculates the nut of an axis, including the loads of all balls, under a given axial load.
 pub(super) fn nut_at(
     case: &Case,
     settings: &Settings,

@@ -81,9 +81,9 @@ impl AxisState<'_> {
         Some(safety * self.holding_torque())
     }
 
-    /// Calculates a stop from the largest feed rate in the direction of the load at rest. The
-    /// deceleration is given or follows from the brake torque. Returns `None` if neither is given
-    /// or the brake cannot hold the load.
+    /// Calculates how the axis stops from its largest feed rate in the direction of the load at
+    /// rest. The deceleration is given or follows from the brake torque. Returns `None` if neither
+    /// is given or the brake cannot hold the load.
     pub(super) fn stop(&self) -> Option<Stop> {
         let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
@@ -175,8 +175,8 @@ impl AxisState<'_> {
 
     /// Determines whether the load at rest back-drives the screw after a loss of motor power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Largest and smallest ratio of the actual friction coefficient to the given one, which is
-        /// usually not measured.
+        /// Largest and smallest ratio of the actual friction coefficient to the given friction
+        /// coefficient, which is rarely a measured value.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
