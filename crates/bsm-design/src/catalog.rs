@@ -105,7 +105,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// Returns the number of starts.
+    /// Returns the number of thread starts.
     fn starts(&self) -> f64 {
         self.offered.map_or(1.0, |offered| offered.starts)
     }
@@ -126,7 +126,7 @@ pub struct Candidate {
     pub dynamic_rating: f64,
     /// Static axial load rating \[N\].
     pub static_rating: f64,
-    /// Preload of the pair \[N\].
+    /// Preload of the nut pair \[N\].
     pub preload: f64,
     /// Elastic properties of one nut.
     pub elasticity: Elasticity,

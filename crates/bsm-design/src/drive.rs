@@ -214,7 +214,7 @@ pub struct DriveTrain {
 /// Motor torques at one speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorPoint {
-    /// Motor speed \[rad/s\], at least 0.
+    /// Motor speed \[rad/s\], which must not be negative.
     pub speed: f64,
     /// Peak torque \[N·m\].
     pub peak: f64,

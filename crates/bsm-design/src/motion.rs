@@ -43,7 +43,7 @@ pub struct DutySpeed {
 }
 
 impl DutySpeed {
-    /// Speed of zero (standstill).
+    /// Speed of a screw at standstill.
     pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
 
     /// Creates a speed from a relative rotational speed between screw and nut \[rad/s\].

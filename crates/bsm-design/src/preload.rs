@@ -75,7 +75,7 @@ fn rounded_up(force: f64) -> f64 {
 /// Meaning of a manufacturer's preload class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadClass {
-    /// The class specifies a preload.
+    /// The preload class specifies a preload.
     Preload(PreloadSize),
     /// The class has no preload. The value is the largest axial play \[m\], if the manufacturer
     /// states it.

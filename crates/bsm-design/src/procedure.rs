@@ -55,7 +55,7 @@ pub struct BindingLimit {
     pub without: Option<f64>,
 }
 
-/// Result of the search.
+/// Result of the search for the best screw.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// A screw that meets the requirement, with a whole number of balls of an available size.

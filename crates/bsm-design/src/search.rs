@@ -182,7 +182,7 @@ pub struct Value {
     pub violations: Vec<f64>,
 }
 
-/// Tolerance for violations of a constraint.
+/// Tolerance up to which a violated constraint is accepted.
 pub const SLACK: f64 = 1e-4;
 
 impl Value {
@@ -197,7 +197,7 @@ impl Value {
     }
 }
 
-/// Number of multiplier updates.
+/// Number of updates of the Lagrange multipliers.
 const ROUNDS: usize = 7;
 /// Maximum number of simplex iterations per vertex in each multiplier update.
 const STEPS: u64 = 25;

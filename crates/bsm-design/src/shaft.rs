@@ -25,7 +25,7 @@ pub const BUCKLING_SAFETY: f64 = 2.0;
 pub enum EndFixity {
     /// One end is fixed, and the other end is free.
     FixedFree,
-    /// Both ends can tilt.
+    /// Both ends of the screw can tilt.
     SupportedSupported,
     /// One end is fixed, and the other end can tilt.
     FixedSupported,

@@ -39,10 +39,10 @@ struct MeasuredPoint {
 /// Assumption about the errors of the measured values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MeasurementError {
-    /// Errors are proportional to the measured values.
+    /// The measurement errors are proportional to the measured values.
     #[default]
     Relative,
-    /// Errors are equal at all points.
+    /// The measurement errors are equal at all points.
     Absolute,
 }
 
@@ -121,7 +121,7 @@ pub enum NoFit {
     NotFinite {
         /// Name of the measured output.
         output: &'static str,
-        /// Largest measured magnitude.
+        /// Largest magnitude of the measured values.
         largest: f64,
     },
 }
@@ -444,7 +444,7 @@ struct Measurements {
 /// Reads the measured points of a table.
 ///
 /// * `sought`: fitted inputs. A column must not contain or replace any of them.
-/// * `errors`: assumed errors, if given.
+/// * `errors`: assumed kind of measurement errors, if given.
 fn points(
     base: &Case,
     output: &'static Output,

@@ -378,7 +378,7 @@ struct PartialNumber {
     has_value: bool,
     /// Number of possible grooves for which the number exists.
     grooves: usize,
-    /// 90 % interval over these grooves.
+    /// 90 % interval of the number over the grooves for which the number exists.
     band: Option<Band>,
 }
 

@@ -73,7 +73,7 @@ struct PairDrag {
     preload: f64,
 }
 
-/// Direction in which the nut travels.
+/// Direction in which the nut travels along the screw.
 #[derive(Debug, Clone, Copy)]
 enum Travel {
     /// Direction that corresponds to the speeds of the case.
@@ -83,7 +83,7 @@ enum Travel {
 }
 
 impl Travel {
-    /// Returns the speeds for this direction.
+    /// Returns the speeds of screw and nut for this direction of travel.
     fn of(self, drive: &Drive<f64>) -> Drive<f64> {
         let Drive { screw_speed, nut_speed } = *drive;
         match self {

@@ -32,7 +32,7 @@ const QUANTITY_TABLES: [&[Quantity]; 19] = [
 ];
 
 impl OutputName {
-    /// Returns the name of an output.
+    /// Checks that an output with the name `name` exists, and returns its [`OutputName`].
     ///
     /// # Panics
     ///

@@ -18,7 +18,7 @@ pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     settings.into_generator().into_root_schema_for::<T>().remove("properties").unwrap_or_default()
 }
 
-/// Returns the schema of a case.
+/// Returns the JSON schema of a case.
 pub fn input_schema() -> Value {
     let mut properties = Map::new();
     let text = json!({ "type": "string", "description": "free text" });
@@ -63,7 +63,7 @@ pub fn input_schema() -> Value {
     })
 }
 
-/// Returns the schema of a result.
+/// Returns the JSON schema of a result.
 pub fn output_schema() -> Value {
     let of_the_solve = json!({
         "model": { "type": "string", "description": "model that calculated the result" },

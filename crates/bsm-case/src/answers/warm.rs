@@ -275,7 +275,7 @@ pub struct WarmBranch {
     pub cold_preload_N: Option<f64>,
 }
 
-/// A state on a [`WarmBranch`].
+/// A steady state on a [`WarmBranch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(
     non_snake_case,

@@ -14,7 +14,7 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 pub struct Axis {
     /// Varied input.
     pub key: InputKey,
-    /// Values of the input.
+    /// Values of the varied input.
     values: AxisValues,
 }
 
@@ -222,13 +222,13 @@ impl Grid {
         Ok(Self { axes, len })
     }
 
-    /// Returns the number of points.
+    /// Returns the number of points in the grid.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Returns the axes.
+    /// Returns the axes of the grid, one for each varied input.
     pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
@@ -263,7 +263,7 @@ impl Grid {
         }
     }
 
-    /// Returns the varied inputs.
+    /// Returns the inputs that the grid varies.
     pub fn varied(&self) -> InputSet {
         self.axes.iter().map(|axis| axis.key).collect()
     }

@@ -92,7 +92,7 @@ pub(crate) fn read_sizes(
     Ok(sizes.into_iter().flatten().collect())
 }
 
-/// Returns all built-in sizes.
+/// Returns all manufacturers' sizes that are built into the program.
 pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
     &SIZES
 }

@@ -236,7 +236,7 @@ impl Settings {
 /// Inputs without a default that a model or an analysis requires.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Needs {
-    /// Inputs that are all required.
+    /// Inputs that must all be given.
     pub(crate) all: InputSet,
     /// Quantities of which at least one form must be given.
     pub(crate) quantities: &'static [Quantity],
@@ -251,11 +251,11 @@ impl Needs {
         Self::of(model)
     }
 
-    /// Required inputs of a lubricant.
+    /// Inputs that are required to define a lubricant.
     pub(crate) const LUBRICANT: Self =
         Self { all: inputs! {}, quantities: &[VISCOSITY, TEMPERATURE] };
 
-    /// Required inputs of a lubricated model.
+    /// Inputs that a model requires if its friction is calculated from a lubricant.
     pub(crate) const LUBRICATED: Self = {
         let Self { all, .. } = Self::of(Model::Traction);
         let all = all.without(inputs! { friction_coefficient });
@@ -329,7 +329,7 @@ impl Needs {
 /// Returns missing inputs as text. If a quantity has several forms, the form with the fewest
 /// missing inputs is named.
 ///
-/// * `all`: required inputs.
+/// * `all`: inputs that must all be given.
 /// * `quantities`: quantities of which one form is required.
 fn lacking<'a>(
     all: InputSet,

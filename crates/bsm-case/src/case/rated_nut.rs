@@ -9,7 +9,7 @@ use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Inputs that the ratings require.
+/// Inputs that are required to calculate the ratings of a nut.
 pub(crate) const NEEDS: Needs = Needs {
     all: inputs! {
         ball_diameter_mm pitch_circle_diameter_mm nut_conformity screw_conformity

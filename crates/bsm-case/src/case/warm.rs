@@ -51,7 +51,7 @@ impl Detail {
     pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
 }
 
-/// A warm steady state.
+/// Results for a warm steady state.
 #[derive(Debug)]
 pub(crate) struct WarmState {
     pub(crate) steady: Steady,

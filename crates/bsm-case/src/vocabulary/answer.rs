@@ -28,7 +28,7 @@ pub struct Answer {
 /// A missing input that was treated as zero, so that a number lacks its contribution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
-    /// Name of the affected number.
+    /// Name of the number that lacks the contribution.
     pub number: &'static str,
     /// Sentence that names the missing input and states how it was treated.
     pub text: String,
@@ -44,10 +44,10 @@ pub struct Section {
     pub content: Content,
 }
 
-/// Content of a section.
+/// The kinds of content that a section can have.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// Values of a table of quantities.
+    /// Numbers from a table of quantities.
     Numbers {
         /// Numbers that the section contains.
         numbers: Numbers,
@@ -71,7 +71,7 @@ pub enum Content {
 pub struct Table {
     /// Columns of the table.
     pub columns: Vec<Column>,
-    /// Cells, row by row.
+    /// Cells of the table, row by row.
     pub rows: Vec<Vec<Value>>,
     /// 90 % intervals of cells that depend on an estimated groove, row by row; empty if
     /// there are none.

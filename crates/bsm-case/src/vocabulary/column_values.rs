@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 /// Values of a column, one per row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColumnValues {
-    /// Numbers; an empty cell is NaN.
+    /// Numbers of the column; an empty cell is NaN.
     Numbers(Vec<f64>),
-    /// Texts; an empty cell is `None`.
+    /// Texts of the column; an empty cell is `None`.
     Texts(Vec<Option<String>>),
 }
 

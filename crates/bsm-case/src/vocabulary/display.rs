@@ -227,7 +227,7 @@ pub(crate) fn in_unit<'a>(
 }
 
 impl Numbers {
-    /// Returns the numbers in displayed units.
+    /// Returns the list of numbers, converted to displayed units.
     #[must_use]
     pub fn in_units(mut self, display: DisplayUnits) -> Self {
         for row in self.all_mut() {

@@ -20,7 +20,7 @@ pub enum CaseError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the file that cannot be read.
         path: PathBuf,
         /// Error that the operating system reported.
         source: io::Error,
@@ -31,9 +31,9 @@ pub enum CaseError {
     /// The name of an input, an output or a column is unknown.
     #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
-        /// Kind of the name.
+        /// Kind of the unknown name.
         known: Known,
-        /// The unknown name.
+        /// Name that is not known.
         name: String,
         /// Known name that is most similar to the unknown name.
         nearest: Option<String>,

@@ -16,19 +16,19 @@ pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 /// Rule that a value must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// Any finite number.
+    /// Any finite number is permitted.
     Any,
-    /// Greater than this bound.
+    /// The value must be greater than this bound.
     Above(f64),
-    /// Greater than or equal to this bound.
+    /// The value must be greater than or equal to this bound.
     AtLeast(f64),
-    /// Strictly between these two bounds.
+    /// The value must be strictly between these two bounds.
     Between(f64, f64),
-    /// Between these bounds or equal to one of them.
+    /// The value must be between these bounds or equal to one of them.
     Within(f64, f64),
-    /// An integer that is greater than or equal to this bound.
+    /// The value must be an integer that is greater than or equal to this bound.
     Whole(f64),
-    /// Equal to one of these numbers.
+    /// The value must be equal to one of these numbers.
     OneOf(&'static [f64]),
 }
 

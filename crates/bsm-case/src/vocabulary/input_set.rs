@@ -183,7 +183,7 @@ pub(crate) struct Quantity {
 /// One of the forms in which a quantity may be given.
 #[derive(Debug)]
 pub(crate) struct Form {
-    /// Input of the form.
+    /// Main input of this form of the quantity.
     pub(crate) key: InputKey,
     /// Additional inputs that are needed if the quantity is given in this form.
     pub(crate) with: InputSet,

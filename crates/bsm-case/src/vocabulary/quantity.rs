@@ -353,7 +353,7 @@ impl Numbers {
         Self::of(table, |_| [None; 3], |_| false)
     }
 
-    /// Appends the rows of `other`.
+    /// Appends the rows of `other` to this table.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.rows.extend(other.rows);

@@ -196,7 +196,7 @@ const DIMENSIONS: &[Dimension] = {
 /// Values that correspond to 0 °C, for temperature units with another zero point.
 const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
 
-/// Returns the units of all quantities.
+/// Returns the units of all physical quantities.
 fn units() -> impl Iterator<Item = &'static Unit> {
     DIMENSIONS.iter().flat_map(|dimension| dimension.units)
 }

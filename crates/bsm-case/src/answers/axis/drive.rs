@@ -24,7 +24,7 @@ pub(super) struct PowerLoss {
     pub(super) what: BackDriving,
 }
 
-/// Stop from the largest feed rate.
+/// Deceleration and distance of a stop from the largest feed rate.
 pub(super) struct Stop {
     /// Deceleration \[m/s²\].
     pub(super) deceleration: f64,
