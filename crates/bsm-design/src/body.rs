@@ -13,7 +13,7 @@ const IDLE_TURNS: f64 = 3.0;
 /// Arrangement of one or two nuts on a screw, which determines the length of the nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NutSet {
-    /// One nut without a second nut.
+    /// A single nut, as opposed to a nut pair.
     Single,
     /// Two nuts clamped against each other. The gap between them defaults to one pitch of the
     /// grooves.

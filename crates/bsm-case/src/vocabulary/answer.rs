@@ -28,7 +28,7 @@ pub struct Answer {
 /// A missing input that was treated as zero, so that a number lacks its contribution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
-    /// Name of the number that lacks the contribution.
+    /// Name of the number that the missing input affects.
     pub number: &'static str,
     /// Sentence that names the missing input and states how it was treated.
     pub text: String,
