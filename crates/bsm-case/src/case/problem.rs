@@ -306,7 +306,8 @@ impl Needs {
         }
         let is_angle = |quantity: &&Quantity| quantity.forms[0].key == InputKey::contact_angle_deg;
         let others = self.quantities.iter().filter(|quantity| !is_angle(quantity));
-        // The estimated groove has a pitch circle, which the lead angle needs.
+        // The estimated groove determines the pitch circle diameter, which is needed to calculate
+        // the lead angle.
         let all = self.all.without(GROOVE).and(CATALOG_LINE);
         let mut of_line = lacking(all, others, given.and(GROOVE));
         if of_line.len() >= of_groove.len() {
