@@ -2084,7 +2084,7 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
     Parameters
     ----------
     case, **question
-        As in `solve`. `apex_half_angle_deg`, `return_angle_deg` and the inputs whose meaning ends in "for jamming" (see
+        As in `solve`. `apex_half_angle_deg`, `return_angle_deg` and the inputs whose meaning contains "used to calculate jamming" (see
         `INPUTS`) describe the ball return.
 
     Returns

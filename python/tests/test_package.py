@@ -297,7 +297,7 @@ def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
         bs.sweep(screw, vary={"lead_mm": bs.linspace(5, 20, 1)})
     with pytest.raises(bs.InputError, match="low < high"):
         bs.draw({"lead_mm": bs.uniform(20, 5)}, samples=1)
-    with pytest.raises(bs.InputError, match="must have a finite one"):
+    with pytest.raises(bs.InputError, match="the value must be finite"):
         bs.fit(screw, {"screw_torque_Nm": math.inf})
     with pytest.raises(bs.InputError, match="0.2 to 0.1 is not"):
         bs.fit(screw, {"screw_torque_Nm": 26.0}, inputs={"friction_coefficient": (0.2, 0.1)})

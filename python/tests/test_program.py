@@ -135,7 +135,7 @@ def test_one_friction_coefficient_per_contact_matches_the_command() -> None:
         assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
     with pytest.raises(bs.InputError, match="local, contact"):
         bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
-    with pytest.raises(bs.InputError, match="model traction uses accuracy and creep alone"):
+    with pytest.raises(bs.InputError, match="model traction uses only the settings accuracy and creep"):
         bs.solve(oiled, model="traction", friction="contact")
 
 

@@ -162,7 +162,7 @@ impl Columns {
         let [model, status, message] = ANSWERS;
         let answers = [
             text(model, "model that calculated the result"),
-            text(status, "result of the solve"),
+            text(status, "status of the solution"),
             text(message, "reason why the row has no result, or why model auto chose its model"),
         ];
         let outputs = outputs.iter().map(|output| {

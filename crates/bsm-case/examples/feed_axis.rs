@@ -1,5 +1,6 @@
 //! Sizes a feed axis from a case file with the names and units of the program `bsm`, and prints its
-//! life, its torque and each rule that it breaks: `cargo run --release --example feed_axis`.
+//! life, its torque and each rule that it violates. Run it with `cargo run --release --example
+//! feed_axis`.
 
 use std::error::Error;
 use std::io::{Write as _, stdout};

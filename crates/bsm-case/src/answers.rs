@@ -1,4 +1,4 @@
-//! Answers: all results that are calculated from a case.
+//! All results that are calculated from the inputs of a case.
 
 pub(crate) mod analysis;
 pub(crate) mod axis;
@@ -28,7 +28,7 @@ pub(crate) mod slip;
 pub(crate) mod warm;
 pub(crate) mod warnings;
 
-/// Names of the schema rows of all result tables, each with the definition of its columns.
+/// Names of all result tables in the schema, each with the definition of its columns.
 pub const TABLES: [(&str, &str); 14] = [
     ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),

@@ -1,4 +1,4 @@
-//! Conversion of the files that users write to problems in SI units.
+//! Converts case files to problems in SI units.
 
 pub(crate) mod axis;
 pub(crate) mod catalog;

@@ -22,7 +22,7 @@ const OVERRUN_LEADS: f64 = 1.0;
 const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
     [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
 
-/// End supports, length and bore of a screw.
+/// End supports, length, shaft diameter and bore of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// End supports of the screw.
@@ -33,7 +33,7 @@ pub struct Mount {
     pub overrun: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; defaults to the core diameter of the thread.
     pub diameter: Option<f64>,
-    /// Bore diameter \[m\], and density of the contents of the bore \[kg/m³\].
+    /// Bore diameter \[m\], and density of the material in the bore \[kg/m³\].
     pub bore: (f64, f64),
     /// End supports and length \[m\] of the section that may buckle, if they differ from the values
     /// of [`EndFixity::of_buckling`].
@@ -129,7 +129,7 @@ impl Axis {
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
     }
 
-    /// Returns the largest relative speed of screw and nut \[rad/s\].
+    /// Returns the largest relative speed between screw and nut \[rad/s\].
     pub fn fastest(&self) -> f64 {
         self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
@@ -142,7 +142,8 @@ impl Axis {
         duty.iter().map(|duty| duty.speed.abs() * duty.time).sum::<f64>() / time
     }
 
-    /// Returns the life of the cycle at the reliability of the axis, or `None` if nothing rotates.
+    /// Returns the life under the duty cycle at the required reliability, or `None` if nothing
+    /// rotates.
     pub fn life(&self) -> Option<Life> {
         let life = life(self.dynamic_rating, self.preload, &self.duty())?;
         let (revolutions, time) = (life.revolutions, life.time);
@@ -153,7 +154,7 @@ impl Axis {
         })
     }
 
-    /// Returns the life \[s\] at the reliability of the axis, modified for the lubricant and its
+    /// Returns the life \[s\] at the required reliability, modified for the lubricant and its
     /// cleanliness (Z40). Returns `None` if nothing rotates, or if the viscosity ratio of a phase
     /// is below 0.1.
     ///

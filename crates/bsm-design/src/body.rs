@@ -10,10 +10,10 @@ use crate::{Nut, PreloadMethod, Screw, Thread};
 /// (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;
 
-/// Arrangement of the nuts on a screw, which determines the length of the nut set.
+/// Arrangement of one or two nuts on a screw, which determines the length of the nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NutSet {
-    /// A single nut.
+    /// A single nut, as opposed to a nut pair.
     Single,
     /// Two nuts clamped against each other. The gap between them defaults to one pitch of the
     /// grooves.
@@ -123,7 +123,7 @@ impl Nut {
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// The formula for the mass contains `$r$` instead of `$r^3$`.
+    /// The integral in the formula for the mass contains `$r$` instead of `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
@@ -175,9 +175,9 @@ mod tests {
     use super::*;
 
     /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length calculated
-    /// with (D10) is long enough for their turns. It is at most 1.45 times the catalog length
-    /// \[mm\], because end caps are short. When all turns were counted on a single thread, the
-    /// calculated length was up to 2.8 times too long.
+    /// with (D10) is long enough for their turns, and at most 1.45 times the catalog length,
+    /// because end caps are short. When all turns were counted on a single thread, the calculated
+    /// length was up to 2.8 times too long.
     #[test]
     fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [
@@ -227,7 +227,7 @@ mod tests {
             let rod = STEEL * 0.25 * PI * 1e-4;
             assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
             assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
-            // Each thread removes the same amount of material.
+            // The groove of each thread start removes the same amount of material.
             let (two, _) = Nut { starts: 2.0, ..nut }.screw(&thread).mass_and_inertia(0.0, 1.0);
             let whole = STEEL * 0.25 * PI * land * land;
             assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);

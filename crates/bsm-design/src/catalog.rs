@@ -105,7 +105,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// Returns the number of starts.
+    /// Returns the number of thread starts.
     fn starts(&self) -> f64 {
         self.offered.map_or(1.0, |offered| offered.starts)
     }
@@ -126,7 +126,7 @@ pub struct Candidate {
     pub dynamic_rating: f64,
     /// Static axial load rating \[N\].
     pub static_rating: f64,
-    /// Preload of the pair \[N\].
+    /// Preload of the nut pair \[N\].
     pub preload: f64,
     /// Elastic properties of one nut.
     pub elasticity: Elasticity,
@@ -169,7 +169,7 @@ fn balls_on(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
 }
 
 /// Returns the length of a turn divided by the ball diameter. All lengths are in units of [`STEP`],
-/// and the length of the turn is rounded to a whole step.
+/// and the length of the turn is rounded to a whole number of units.
 fn balls_of_turn(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
     // The added 1e-9 ensures that rounding errors do not reduce a whole number of balls by one.
     turn_length(pitch_diameter, lead).round() / ball + 1e-9
@@ -288,8 +288,8 @@ impl Lists {
         self.len() == 0
     }
 
-    /// Returns the lengths of the lists. The list of offered sizes replaces four lists and counts
-    /// as one.
+    /// Returns the lengths of the lists. The list of offered sizes replaces four lists and is
+    /// treated as one list.
     fn lengths(&self) -> [usize; 6] {
         let Self { diameters, leads, balls, turns, conformities, contact_angles, offered } = self;
         let sizes = match offered.len() {
@@ -387,7 +387,7 @@ mod tests {
     };
 
     /// Three published pitch circle diameters and ball counts are reproduced. One of the turns has
-    /// a length of 319.9999 mm, which must count as 32 balls.
+    /// a length of 319.9999 mm, which must be treated as the length of 32 balls.
     #[test]
     fn published_pitch_diameters_and_ball_counts_are_reproduced() {
         for (nominal, lead, ball, diameter, balls) in [
@@ -396,7 +396,8 @@ mod tests {
             (100e-3, 20e-3, 10e-3, 101.66e-3, 28.0),
         ] {
             let (found, n) = loaded_balls(nominal, lead, ball, BALL_GAP);
-            // The diameters are multiples of 0.01 mm, stored in meters.
+            // The diameters are multiples of 0.01 mm, but are stored in meters, which causes
+            // rounding errors.
             assert!((found - diameter).abs() < 1e-12 && (n - balls).abs() < 0.5, "{found} {n}");
         }
     }

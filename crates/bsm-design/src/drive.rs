@@ -214,7 +214,7 @@ pub struct DriveTrain {
 /// Motor torques at one speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorPoint {
-    /// Motor speed \[rad/s\], at least 0.
+    /// Motor speed \[rad/s\], which must not be negative.
     pub speed: f64,
     /// Peak torque \[N·m\].
     pub peak: f64,
@@ -439,7 +439,7 @@ mod tests {
             BackDriving::of(efficiencies.map(|eta| eta * ideal), drag)
         };
         let ([low, high], what) = of([0.75, 0.85], 0.25);
-        // The hand calculation has four digits.
+        // The hand calculation is accurate to four digits.
         assert_relative_eq!(low, 2.426_46, max_relative = 2e-6);
         assert_relative_eq!(high, 3.066_65, max_relative = 2e-6);
         assert_eq!(what, BackDriving::Turns);
@@ -455,7 +455,7 @@ mod tests {
     #[test]
     fn carriage_load_follows_from_weight_and_friction() {
         let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
-        // Scrapers cause friction on a vertical axis, too.
+        // Scrapers also cause friction on a vertical axis.
         let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
         assert_relative_eq!(scraped.load(0.0, -1.0, 0.0), 4903.325 - 15.0, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 1.0, 0.0), 1_049.033_25, max_relative = 1e-12);
@@ -543,10 +543,10 @@ mod tests {
     }
 
     /// The THK examples divide the whole force by an efficiency of 0.9 and add the
-    /// inertia torque separately. Horizontal: 80 kg, 1 m/s in 0.15 s, 17.354 N, lead 40 mm
-    /// (printed: 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in 0.2 s, 510.33 N,
-    /// lead 10 mm (printed: 1.58e-4 kg m², 0.90 and 1.10 N m). THK calculates the moment of inertia
-    /// of the screw with the nominal diameter.
+    /// inertia torque separately. Horizontal axis: 80 kg, 1 m/s in 0.15 s, 17.354 N, lead 40 mm
+    /// (printed results: 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical axis: 50 kg, 0.3 m/s in 0.2 s,
+    /// 510.33 N, lead 10 mm (printed results: 1.58e-4 kg m², 0.90 and 1.10 N m). THK calculates the
+    /// moment of inertia of the screw with the nominal diameter.
     #[test]
     fn motor_torques_match_examples_of_thk() {
         for (rod, length, mass, lead, motor, speed, ramp, force, inertia, torques) in [
@@ -572,7 +572,8 @@ mod tests {
             let turning = speed / ramp * TAU / lead;
             let accelerating = steady + drive.inertia() * turning;
             assert_relative_eq!(accelerating, torques[1], max_relative = 3e-5);
-            // A motor with this peak torque needs exactly the ramp time.
+            // A motor whose peak torque equals the torque during acceleration needs exactly the
+            // ramp time.
             let time =
                 least_acceleration_time(drive.inertia(), speed * TAU / lead, accelerating, steady);
             assert_relative_eq!(time.expect("it can"), ramp, max_relative = 1e-12);
@@ -600,7 +601,7 @@ mod tests {
         assert_relative_eq!(drive.inertia(), 2.071_26e-3, max_relative = 3e-6);
         let falling = drive.falling(250.0 * GRAVITY);
         let distance = falling.stopping_distance(9.0, 0.05, 0.25).expect("it holds");
-        // The hand calculation has four digits.
+        // The hand calculation is accurate to four digits.
         assert_relative_eq!(distance, 36.66e-3, max_relative = 2e-4);
         assert_eq!(falling.stopping_distance(3.9, 0.05, 0.25), None);
         let fall = falling.acceleration(0.8 * falling.torque - 0.25);

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 /// Table with one row per grade: name; standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; and
 /// `$e_p$`/`$v_{up}$` \[um\] in columns for the upper limit of the useful travel \[mm\].
 ///
-/// Source: ISO 3408-3 as printed in HIWIN BS-08-2, tables 3.3 and 3.4, with usual values for
+/// Source: ISO 3408-3 as printed in HIWIN BS-08-2, tables 3.3 and 3.4, with typical values for
 /// `$v_{2\pi p}$`; JIS B 1192 as printed by THK, A-678, tables 1 and 2. For grades from C7, the JIS
 /// tables state a ± deviation.
 const TABLE: &str = include_str!("grades.csv");
@@ -93,7 +93,8 @@ impl Grade {
     pub fn worst_error(&self, travel: f64) -> Option<f64> {
         let deviation = self.deviation(travel)?;
         if self.travels.is_empty() {
-            // For these grades, the deviation already includes all variations.
+            // If the permitted deviation of a grade is proportional to the travel, it already
+            // includes all variations.
             return Some(deviation);
         }
         // e = e_p + v_up/2                                                (Z35)
@@ -254,7 +255,7 @@ mod tests {
         // Six rows, nine grades and three thread types are checked at two torques each.
         assert_eq!(entries, 6 * 9 * 3 * 2);
         assert_eq!(percent("C3", 0.865, 1.3, 0.04), percent("C2", 0.865, 1.3, 0.04));
-        // The tables do not cover these torques, this short slender thread and this grade.
+        // The tables do not cover these torques, a short slender thread, or this grade.
         for (name, torque, length) in
             [("P3", 0.2, 1.3), ("P3", 10.001, 1.3), ("C0", 0.5, 2.401), ("C7", 1.0, 1.3)]
         {

@@ -291,7 +291,7 @@ impl CatalogLine {
         })
     }
 
-    /// Returns the ball diameters to try \[m\], each with the logarithm of its prior.
+    /// Returns the possible ball diameters \[m\], each with the logarithm of its prior.
     fn balls(&self, prior: &Prior) -> Vec<(f64, f64)> {
         let [nominal, lead] = [self.nominal_diameter, self.lead].map(|length| length * PER_M);
         let tried: Vec<_> = match self.ball_diameter {
@@ -695,7 +695,8 @@ mod tests {
             let kept = [groove.ball_diameter, groove.pitch_diameter, groove.turns];
             let kept = [kept.as_slice(), &[groove.conformity.0, groove.contact_angle]].concat();
             for (kept, given) in kept.into_iter().zip([3.2e-3, 16.8e-3, 4.1, 0.53, 0.8]) {
-                // The ball diameter is converted to millimeters and back.
+                // The ball diameter is converted to millimeters and back, which causes rounding
+                // errors.
                 assert_relative_eq!(kept, given, max_relative = 1e-15);
             }
             let nut = groove.nut(given.lead, (STEEL, STEEL));

@@ -41,14 +41,14 @@ impl Make {
             Self::Caged => 130e3,
             Self::HighSpeed => 160e3,
         };
-        // The limit is stated in mm/min.
+        // Catalogs state the limit in mm/min.
         workshop * 1e-3 * TAU / 60.0
     }
 
     /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
     /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
-    /// its grade or a finer grade or, if the grade is unknown, to any grade. An unknown diameter has no
-    /// longest screw.
+    /// its grade or a finer grade or, if the grade is unknown, to any grade. Returns `None` if the
+    /// diameter is unknown.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
@@ -67,7 +67,7 @@ impl Make {
             (Self::Rolled, fineness) => fineness.is_none(),
             (_, fineness) => fineness.is_some_and(|fineness| fineness <= own),
         };
-        // Coarser grades come last and permit longer screws.
+        // Coarser grades come last in the table and permit longer screws.
         Some(1e-3 * number(rows.rfind(fits)?[column])?)
     }
 }

@@ -43,7 +43,7 @@ pub struct DutySpeed {
 }
 
 impl DutySpeed {
-    /// Speed of zero (standstill).
+    /// Speed of a screw at standstill.
     pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
 
     /// Creates a speed from a relative rotational speed between screw and nut \[rad/s\].
@@ -443,7 +443,7 @@ pub struct PhaseMeans {
 }
 
 impl PhaseMeans {
-    /// Returns the instantaneous values at an operating point.
+    /// Returns the heat, the squared motor torque and the regenerated power at an operating point.
     fn at(drive: &DriveTrain, point: &PhasePoint, friction: f64) -> Self {
         let torque = drive.motor_torque(point, friction);
         // Q̇ = T_f |Ω|,  T_rms² = mean T²,  E_reg/t = max(0, −s T) i_g |Ω|  (BB3)
@@ -537,7 +537,8 @@ impl FrictionCurve {
         }
     }
 
-    /// Returns the friction torque at a coordinate \[N·m\] by barycentric interpolation.
+    /// Returns the friction torque \[N·m\] at a coordinate of the curve, calculated by barycentric
+    /// interpolation.
     fn value(&self, place: f64) -> f64 {
         let (mut above, mut below) = (0.0, 0.0);
         let last = self.nodes.len() - 1;
@@ -554,7 +555,8 @@ impl FrictionCurve {
         above / below
     }
 
-    /// Returns the operating point at a coordinate and its friction torque.
+    /// Returns the operating point at a coordinate of the curve, and the friction torque at this
+    /// point.
     fn at(&self, phase: &Phase, place: f64) -> (PhasePoint, f64) {
         (phase.at(curve_share(self.root_of, place)), self.value(place))
     }

@@ -1,5 +1,5 @@
-//! Amount of preload, which is specified as a force, by the load or by a manufacturer's preload
-//! class.
+//! Amount of preload, which is specified as a force, derived from the load, or given by a
+//! manufacturer's preload class.
 
 use crate::OPENS_AT;
 
@@ -75,7 +75,7 @@ fn rounded_up(force: f64) -> f64 {
 /// Meaning of a manufacturer's preload class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadClass {
-    /// The class specifies a preload.
+    /// The preload class specifies a preload.
     Preload(PreloadSize),
     /// The class has no preload. The value is the largest axial play \[m\], if the manufacturer
     /// states it.

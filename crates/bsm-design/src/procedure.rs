@@ -10,7 +10,8 @@ use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimize};
 use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
-/// Smallest number of loaded turns to try, and largest number if no other limit applies.
+/// Smallest number of loaded turns that the search considers, and largest number if no other limit
+/// applies.
 const TURNS: (u32, u32) = (2, 12);
 
 /// Number of intervals of the coarse grid for contact angle and conformity.
@@ -36,13 +37,13 @@ const STARTS: [[f64; 4]; 6] = [
 /// Number of starting points used to select a lead.
 const FEW_STARTS: usize = 2;
 
-/// Smallest pitch circle diameter to try \[m\].
+/// Smallest pitch circle diameter that the search considers \[m\].
 const MIN_PITCH_DIAMETER: f64 = 2e-3;
 
 /// Safety margin that the search keeps from each limit, relative to the limit.
 const RESERVE: f64 = SLACK - ROUNDING;
 
-/// Margin below which a limit counts as active, relative to the limit.
+/// Margin below which a limit is treated as active, relative to the limit.
 const ACTIVE_MARGIN: f64 = 2e-3;
 
 /// A limit that prevents a better design.
@@ -54,7 +55,7 @@ pub struct BindingLimit {
     pub without: Option<f64>,
 }
 
-/// Result of the search.
+/// Result of the search for the best screw.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
     /// A screw that meets the requirement, with a whole number of balls of an available size.
@@ -161,7 +162,7 @@ impl Requirement {
         Outcome::Infeasible { design: complete(nut), blocking }
     }
 
-    /// Returns the numbers of loaded turns to try.
+    /// Returns the numbers of loaded turns that the search considers.
     fn turns(&self) -> Vec<f64> {
         match self.fixed.turns {
             Some(turns) => vec![turns],
@@ -508,8 +509,8 @@ impl Search<'_> {
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
             let violations = others.filter_map(Check::violation).collect();
             let own = checks.iter().find(|c| c.quantity == check.quantity);
-            // The logarithmic distance from the limit is suitable even if the value is many times
-            // the limit.
+            // The logarithmic distance from the limit is a suitable measure even if the value is
+            // many times the limit.
             let far = |c: &Check| {
                 let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
                 below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))

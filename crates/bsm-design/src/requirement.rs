@@ -1,4 +1,4 @@
-//! Requirement for a screw, and the checks of a design.
+//! Requirements that a screw must meet, and checks that show whether a design meets them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -81,7 +81,7 @@ pub enum Objective {
 }
 
 impl Objective {
-    /// Returns the quantity to optimize.
+    /// Returns the design quantity that the objective optimizes.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Efficiency => Quantity::Efficiency,
@@ -214,9 +214,9 @@ pub struct Requirement {
     pub largest_power: Option<f64>,
     /// Permitted ranges of further design quantities.
     pub ranges: Ranges,
-    /// Quantity to optimize.
+    /// Quantity that the search optimizes.
     pub objective: Objective,
-    /// Design variables with fixed values.
+    /// Design variables whose values are fixed.
     pub fixed: FixedValues,
     /// Available ball diameters \[m\].
     pub stock: Vec<f64>,
@@ -279,7 +279,7 @@ impl Quantity {
     }
 }
 
-/// Relative violation up to which a limit counts as met, because decimal inputs have rounding
+/// Relative violation up to which a limit is treated as met, because decimal inputs have rounding
 /// errors.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
@@ -288,7 +288,7 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 pub struct Check {
     /// Step of Lin's procedure that introduces the quantity, or 11 for additional quantities.
     pub step: u8,
-    /// The checked quantity.
+    /// Quantity that is compared with its limits.
     pub quantity: Quantity,
     /// Value of the quantity, or NaN if it cannot be calculated.
     pub value: f64,

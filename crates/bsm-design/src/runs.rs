@@ -68,7 +68,7 @@ mod tests {
         let of = |signs: &[f64]| SignRuns::of(signs.iter().copied()).expect("both signs");
         let two = of(&[1.0, 2.0, 0.5, 1.0, -1.0, -3.0, -1.0, -0.1]);
         assert_eq!(two.runs, 2);
-        // The tolerance allows for rounding errors of logarithms that are of order ten.
+        // The tolerance allows for rounding errors of logarithms whose magnitude is about ten.
         assert_relative_eq!(two.probability, 2.0 / 70.0, max_relative = 1e-13);
         let three = of(&[-1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
         assert_eq!(three.runs, 3);

@@ -120,7 +120,8 @@ pub fn sign_changes<E: Into<SearchError>>(
             None
         };
         let Some(at) = root else { continue };
-        // A continuous function changes only slightly within the tolerance of the root.
+        // Near a root, a continuous function changes only slightly over the tolerance of the root
+        // finder. A larger change indicates a jump.
         let near = 1e-9 * at.abs();
         let change = function(at + near)? - function(at - near)?;
         if change.abs() > JUMP * (v[1] - v[0]).abs() && v[1] != 0.0 {
@@ -181,7 +182,7 @@ pub struct Value {
     pub violations: Vec<f64>,
 }
 
-/// Tolerance for violations of a constraint.
+/// Tolerance up to which a violated constraint is accepted.
 pub const SLACK: f64 = 1e-4;
 
 impl Value {
@@ -196,7 +197,7 @@ impl Value {
     }
 }
 
-/// Number of multiplier updates.
+/// Number of updates of the Lagrange multipliers.
 const ROUNDS: usize = 7;
 /// Maximum number of simplex iterations per vertex in each multiplier update.
 const STEPS: u64 = 25;

@@ -25,7 +25,7 @@ pub const BUCKLING_SAFETY: f64 = 2.0;
 pub enum EndFixity {
     /// One end is fixed, and the other end is free.
     FixedFree,
-    /// Both ends can tilt.
+    /// Both ends of the screw can tilt.
     SupportedSupported,
     /// One end is fixed, and the other end can tilt.
     FixedSupported,
@@ -382,8 +382,8 @@ mod tests {
             let load = 0.5 * shaft(support, 1.0, 1e-3).buckling_load() * (21_000.0 * 9.806_65)
                 / 206e3
                 / 9.806_65;
-            // 10³ mm⁴/(10⁶ mm²) is 10⁻³. The printed value of 10.2 results from a factor of 2
-            // instead of Euler's 2.046.
+            // For a diameter of 1 mm and a length of 1 m, the factor d⁴/l² 10³ is 10⁻³. The printed
+            // value of 10.2 results from a factor of 2 instead of Euler's 2.046.
             let near = if support == EndFixity::FixedSupported { 0.025 * m } else { 0.05 };
             assert!((load / 1e-3 - m).abs() < near, "{support:?} {load}");
         }
@@ -415,7 +415,7 @@ mod tests {
     #[test]
     fn speed_and_load_limits_of_a_solid_screw_match_hand_calculations() {
         let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
-        // The hand calculation has four digits.
+        // The hand calculation is accurate to four digits.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
         assert!((screw.buckling_load() / 1e3 - 272.8).abs() < 0.05);
         // The cross section of 907.92 mm² carries 147 N/mm².
@@ -432,7 +432,7 @@ mod tests {
     fn speed_and_load_limits_of_a_hollow_screw_match_hand_calculations() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         let hollow = Shaft { bore: 17e-3, ..solid };
-        // The hand calculation has five digits.
+        // The hand calculation is accurate to five digits.
         assert_relative_eq!(hollow.critical_speed() / RPM, 7167.7, max_relative = 1e-5);
         assert_relative_eq!(hollow.buckling_load(), 255_790.0, max_relative = 2e-5);
         assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
@@ -497,7 +497,7 @@ mod tests {
         let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);
-        // The term l/EA is 75.7 % of C.
+        // The compliance l/EA of the screw is 75.7 % of the total compliance C.
         assert_relative_eq!(screw.growth_left(750e6), 1.0 - 4885.2 / 6605.3, max_relative = 1e-4);
     }
 

@@ -58,8 +58,8 @@ impl Elasticity {
         1.5 * self.secant(force)
     }
 
-    /// Returns the contact stiffness of two nuts that are clamped against each other with a preload
-    /// \[N\] (D20), in N/m. It is valid for loads that do not unload either nut.
+    /// Returns the contact stiffness \[N/m\] of two nuts that are clamped against each other with a
+    /// preload \[N\] (D20). The stiffness is valid for loads that do not unload either nut.
     ///
     /// Source: Sobolewski (2002), eqs. 9 and 10. The displacement `$w_o$` is the load divided by
     /// this stiffness.

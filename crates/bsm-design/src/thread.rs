@@ -232,8 +232,8 @@ mod tests {
         assert_relative_eq!(n.core, core_nut, max_relative = 1e-14);
         assert_relative_eq!(s.core, core_screw, max_relative = 1e-14);
         let angle = nut.contact_angle_of(0.5 * (n.core - s.core)).expect("a thread");
-        // The cosine is a difference of two lengths that are thirty times as large as the
-        // difference.
+        // The cosine is the ratio of a length difference to a length. The subtracted lengths are
+        // thirty times as large as their difference, which amplifies rounding errors.
         assert_relative_eq!(angle, nut.contact_angle, max_relative = 1e-12);
         assert_eq!(nut.contact_angle_of(nut.ball_diameter - 1e-9), None);
         assert_eq!(nut.contact_angle_of(n.radius + s.radius + 1e-9), None);

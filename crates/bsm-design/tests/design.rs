@@ -189,7 +189,8 @@ fn infeasible_result_names_blocking_limit_and_best_achievable_value() {
         for share in 0..=20 {
             let ball = pitch * (0.1 + 0.005 * f64::from(share));
             let balls = (PI * pitch).hypot(10e-3) / ball - 4.0;
-            // Half a degree changes the rating by 0.5 % and the life by 1.5 %.
+            // A change of the contact angle by half a degree changes the rating by 0.5 % and the
+            // life by 1.5 %.
             for deg in (120..=150).map(|i| 0.5 * f64::from(i)) {
                 let nut = nut(pitch, ball, balls, 6.0, deg.to_radians(), 0.5 / 0.97);
                 let design = Design::of(&free, nut, None);

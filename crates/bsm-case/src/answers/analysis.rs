@@ -85,7 +85,7 @@ impl AnalysisKind {
         }
     }
 
-    /// Calculates the numbers of the analysis for a case.
+    /// Calculates the results of the analysis for a case.
     ///
     /// * `settings`: model and solver settings of analyses that solve the case themselves.
     /// * `motion`: solved motion, if the analysis [needs](Self::needs_solution) one.
@@ -128,7 +128,7 @@ impl AnalysisKind {
 }
 
 impl Output {
-    /// Returns true if the output can only be calculated by solving the point.
+    /// Returns true if the output can only be calculated after the operating point is solved.
     pub fn needs_solution(&self) -> bool {
         self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
@@ -136,7 +136,7 @@ impl Output {
     /// Checks that the output can be calculated for points with the inputs `given`.
     ///
     /// * `base`: case that supplies all inputs that do not vary between the points.
-    /// * `model`: model that solves the points.
+    /// * `model`: model with which the points are solved.
     ///
     /// # Errors
     ///
@@ -166,7 +166,8 @@ impl Output {
         Self::all().find(|output| output.name == name).or_else(|| Self::interval_end(name))
     }
 
-    /// Returns the output with the given name, which may have another unit, and the unit of the name.
+    /// Returns the output to which `name` refers, and the unit at the end of `name`, which may
+    /// differ from the unit of the output.
     pub fn in_unit(name: &str) -> Option<(&'static Self, DisplayUnit)> {
         if let Some(output) = Self::named(name) {
             return Some((output, DisplayUnit::own(output.unit)));

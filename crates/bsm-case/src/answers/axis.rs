@@ -1,4 +1,4 @@
-//! The axis around a screw: loads of its cycle, torque, and every rule with its value, limit and
+//! Axis sheet of a screw: loads of its cycle, torque, and every rule with its value, limit and
 //! source.
 
 mod contacts;
@@ -53,17 +53,17 @@ const MODIFIED_LIFE: &[InputSet] =
 
 quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "the cycle" {
-        largest_load_N ["N"] Scalar(|w| w.axis().largest_load()), "largest axial load of the screw";
-        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed of screw and nut";
+        largest_load_N ["N"] Scalar(|w| w.axis().largest_load()), "largest axial load on the screw";
+        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed between screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
-            "equivalent load: constant load with the same life; for a pair, the load of the more heavily loaded nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean over the time of the cycle including standstill";
-        cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "time of the cycle";
+            "equivalent load: constant load that gives the same life; for a pair, the load of the more heavily loaded nut";
+        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean speed over the cycle, including standstill";
+        cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "cycle time";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
         travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
-        cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
-        cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle; 0 if the cycle returns to its start";
+        cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the two extreme positions of the cycle";
+        cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance between the start position and the end position of the cycle; 0 if the cycle returns to its start";
         speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of speed jumps in the cycle";
     }
     "screw and bearings" {
@@ -79,8 +79,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
-            "buckling load with the end conditions of support";
-        buckling_safety_of_support [""] Scalar(|w| w.axis().buckling_safety_of_support()), "buckling safety factor with the end conditions of support";
+            "buckling load for the end conditions that the input support implies";
+        buckling_safety_of_support [""] Scalar(|w| w.axis().buckling_safety_of_support()), "buckling safety factor for the end conditions that the input support implies";
         yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load at a core stress of 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
@@ -95,25 +95,25 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             Some(w.shaft()?.critical_speed_under(tension) / RPM)
         }), "critical speed with the tension of the cold screw; for information only";
         pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "smallest pretension that keeps the warm screw in tension between two fixed bearings";
-        support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load plus pretension";
-        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load plus tension or compression";
-        support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load of the support bearings, cold or warm";
+        support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load on two fixed support bearings while the screw is cold: largest load plus pretension";
+        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load on two fixed support bearings while the screw is warm: largest load plus tension or compression";
+        support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load on the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
             "steady-state temperature rise of the screw above the surroundings, mean between the bearings";
         nut_rise_K ["K"] Scalar(|w| w.node_rise(0)) needs FRICTION, "steady-state temperature rise of the nut above the surroundings";
-        screw_rise_K ["K"] Scalar(|w| w.node_rise(1)) needs FRICTION, "steady-state temperature rise of the screw along the travel, above the surroundings";
+        screw_rise_K ["K"] Scalar(|w| w.node_rise(1)) needs FRICTION, "steady-state temperature rise of the screw section that the nut travels along, above the surroundings";
         end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the screw end at the motor, above the surroundings";
         end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other screw end, above the surroundings";
-        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "lower end of the steady-state temperature rise, due to the uncertainty of conductances and heat";
-        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper end of the steady-state temperature rise, including typical values for missing torques";
+        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "lower bound of the steady-state temperature rise, considering the uncertainty of conductances and heat sources";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper bound of the steady-state temperature rise, with typical values for missing friction torques";
         steady_temperature_time_s ["s" "tau"] Scalar(|w| {
             let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
             Some(warming_time(w.machine.screw?.0, transfer))
         }),
-            "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
+            "time constant of the screw temperature: heat capacity of the screw / (mean heat flow / steady-state temperature rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
             "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not constrained by bearings";
@@ -146,18 +146,18 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life under the cycle in years, according to operating_h_day and operating_days_year";
         required_life_revolutions = INPUTS Scalar(|w| w.required_revolutions());
         required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "required dynamic load rating for one million revolutions, including its factors";
-        required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "required dynamic load rating for the travel of rating_basis, without factors";
+        required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "required dynamic load rating for the reference travel in rating_basis, without factors";
         modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; includes the factors for accuracy, hardness and steel";
         modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; includes the factors for accuracy and hardness";
         fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
             "fatigue load limit, at a maximum pressure of 1500 MPa";
         modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs MODIFIED_LIFE,
-            "modified life under the cycle according to ISO 281, with lubricant and contamination";
+            "modified life under the cycle according to ISO 281, which takes lubricant and contamination into account";
         modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs MODIFIED_LIFE,
             "modified life at the smallest contamination factor";
         modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
             "modified life at the largest contamination factor";
-        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life under the cycle, from the loads of all balls";
+        cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life under the cycle, calculated from the loads of all balls";
         limit_load_N = NUT Scalar(|w| w.of_nut(output!(limit_load_N)));
     }
     "stiffness" {
@@ -165,9 +165,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
             "stiffness of the nut at the largest load; tangent stiffness of all balls, or 0.8 times the catalog stiffness";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
-        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, with the nut in the worst position";
-        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass with the axis stiffness";
-        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass, including the torsion of the screw";
+        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, for the nut position with the lowest stiffness";
+        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency that results from the moved mass and the axis stiffness";
+        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency that results from the moved mass and the axis stiffness, including the torsion of the screw";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic displacement, plus the axial play of a nut without preload";
     }
     "drive" {
@@ -182,14 +182,14 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that is returned to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
-            "friction torque to be measured for the preload; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
+            "friction torque that a measurement of the preload should give; manufacturers' rule at 100 rpm, with oil of ISO VG 68 and without wipers";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
         screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
-            "screw torque; at the largest load in motion, including preload, seals and support bearings";
+            "screw torque; at the largest load during motion, including preload, seals and support bearings";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
-            "efficiency of the screw; at the largest load in motion, including preload, seals and support bearings";
+            "efficiency of the screw; at the largest load during motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
         preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut(output!(preload_torque_reverse_Nm))) needs FRICTION;
         preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut(output!(preload_torque_factor))) needs FRICTION;
@@ -217,9 +217,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance in the direction of the load at rest, from the largest feed, including brake_delay_s";
         stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
         stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, including the motor";
-        inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor";
-        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the falling load without motor power and brake";
-        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after the load has fallen over the stroke, without motor power and brake";
+        inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor inertia";
+        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the falling load without motor power or brake";
+        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after the load has fallen over the stroke, without motor power or brake";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
             let turns = w.machine.nut_inertia.is_none();
             w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
@@ -244,8 +244,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
-        cycle_entry [""] Scalar(|p| p.entry()), "number of the entry in the cycle; empty for standstill that fills the cycle";
-        time_share [""] Scalar(|p| p.torques.phase.time), "share of time";
+        cycle_entry [""] Scalar(|p| p.entry()), "number of the cycle entry; empty for the standstill that fills the rest of the cycle time";
+        time_share [""] Scalar(|p| p.torques.phase.time), "share of the cycle time";
         start_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[0])), "feed at the start";
         end_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[1])), "feed at the end";
         start_speed_rpm ["rpm"] Scalar(|p| p.torques.phase.speed[0] / RPM), "speed of the screw at the start";
@@ -257,8 +257,8 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         end_load_N ["N"] Scalar(|p| p.torques.phase.load[1]), "axial load at the end";
         start_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[0])), "motor torque at the start";
         end_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[1])), "motor torque at the end";
-        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.worked.motor_torque(end))), "motor torque, the larger value of start and end";
-        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.worked.motor_power(end))), "motor power, the larger value of start and end";
+        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.worked.motor_torque(end))), "motor torque, the larger of the values at start and end";
+        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.worked.motor_power(end))), "motor power, the larger of the values at start and end";
         heat_W ["W"] Scalar(|p| Some(p.torques.means?.heat)), "mean heat";
         load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
         max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
@@ -267,7 +267,7 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         viscosity_ratio ["" "kappa"] Scalar(|p| {
             let [by_film, by_viscosity] = p.worked.viscosity_ratios_of(&p.torques.phase);
             by_film.or(by_viscosity)
-        }), "viscosity ratio of the lubricant, from the film ratio if groove and roughness are known";
+        }), "viscosity ratio of the lubricant, calculated from the film ratio if groove and roughness are known";
     }
 }
 
@@ -296,11 +296,11 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     }
 }
 
-/// Results of one phase of a cycle.
+/// Results of the axis in one phase of a cycle.
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
-    /// Results of the nut in the warm state at the end of the phase.
+    /// Results of the nut at the end of the phase, in the warm state.
     nut: Option<&'a NutInPhase>,
 }
 
@@ -325,7 +325,7 @@ impl PhaseResult<'_> {
     }
 }
 
-/// Screw and nut as used in the calculation.
+/// Dimensions of screw and nut that are used in the calculation.
 pub(crate) struct Screw<'a> {
     case: &'a Case,
     machine: &'a Machine,
@@ -394,14 +394,14 @@ const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 
 /// Effects that the calculation of an axis always neglects.
 const NOT_MODELED: [&str; 4] = [
-    "vibration and control of the axis, and shocks beyond load_factor",
+    "vibration and control of the axis, and shocks that load_factor does not cover",
     "bending of the screw under its own weight; deformation of the frame; misalignment, unless it \
      is given",
-    "compliance of brackets beyond housing_stiffness_N_um; twist of the screw, which can exceed the axial displacement at large leads",
+    "compliance of brackets beyond housing_stiffness_N_um; displacement due to twist of the screw, which can exceed the elastic axial displacement at large leads",
     "wear, the torque to start from rest, and jerk",
 ];
 
-/// Returns the effects that the numbers of an axis neglect.
+/// Returns the effects that the results for an axis neglect.
 ///
 /// * `contacts`: true if friction is calculated from the contacts, false if it follows from the
 ///   catalog efficiency.
@@ -426,7 +426,7 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
         }
         // The torque of a preloaded nut is calculated from the friction of all its balls.
         (Some(_), true) => {
-            "ball returns beyond return_push_N and its causes, which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
+            "ball returns (except for return_push_N and its effects), which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
         (Some(_), false) => {
             "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"
@@ -478,7 +478,7 @@ impl AxisReport {
     #[must_use]
     pub(crate) fn over_grooves(mut self, answer: impl Fn(&Case) -> Option<Answer> + Sync) -> Self {
         self.answer = self.answer.over_grooves(&self.case, FEW_DRAWS, answer);
-        // Without a steady state, there are no phases.
+        // An axis without a warm steady state has no phases.
         if !self.phases.is_empty() {
             self.answer.fails = self.answer.rules.iter().any(Criterion::fails);
             self.answer = self.answer.with_verdict();
@@ -486,7 +486,7 @@ impl AxisReport {
         self
     }
 
-    /// Calculates numbers and rules, but omits the notes that require additional solves.
+    /// Calculates numbers and rules, but omits the notes that require additional model solutions.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail::JUDGED)
     }
@@ -592,7 +592,7 @@ impl AxisReport {
         Self { phases, answer: self.answer.clone().in_units(units), ..self.clone() }
     }
 
-    /// Returns the verdict on all rules.
+    /// Returns the verdict on all rules together: passed, failed or undecided.
     pub fn verdict(&self) -> Verdict {
         self.answer.verdict()
     }
@@ -624,7 +624,7 @@ impl AxisReport {
     }
 }
 
-/// Calculates the numbers of an axis without creating a report.
+/// Calculates the results for an axis without creating a report.
 ///
 /// # Errors
 ///
@@ -667,7 +667,8 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     if worked.machine.groove.is_none() || is_estimated {
         texts.extend(case.warnings());
     }
-    // The rule about the edge load considers all possible grooves.
+    // For an estimated groove, the edge-load rule, which considers all possible grooves, replaces
+    // the warning about the flanks.
     let of_balls =
         if is_estimated { NutReport::warnings_besides_flanks } else { NutReport::warnings };
     texts.extend(worked.nut.as_ref().map(of_balls).unwrap_or_default());
@@ -683,7 +684,7 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     warnings
 }
 
-/// Adds the sections of a sheet to an answer.
+/// Adds the sections of the axis sheet to an answer.
 fn sheet(
     of: Answer,
     case: &Case,
@@ -702,7 +703,7 @@ fn sheet(
 }
 
 impl Answer {
-    /// Sets the member `passes` to the verdict on all rules.
+    /// Sets the JSON member `passes` to the verdict on all rules.
     fn with_verdict(mut self) -> Self {
         const MEMBER: &str = "passes";
         let verdict = Content::Json(json!(self.verdict().passes()));
@@ -753,7 +754,7 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        // The last sample of the phase is the closest one to its end.
+        // The last sample of a phase is the sample closest to the end of the phase.
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());

@@ -28,7 +28,7 @@ quantities! { pub(crate) QUANTITIES, read(&LossInterval) of Band;
 pub(crate) const NEEDS: Needs = Needs::LUBRICATED;
 
 /// Note on a lubricated point without an interval.
-pub(crate) const NO_INTERVAL: &str = "The friction has no 90 % interval, because most draws of the uncertain inputs have no steady state.";
+pub(crate) const NO_INTERVAL: &str = "No 90 % interval of the friction is calculated, because most random samples of the uncertain inputs have no steady state.";
 
 /// Calculates the intervals for a solved point.
 ///

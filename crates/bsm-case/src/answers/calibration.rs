@@ -25,10 +25,10 @@ use crate::{
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
 pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
 
-/// A measured point.
+/// A row of the measurement table: an operating point with its measured value.
 #[derive(Debug, Clone)]
 struct MeasuredPoint {
-    /// Inputs of the point.
+    /// Inputs of the measured operating point.
     case: Case,
     /// Measured value, in the unit of the output.
     value: f64,
@@ -39,10 +39,10 @@ struct MeasuredPoint {
 /// Assumption about the errors of the measured values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MeasurementError {
-    /// Errors are proportional to the measured values.
+    /// The measurement errors are proportional to the measured values.
     #[default]
     Relative,
-    /// Errors are equal at all points.
+    /// The measurement errors are equal at all points.
     Absolute,
 }
 
@@ -50,7 +50,7 @@ impl MeasurementError {
     /// All kinds of measurement errors.
     pub const ALL: [Self; 2] = [Self::Relative, Self::Absolute];
 
-    /// Name on the command line and in Python.
+    /// Returns the name that the command line and Python use for this kind of measurement error.
     pub fn name(self) -> &'static str {
         match self {
             Self::Relative => "relative",
@@ -74,14 +74,14 @@ impl MeasurementError {
             Self::Absolute => Ok(1.0),
             Self::Relative if value != 0.0 => Ok(value.abs()),
             Self::Relative => Err(CaseError::Invalid(format!(
-                "{0} is 0, which has no relative error; use absolute errors, or add a column {0}{ERROR}",
+                "{0} is 0, so its error cannot be relative; use absolute errors, or add a column {0}{ERROR}",
                 output.name
             ))),
         }
     }
 }
 
-/// Suffix of the column that contains the errors of the output.
+/// Suffix in the name of the column that contains the measurement errors of the output.
 const ERROR: &str = "_error";
 
 /// Significance level of the runs test for residuals, divided by the number of inputs by which the
@@ -89,7 +89,7 @@ const ERROR: &str = "_error";
 /// with a probability below this level.
 const SYSTEMATIC: f64 = 0.05;
 
-/// A fit of inputs to measured values of an output.
+/// A fit of several inputs to measured values of one output.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
@@ -109,7 +109,7 @@ const REACH_STEPS: u32 = 8;
 pub enum NoFit {
     /// The search ended without a result, for one of the reasons in the message.
     #[error(
-        "a point has no solution for some of the tried values, or the search does not converge; \
+        "a point has no solution for some values of the fitted inputs, or the search does not converge; \
          give narrower ranges for the inputs"
     )]
     Lost,
@@ -121,12 +121,12 @@ pub enum NoFit {
     NotFinite {
         /// Name of the measured output.
         output: &'static str,
-        /// Largest measured magnitude.
+        /// Largest magnitude of the measured values.
         largest: f64,
     },
 }
 
-/// A fitted input that ended at a limit of its range, so that the fit fails.
+/// A fitted input that ended at a limit of its search range. The fit then fails.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldInput {
     /// Name of the input.
@@ -139,7 +139,7 @@ pub struct HeldInput {
     reachable: Option<(f64, f64)>,
 }
 
-/// Result of a fit to all points.
+/// Result of the fit to all measured points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
     /// Values, standard deviations and conditioning of the inputs, and the residuals divided by the
@@ -359,7 +359,7 @@ impl Calibration {
         fewest.filter(|(_, runs)| runs.probability < level)
     }
 
-    /// Returns the name of the assumed errors.
+    /// Returns the name of the assumed kind of measurement error.
     fn errors(&self) -> &'static str {
         self.errors.map_or("column", MeasurementError::name)
     }
@@ -368,8 +368,7 @@ impl Calibration {
         let mut warnings = case.warnings();
         if let Some((key, SignRuns { runs, probability })) = self.systematic(report) {
             warnings.push(format!(
-                "The residuals are systematic along {}: their signs have {runs} runs in {} points, and random \
-                 residuals have so few runs in only {:.2} % of all fits. The model or another input differs from the \
+                "The residuals are systematic along {}: their signs have only {runs} runs in {} points; with random residuals, only {:.2} % of all fits would have so few runs. The model or another input differs from the \
                  measurement, and the standard deviations are too small.",
                 key.name(),
                 self.points.len(),
@@ -433,7 +432,7 @@ fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     }
 }
 
-/// Measured points of a table.
+/// Measured points that were read from a table.
 struct Measurements {
     points: Vec<MeasuredPoint>,
     /// Assumed errors; `None` if the table has a column of errors.
@@ -445,7 +444,7 @@ struct Measurements {
 /// Reads the measured points of a table.
 ///
 /// * `sought`: fitted inputs. A column must not contain or replace any of them.
-/// * `errors`: assumed errors, if given.
+/// * `errors`: assumed kind of measurement errors, if given.
 fn points(
     base: &Case,
     output: &'static Output,
@@ -482,7 +481,7 @@ fn points(
         (true, None) => None,
         (true, Some(errors)) => {
             let what = format!(
-                "is a column of the table, but the option for errors says {}; give only one of them",
+                "is a column of the table, but the option for errors is also set (to {}); use only one of them",
                 errors.name()
             );
             return Err(bad(format!("{}{ERROR}", output.name), what));

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Record, Table};
 
-/// Number of timed solves per model. The shortest time counts.
+/// Number of timed solver runs per model. The shortest time is reported.
 const REPEATS: usize = 20;
 
 /// Columns shown on the screen, with their headings.
@@ -25,8 +25,8 @@ const SHOWN: [(&str, &str); 9] = [
 ];
 
 /// Solves a case with all models whose inputs are given, ordered by the number of inputs, and
-/// measures the time of one solve \[µs\]. The answer states why other models are omitted. If the
-/// groove is estimated, the numbers have 90 % intervals.
+/// measures the time of one solver run \[µs\]. The answer states why other models are omitted. If
+/// the groove is estimated, the numbers have 90 % intervals.
 ///
 /// # Errors
 ///
@@ -34,11 +34,11 @@ const SHOWN: [(&str, &str); 9] = [
 /// lacks inputs.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
-    // Possible grooves are solved without timing, so the time has no interval.
+    // Possible grooves are solved without measuring the time, so the time has no interval.
     Ok(answer.over_grooves(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
 }
 
-/// * `repeats`: number of timed solves per model.
+/// * `repeats`: number of timed solver runs per model.
 fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     case.check()?;
     let mut work = ModelWorkspace::default();
@@ -92,8 +92,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     Ok(answer.with("left_out", Content::Texts("not compared", left_out)))
 }
 
-/// Returns the answer of a model and the time of one solve \[µs\]. Without timed solves, the time
-/// is infinite.
+/// Returns the answer of a model and the time of one solver run \[µs\]. If no runs are timed, the
+/// time is infinite.
 fn timed(
     case: &Case,
     model: Model,

@@ -33,9 +33,9 @@ pub struct DesignRow {
     pub label: &'static str,
     /// Unit of the quantity as text.
     pub unit: &'static str,
-    /// Value of the quantity, if it is known.
+    /// Value of the quantity; `None` if it is not known.
     pub value: Option<f64>,
-    /// Requirement as text, if there is one.
+    /// Requirement on the quantity as text; `None` if there is none.
     pub requirement: Option<String>,
     /// True if the requirement is met or if there is no requirement.
     pub passes: bool,
@@ -68,7 +68,7 @@ const EFFICIENCY: OutputName = output!(screw_efficiency);
 pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
 
 thread_local! {
-    /// Workspace of the models. Each search thread has its own.
+    /// Workspace of the models. Each search thread has its own workspace.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
@@ -191,7 +191,10 @@ impl DesignReport {
         }
         let mut notes = requirement.notes.clone();
         if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
-            notes.push("The ball diameter is estimated; ask the manufacturer.".to_owned());
+            notes.push(
+                "The ball diameter is an estimate; ask the manufacturer for the actual diameter."
+                    .to_owned(),
+            );
         }
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, case }
@@ -275,7 +278,7 @@ impl RequirementFile {
 }
 
 impl RequirementFile {
-    /// Returns the requirement, completed by the usual limit of loaded turns for the sizes of the
+    /// Returns the requirement, completed by the default limit for the number of loaded turns in a
     /// catalog.
     pub(crate) fn within(&self, catalog: &Catalog) -> Self {
         let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
@@ -288,7 +291,7 @@ impl RequirementFile {
         let Requirement { fixed, largest_turns, ball_over_lead, .. } = &self.problem;
         let usual = Requirement::BALL_OVER_LEAD * (1.0 + 1e-9);
         warning.limit.filter(|limit| match limit {
-            // A limit in the requirement replaces the usual limit.
+            // A limit in the requirement replaces the default limit.
             SelectionLimit::LoadedTurns => fixed.turns.is_none() && largest_turns.is_none(),
             SelectionLimit::BallOverLead => *ball_over_lead <= usual,
             other => !(self.allow_warnings && other.can_be_allowed()),
@@ -355,7 +358,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     let conformity = Some(decimal(nut.conformity.0));
-    // Each thread start has one circuit.
+    // A nut with several thread starts has one circuit on each start.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Case {
         ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),
@@ -400,7 +403,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         motor_speed_rpm = AXIS Scalar(|x| x / RPM);
         nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut, with equal load sharing";
         screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw, with equal load sharing";
-        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "end of the contact ellipse in the groove";
+        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "angle at which the contact ellipse ends in the groove";
         screw_efficiency = AXIS Scalar(|x| *x);
         screw_input_power_W ["W"] Scalar(|x| *x), "input power of the screw";
         screw_output_power_W ["W"] Scalar(|x| *x), "output power of the screw";
@@ -423,7 +426,7 @@ fn label(name: &str) -> Option<&'static str> {
     known.map(|quantity| quantity.about)
 }
 
-/// Returns the name, unit and label of a design quantity.
+/// Returns the name, the unit and the label of a design quantity.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }
@@ -557,7 +560,7 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
             )
         }
         Infeasibility::WholeBalls => format!(
-            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number would meet the limit",
+            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number of balls would meet the limit",
             number(check.value)
         ),
     }

@@ -63,7 +63,8 @@ impl EllipseFields {
     /// Default number of grid points on each semi-axis.
     pub const POINTS: u32 = 20;
 
-    /// Calculates the fields of a solution. The model must calculate the motion of the ball.
+    /// Calculates pressure, slip and friction over the contact ellipses of a solution. The model
+    /// must calculate the motion of the ball.
     ///
     /// * `settings`: settings with which the solution was calculated.
     /// * `points`: number of grid points on each semi-axis.

@@ -15,9 +15,9 @@ use crate::{
     Output, Quantity, Record, Rule, Settings, interval,
 };
 
-/// Returns the output with the given name, which may have another unit, and the conversion to the
-/// unit of the output. The output must be a result of a solved motion or of an analysis that needs
-/// only inputs, such as `nut` or `axis`.
+/// Returns the output to which `name` refers, and the conversion from the unit at the end of `name`
+/// to the unit of the output. The output must be a result of a solved motion or of an analysis that
+/// needs only inputs, such as `nut` or `axis`.
 pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), CaseError> {
     let name = name.trim();
     let is_number = |output: &&Output| {
@@ -130,12 +130,13 @@ pub struct FitValue {
 /// Result of a search for the values of an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitReport {
-    /// Values found, in ascending order.
+    /// Values of the input that satisfy the condition, in ascending order.
     pub found: Vec<FitValue>,
     /// Values of the input at which the output jumps past the measured value, or the rule jumps
     /// past its limit.
     pub jumps: Vec<f64>,
-    /// Parts of the search range in which the rule is met; empty for a measured output.
+    /// Parts of the search range in which the rule is met. The list is empty if the condition is a
+    /// measured output.
     pub kept: Vec<(f64, f64)>,
     /// Smallest and largest output, or margin of the rule, in the part of the search range in which
     /// the model has solutions.
@@ -168,7 +169,8 @@ fn range_of(
         _ => return Err(CaseError::NoRange { key: input.name() }),
     };
     let range = match rule {
-        // The value in the case may be close to a permitted limit.
+        // The default range is limited to the values that the rule permits, in case the value is
+        // close to a limit of the rule.
         Rule::Between(low, high) => {
             let inset = 1e-6 * (high - low);
             (range.0.max(low + inset), range.1.min(high - inset))
@@ -241,7 +243,7 @@ impl FittedInput {
 /// A measured value of an output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
-    /// Name of the output, which may have another unit.
+    /// Name of the output. The name may end with a unit other than the default unit.
     pub name: String,
     /// Measured value, in the unit with which the name of the output ends.
     pub value: f64,
@@ -266,7 +268,7 @@ impl Measurement {
         if !self.value.is_finite() {
             return Err(bad(
                 &self.name,
-                format!("has the measured value {}, but must have a finite one", self.value),
+                format!("has the measured value {}, but the value must be finite", self.value),
             ));
         }
         Ok(Target::Measured { output, value: change.value(self.value) })
@@ -363,7 +365,7 @@ impl Fit {
                 let record = self.record(possible, settings, value, &mut ModelWorkspace::default());
                 Some((value, record))
             };
-            // The case may lack the input, which the choice of the model needs.
+            // The choice of the model needs the fitted input, which the case itself may lack.
             let values = self.at(case, fitted.value)?.over_possible(FEW_DRAWS, follow);
             fitted.without = values.iter().filter(|value| value.is_none()).count();
             fitted.band = Band::of(values.iter().flatten().map(|(value, _)| *value));
@@ -428,12 +430,13 @@ impl Fit {
     fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
         match &self.target {
             Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
-            // Without groove data, there is no ball model to choose.
+            // Without groove data, the case has no ball model to choose.
             _ => Ok(exact(case, settings).unwrap_or(*settings)),
         }
     }
 
-    /// Returns the measured value, or the margin of a rule at its limit, which is 1.
+    /// Returns the value that the search must reach: the measured output, or 1 for the margin of a
+    /// rule at its limit.
     fn offset(&self) -> f64 {
         match &self.target {
             Target::Measured { value, .. } => *value,

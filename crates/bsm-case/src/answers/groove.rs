@@ -20,7 +20,8 @@ const ROUNDING: f64 = 1e-9;
 /// 0.1 s to several seconds.
 const WARM_DRAWS: usize = 16;
 
-/// Probability of clean steel above which a note states that the ratings are raised for it.
+/// Probability of clean steel above which a note states that the load ratings are increased for
+/// clean steel.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
 /// Maximum number of names in a note.
@@ -74,7 +75,8 @@ impl Case {
         Some((line, estimate))
     }
 
-    /// Returns true if the groove is estimated, and few usual grooves have the ratings and sizes of the case.
+    /// Returns true if the groove is estimated, and few typical grooves have the ratings and
+    /// dimensions of the case.
     pub(crate) fn has_unusual_groove(&self) -> bool {
         self.estimate().is_some_and(|(_, estimate)| estimate.is_unusual())
     }
@@ -206,7 +208,8 @@ impl Answer {
         }
     }
 
-    /// Returns the numbers that some of the possible grooves have and others do not, such as a fold of the warm states.
+    /// Returns the numbers that exist only for some of the possible grooves, such as the speed at
+    /// the fold of the warm state.
     fn partial_numbers(&self, answers: &[Self]) -> Vec<PartialNumber> {
         let has_same_names = |answer: &Self| {
             answer
@@ -240,7 +243,8 @@ impl Answer {
         names.into_iter().filter_map(partial).collect()
     }
 
-    /// Returns the numbers that have a value. A number of several sections is repeated.
+    /// Returns the numbers that have a value. A number that occurs in several sections is returned
+    /// once per section.
     fn existing_numbers(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let rows = self.all_rows().filter(|row| row.quantity.scope != Scope::Statement);
         let values = rows.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -377,7 +381,7 @@ struct PartialNumber {
     has_value: bool,
     /// Number of possible grooves for which the number exists.
     grooves: usize,
-    /// 90 % interval over these grooves.
+    /// 90 % interval of the number over the grooves for which the number exists.
     band: Option<Band>,
 }
 
@@ -405,16 +409,16 @@ fn about_partial(numbers: &[PartialNumber], count: usize) -> Vec<String> {
         };
         let mut names: Vec<_> = group.iter().take(NAMED).map(shown).collect();
         if group.len() > NAMED {
-            names.push(format!("{} more numbers", group.len() - NAMED));
+            names.push(format!("{} more results", group.len() - NAMED));
         }
         let names = names.join(", ");
         if has_value {
             format!(
-                "{grooves} of {count} possible grooves have a value of {names}. An interval contains 90 % of these grooves."
+                "Only {grooves} of {count} possible grooves have values for {names}. The 90 % intervals refer to these grooves."
             )
         } else {
             format!(
-                "The best groove has no value of {names}, but {grooves} of {count} possible grooves have one."
+                "The best groove has no value for {names}, but {grooves} of {count} possible grooves have one."
             )
         }
     };
@@ -469,7 +473,8 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
     };
-    // Answers have the same tables of quantities in most cases, so the comparison of names is rarely necessary.
+    // In most cases, two answers have the same tables of quantities, so their names need not be
+    // compared.
     let own = rows.iter().find(|other| std::ptr::eq(other.quantity, row.quantity));
     own.or_else(|| rows.iter().find(is_same)).copied()
 }
@@ -558,7 +563,7 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
         let percent = 100.0 * (factor - 1.0);
         format!(
-            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, which is usual for clean steel."
+            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, which is typical for clean steel."
         )
     });
     let stiffness = || {
@@ -570,8 +575,7 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
         let ratio = stated / ours;
         (!USUAL_STIFFNESS.contains(&ratio)).then(|| {
             format!(
-                "rated_rigidity_N_um = {stated} is {ratio:.2} times the contact stiffness of the estimated groove, {ours:.0} N/um; ratios of \
-                 0.6 to 0.95 are usual."
+                "rated_rigidity_N_um = {stated} is {ratio:.2} times the contact stiffness of the estimated groove, {ours:.0} N/um; ratios of 0.6 to 0.95 are typical."
             )
         })
     };

@@ -34,7 +34,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             Some([0, 1].map(|i| (set.elastic[i] + set.permanent[i]) / UM))
         }) needs [nut_conformity, screw_conformity], "total approach";
         elastic_pressure_MPa ["MPa"] Contacts(|j| Some(j.permanent.as_ref()?.pressures.map(|p| p / MPA))) needs [nut_conformity, screw_conformity],
-            "largest pressure, elastic";
+            "largest contact pressure (elastic)";
         yield_ratio [""] Contacts(|j| j.yield_ratios) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa], "pressure / pressure at first yield";
         contacts_yield [""] Statement(|j| Some(j.yield_ratios?.iter().any(|ratio| *ratio > 1.0))) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa],
             "true if the steel yields below the surface of a contact";
@@ -50,9 +50,9 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
     "wedge between the raceways" {
         wedge_angle_deg ["deg"] Scalar(|j| j.wedge.opening() / DEG), "wedge angle: contact angle at the screw minus contact angle at the nut";
-        friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction across the groove";
-        holding_force_N ["N"] Scalar(|j| j.wedge.holding()), "force that holds the ball";
-        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling()), "force that pushes the ball out";
+        friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction force across the groove";
+        holding_force_N ["N"] Scalar(|j| j.wedge.holding()), "force that holds the ball in the wedge";
+        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling()), "force that pushes the ball out of the wedge";
         locking_ratio [""] Scalar(|j| {
             let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
             (expelling > ROUNDING * holding).then(|| holding / expelling)
@@ -60,11 +60,11 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         critical_friction_coefficient [""] Scalar(|j| if_any(clean(j.wedge.critical_friction()))),
             "critical friction coefficient, above which friction holds the ball in this wedge";
         critical_friction_printed [""] Contacts(|j| j.wedge.critical_friction_printed().map(clean)),
-            "critical friction coefficient as printed by Dong et al., Eq 16";
+            "critical friction coefficient according to Dong et al., Eq 16";
         critical_friction_simplified [""] Scalar(|j| clean(j.wedge.critical_friction_simplified())),
-            "critical friction coefficient as simplified by Dong et al., Eq 17: slip angle of 90 deg";
+            "critical friction coefficient according to Dong et al., Eq 17, the simplification for a slip angle of 90 deg";
         critical_friction_corrected [""] Scalar(|j| if_any(clean(j.wedge.critical_friction_corrected()))),
-            "critical friction coefficient as corrected, without centrifugal force";
+            "critical friction coefficient with the corrected formula, without centrifugal force";
         widest_wedge_deg ["deg"] Scalar(|j| j.wedge.widest_opening() / DEG), "widest wedge in which friction can hold a ball";
     }
     "self-locking" {
@@ -79,9 +79,9 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
     "ball return" {
         approach_speed_m_s ["m/s"] Scalar(|j| j.ball_return.speed), "speed of the ball at the ball return";
-        impact_force_N ["N"] Scalar(|j| j.ball_return.impact), "force of the impact";
+        impact_force_N ["N"] Scalar(|j| j.ball_return.impact), "impact force of the ball on the ball return";
         apex_thrust_N ["N"] Scalar(|j| j.ball_return.apex) needs [apex_half_angle_deg], "thrust at the apex of the return curve";
-        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force of the step on the ball";
+        step_force_N ["N"] Scalar(|j| Some(j.ball_return.step?.0)) needs [return_angle_deg], "normal force that the step exerts on the ball";
         step_thrust_N ["N"] Scalar(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
         highest_step_mm ["mm"] Scalar(|j| j.ball_return.highest / MM), "critical height of a step into the return";
         entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
@@ -131,7 +131,7 @@ struct Jam {
     permanent: Option<PermanentContacts>,
     /// Ratio of maximum pressure to pressure at first yield, at nut and screw.
     yield_ratios: Option<[f64; 2]>,
-    /// Drag force of the lubricant \[N\].
+    /// Drag force of the lubricant on the ball \[N\].
     drag: Option<f64>,
     friction: Friction,
     wedge: Wedge<f64>,
@@ -160,7 +160,7 @@ struct Friction {
 struct BallReturn {
     /// Speed of the ball at the entry to the return \[m/s\].
     speed: f64,
-    /// Force of the impact on the ball return \[N\].
+    /// Force of the ball's impact on the ball return \[N\].
     impact: f64,
     /// Thrust at the apex of the return curve \[N\].
     apex: Option<f64>,
@@ -180,7 +180,7 @@ struct Track {
     /// friction (`weaker`).
     screw: f64,
     weaker: f64,
-    /// Friction force at the screw for stopped balls.
+    /// Friction force of the screw on the balls of one turn while they stand still.
     stopped: f64,
 }
 
@@ -217,7 +217,7 @@ impl Jam {
         if case.running_angles().is_some() {
             return Err(bad(
                 InputKey::nut_running_contact_angle_deg.name(),
-                "is an input of slip; jamming needs contact angles in equilibrium with the load",
+                "is an input of the analysis `bsm slip`; jamming needs contact angles in equilibrium with the load",
             ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {
@@ -312,9 +312,7 @@ impl Jam {
         }
         let thrust = self.ball_return.thrust()?;
         Some(format!(
-            "Stationary balls of one turn can push with a friction of up to {stopped:.3} N against a \
-             thrust of {thrust:.3} N; in steady motion, their friction along the track is \
-             {screw:.3} N, which the published criterion uses."
+            "The thrust on a ball is {thrust:.3} N. If the balls of one turn stand still, friction can push them against this thrust with up to {stopped:.3} N; in steady motion, their friction along the track is {screw:.3} N, the value in the published criterion."
         ))
     }
 }
@@ -343,8 +341,7 @@ impl Friction {
         let Self { moving: [nut, screw], stopped, rest } = *self;
         let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
         format!(
-            "The friction coefficients are {nut} at the nut and {screw} at the screw in motion, {stopped} for a stopped \
-             ball at the screw in the film of the motion, and {rest} at rest, between balls and in the ball return."
+            "Friction coefficients: during motion, {nut} at the nut and {screw} at the screw; for a stopped ball at the screw, with the lubricant film of the motion, {stopped}; at rest, between balls and in the ball return, {rest}."
         )
     }
 }

@@ -21,7 +21,7 @@ use crate::{
     sheet_columns,
 };
 
-/// Known columns that are not named after an input.
+/// Names of known columns that do not contain an input.
 const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
@@ -31,8 +31,8 @@ const TEXT_COLUMNS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
-/// Returns the name of the input that a column contains. Only the columns of ratings are not named
-/// after their input.
+/// Returns the name of the input that a column contains. Except for the columns of ratings, each
+/// column has the name of its input.
 fn input_of(column: &'static str) -> &'static str {
     match column {
         "dynamic_load_rating_N" => InputKey::rated_dynamic_load_N.name(),
@@ -239,7 +239,7 @@ pub struct ListNumber {
     pub band: Option<Band>,
 }
 
-/// Returns the numbers of an answer for the given columns, with their intervals.
+/// Returns the numbers that an answer contains for the given columns, with their intervals.
 fn numbers_of(
     answer: &Answer,
     columns: impl Iterator<Item = &'static Output>,
@@ -253,7 +253,7 @@ fn numbers_of(
 impl ManufacturerRow {
     /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
     /// pass all rules come first. Within each group, the nuts are sorted by the mass of screw and
-    /// nut. An unknown mass of the nut counts as zero.
+    /// nut. If the mass of a nut is unknown, it is assumed to be zero.
     ///
     /// # Errors
     ///
@@ -300,7 +300,7 @@ impl ManufacturerRow {
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
         let unusual = at.has_unusual_groove().then(|| {
-            "few usual grooves with these sizes have these ratings; check ball, turns and ratings of the row".to_owned()
+            "few typical grooves with these dimensions have these ratings; check ball diameter, turns and ratings in this row".to_owned()
         });
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string)).or(unusual);
         // The first note, which describes the estimate itself, is skipped.
@@ -399,8 +399,7 @@ impl ManufacturerRow {
                 .filter(|(ratio, median)| !(low..=high).contains(&(ratio / **median)));
             let of_rating = far.map(|(ratio, median)| {
                 format!(
-                    "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball, \
-                     turns and rating of the row",
+                    "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball diameter, turns and rating in this row",
                     digits(ratio, 3),
                     digits(*median, 3)
                 )
@@ -424,7 +423,7 @@ impl ManufacturerRow {
             let [rating, stiffness, mass] =
                 ["dynamic_load_rating_N", "our_stiffness_N_um", "mass_kg"]
                     .map(|name| row.value(name));
-            // A missing number counts as the worst possible value.
+            // A missing number is treated as the worst possible value.
             let stiffness = row.value("stiffness_N_um").or(stiffness);
             [-rating.unwrap_or(0.0), -stiffness.unwrap_or(0.0), mass.unwrap_or(f64::INFINITY)]
         };
@@ -562,8 +561,7 @@ impl ManufacturerRow {
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
         answer.notes.extend((undecided > 0).then(|| {
             format!(
-                "{undecided} of {} nuts neither pass nor fail: the 90 % interval of a number contains its limit because the groove is \
-                 estimated. `bsm axis` on such a nut names the inputs that decide the rule.",
+                "{undecided} of {} nuts neither pass nor fail: because their groove is estimated, the 90 % interval of a result contains its limit. For each of these nuts, `bsm axis` names the inputs that would decide the rule.",
                 rows.len()
             )
         }));
@@ -571,8 +569,8 @@ impl ManufacturerRow {
     }
 }
 
-/// Completes the case of a nut with data that tables omit, by the rule that reproduces the HIWIN
-/// data.
+/// Completes the case of a nut with data that tables omit. The missing data follow from a rule that
+/// reproduces the HIWIN data.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     let given = case.clone();
     // Without a ball diameter, there is no groove to complete.
@@ -607,7 +605,7 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
         *case = given;
         return without_ball(case, circuits, core);
     }
-    // This call fails if inputs are missing.
+    // Creating the nut fails if inputs are missing.
     rated_nut::nut(case).map(drop)
 }
 

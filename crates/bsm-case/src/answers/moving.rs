@@ -24,7 +24,7 @@ pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string="
 ///
 /// * `quantities`: quantities that the analysis can calculate.
 /// * `verdicts`: names and wordings of the true-or-false statements.
-/// * `lacks`: parts of the analysis that are omitted for other reasons than missing inputs.
+/// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
     case: &Case,
@@ -82,7 +82,7 @@ pub struct MotionAnswer {
     pub solution: Solution,
 }
 
-/// A contact of a moving ball.
+/// A contact of a moving ball, with its load and slip.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingContact {
     pub(crate) touch: ContactSite<f64>,

@@ -43,8 +43,8 @@ const USUAL: f64 = 0.8;
 /// Smallest and largest measured drag coefficient `$K_p$` in catalogs (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Ratio of the neglected centrifugal force to the mean load of a ball: above the first value a
-/// note is given, above the second value a warning.
+/// Limits of the ratio of the neglected centrifugal force to the mean ball load: a note is given
+/// above the first limit, and a warning above the second limit.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
 /// Number of intervals of the load-displacement curve.
@@ -64,7 +64,7 @@ pub struct NutReport {
     limit_load: OnceCell<Option<f64>>,
 }
 
-/// A pair of nuts without external load while the screw turns.
+/// Results for a pair of nuts without external load while the screw turns.
 #[derive(Debug, Clone, Copy)]
 struct PairDrag {
     /// Friction torque of the contacts \[N·m\].
@@ -73,7 +73,7 @@ struct PairDrag {
     preload: f64,
 }
 
-/// Direction in which the nut travels.
+/// Direction in which the nut travels along the screw.
 #[derive(Debug, Clone, Copy)]
 enum Travel {
     /// Direction that corresponds to the speeds of the case.
@@ -83,7 +83,7 @@ enum Travel {
 }
 
 impl Travel {
-    /// Returns the speeds for this direction.
+    /// Returns the speeds of screw and nut for this direction of travel.
     fn of(self, drive: &Drive<f64>) -> Drive<f64> {
         let Drive { screw_speed, nut_speed } = *drive;
         match self {
@@ -93,7 +93,7 @@ impl Travel {
     }
 }
 
-/// Friction of all balls and details of its calculation.
+/// Friction of all balls in a nut, and details of its calculation.
 #[derive(Debug)]
 struct BallFriction {
     friction: NutFriction,
@@ -207,16 +207,16 @@ impl NutReport {
         Some(pair.torque / self.rule_torque()?)
     }
 
-    /// Returns the pair of nuts while the screw turns, or `None` if the model does not integrate
-    /// friction over the contacts.
+    /// Returns the torque and the preload of the nut pair while the screw turns, or `None` if the
+    /// model does not integrate friction over the contacts.
     fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
         let play = self.made.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
         *self.running_pair[direction as usize].get_or_init(work_out)
     }
 
-    /// Calculates a pair of nuts without external load while the screw turns. All balls of a nut
-    /// are assumed to be equal.
+    /// Calculates the torque and the preload of a nut pair without external load while the screw
+    /// turns. All balls of a nut are assumed to be equal.
     ///
     /// * `play`: play of each nut \[m\]; `None` for a play so large that no ball touches a far
     ///   flank.
@@ -243,8 +243,8 @@ impl NutReport {
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
-    /// Returns the share of the third contacts in the friction torque of all balls, without push
-    /// forces between the balls.
+    /// Returns the fraction of the friction torque of all balls that third contacts cause. Push
+    /// forces between the balls are neglected.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
         Some(torque / lasting(self.friction()?.parts?.torque)?)
@@ -288,11 +288,11 @@ impl NutReport {
     }
 }
 
-/// Inputs required for the friction of all balls.
+/// Inputs required to calculate the friction of all balls.
 const FRICTION: &[InputSet] =
     quantities!(@needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
-/// Inputs required for the ball train.
+/// Inputs required to calculate the push forces in the ball train.
 const TRAIN: &[InputSet] = quantities!(@needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
@@ -313,7 +313,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         unloaded_balls [""] Scalar(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
         max_pressure_MPa ["MPa"] Scalar(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
         equal_load_N ["N"] Scalar(|n| Some(n.equal()?.load)), "load of each ball if all balls shared the axial load equally";
-        load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest load (guided nut)";
+        load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest contact load (guided nut)";
     }
     "stiffness along the axis" {
         nut_stiffness_N_um ["N/um"] Scalar(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
@@ -322,11 +322,11 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_stiffness_2_N_um ["N/um"] Scalar(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
         preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
-        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: for a pair at its preload, for one nut the secant stiffness at its load";
+        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness according to ISO 3408-4: stiffness of a pair at its preload, or secant stiffness of one nut at its load";
         catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load and temperature rises";
+        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load or temperature rises";
         warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, without external load and with the temperature rises";
         preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
         preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
@@ -355,13 +355,13 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that catch up with a slower ball";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
-            "balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
+            "number of balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
             "  third contacts, included in the contacts with nut and screw";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
-            "share of the third contacts in the friction torque of the balls";
+            "share of the friction torque of the balls that third contacts cause";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
             "friction torque of the balls in the opposite direction of travel, at the same axial load";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
@@ -370,13 +370,13 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, including returns and seals";
         friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "friction heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Scalar(|n| n.drag(Travel::Given)) needs FRICTION,
-            "friction torque of the preload, contacts alone";
+            "friction torque of the preload, ball contacts only";
         preload_torque_reverse_Nm ["N m"] Scalar(|n| n.drag(Travel::Reverse)) needs FRICTION,
-            "friction torque of the preload in the opposite direction of travel, contacts alone";
+            "friction torque of the preload in the opposite direction of travel, ball contacts only";
         preload_torque_factor [""] Scalar(|n| Some(n.drag(Travel::Given)? / n.rule_torque()?)) needs FRICTION,
-            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
+            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), ball contacts only";
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
-            "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
+            "drag coefficient K_p of the preload according to the manufacturers' rule, 0.05/sqrt(tan lead angle)";
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
@@ -388,7 +388,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_torque_over_rule [""] Scalar(|n| {
             Some(n.running_pair(Travel::Given)?.torque / n.drag_by_rule()?)
         }) needs FRICTION,
-            "friction torque of the running preload / friction torque by manufacturers' rule";
+            "friction torque of the running preload / friction torque according to the manufacturers' rule";
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
             "drag coefficient K_p of the running preload torque if neither nut of the pair has play";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
@@ -397,7 +397,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "friction torque of the preload, catalog estimate with K_p = 0.3";
     }
     "ball train" {
-        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls: (largest - smallest) / mean";
+        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the speeds of freely rolling balls: (largest - smallest) / mean";
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| n.contact_torque_bound()) needs FRICTION,
@@ -405,8 +405,8 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without forces between balls";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
-        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "idle balls, which are moved without a load";
-        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "blocked balls, whose rotation is stopped by neighboring balls";
+        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "number of idle balls, which move without a load";
+        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "number of blocked balls, whose rotation neighboring balls stop";
     }
 }
 
@@ -416,24 +416,24 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         body [""] Scalar(|b| count(b.body)), "index of the nut body";
         theta_deg ["deg"] Scalar(|b| b.position.theta / DEG), "position along the helix";
         z_mm ["mm"] Scalar(|b| b.position.z / MM), "position along the axis";
-        nut_plus_N ["N"] Scalar(|b| b.ball.loads[0]), "load on the flank of the nut that pushes along +z";
-        nut_minus_N ["N"] Scalar(|b| b.ball.loads[1]), "load on the other flank of the nut";
-        screw_plus_N ["N"] Scalar(|b| b.ball.loads[2]), "load on the flank of the screw that pushes along +z";
-        screw_minus_N ["N"] Scalar(|b| b.ball.loads[3]), "load on the other flank of the screw";
-        nut_plus_deg ["deg"] Scalar(|b| b.angle(0)), "contact angle at the flank of the nut that pushes along +z";
-        nut_minus_deg ["deg"] Scalar(|b| b.angle(1)), "contact angle at the other flank of the nut";
-        screw_plus_deg ["deg"] Scalar(|b| b.angle(2)), "contact angle at the flank of the screw that pushes along +z";
-        screw_minus_deg ["deg"] Scalar(|b| b.angle(3)), "contact angle at the other flank of the screw";
+        nut_plus_N ["N"] Scalar(|b| b.ball.loads[0]), "load on the + flank of the nut, where balls push the nut along +z";
+        nut_minus_N ["N"] Scalar(|b| b.ball.loads[1]), "load on the - flank of the nut, where balls push the nut along -z";
+        screw_plus_N ["N"] Scalar(|b| b.ball.loads[2]), "load on the + flank of the screw, where balls push the nut along +z";
+        screw_minus_N ["N"] Scalar(|b| b.ball.loads[3]), "load on the - flank of the screw, where balls push the nut along -z";
+        nut_plus_deg ["deg"] Scalar(|b| b.angle(0)), "contact angle at the + flank of the nut, where balls push the nut along +z";
+        nut_minus_deg ["deg"] Scalar(|b| b.angle(1)), "contact angle at the - flank of the nut, where balls push the nut along -z";
+        screw_plus_deg ["deg"] Scalar(|b| b.angle(2)), "contact angle at the + flank of the screw, where balls push the nut along +z";
+        screw_minus_deg ["deg"] Scalar(|b| b.angle(3)), "contact angle at the - flank of the screw, where balls push the nut along -z";
         max_pressure_MPa ["MPa"] Scalar(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
-        outwards_um ["um"] Scalar(|b| b.outwards / UM), "displacement away from the axis";
+        outwards_um ["um"] Scalar(|b| b.outwards / UM), "radial displacement of the ball, positive away from the axis";
         friction_torque_Nm ["N m"] Scalar(|b| b.torque), "friction torque, without forces from other balls";
         free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut / relative speed, without forces from other balls";
         rate [""] Scalar(|b| Some(b.pushed?.rate)), "precession relative to the nut / relative speed";
         advance_mm ["mm"] Scalar(|b| Some(b.advance?.advance / MM)), "advance of the free ball relative to a uniformly turning cage";
         gap_to_next_mm ["mm"] Scalar(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
-        front_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
-        back_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
-        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1 if the ball is moved without a load, else 0";
+        front_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[0])), "push force from the next ball in the direction of travel";
+        back_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[1])), "push force from the ball behind";
+        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1 if the ball moves without a load, else 0";
         blocked [""] Scalar(|b| b.is(Rolling::Blocked)), "1 if neighboring balls stop the rotation of the ball, else 0";
     }
 }
@@ -454,7 +454,7 @@ pub(crate) struct OneBall<'a> {
 }
 
 impl OneBall<'_> {
-    /// Returns 1 if the ball of the train has the given kind of rolling, and 0 otherwise.
+    /// Returns 1 if the ball rolls, is idle or is blocked, as `rolling` states, and 0 otherwise.
     fn is(&self, rolling: Rolling) -> Option<f64> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }
@@ -483,7 +483,7 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
 /// Returns a note that states the cold and the warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
-        "The preload is set cold, without temperature rises: {cold:.0} N cold, {warm:.0} N warm."
+        "The preload is set without temperature rises. It is {cold:.0} N cold, and {warm:.0} N with the temperature rises."
     )
 }
 
@@ -510,8 +510,7 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
-        "The friction torque to be measured for the preload is {torque:.3} N m ({tolerance}) at \
-         100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
+        "A measurement of the preload should give a friction torque of {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
          1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
     )
 }
@@ -536,8 +535,8 @@ impl NutReport {
         Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
     }
 
-    /// Returns a ball that carries an equal share of the load, or `None` for a preloaded nut,
-    /// because its bodies carry different loads.
+    /// Returns a ball that carries an equal share of the load. Returns `None` for a preloaded nut,
+    /// because its two bodies carry different loads.
     fn equal(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
         let single = self.made.preload.is_none() && axial != 0.0;
@@ -868,7 +867,7 @@ impl NutReport {
                 if self.is_lubricated() {
                     notes.push(
                         "Friction from the lubricant is uncertain by about 25 % while the balls roll, and by more if \
-                         rolling resistance dominates. `bsm solve` prints the interval for one ball, and `bsm axis` for the axis."
+                         rolling resistance dominates. `bsm solve` prints the 90 % interval for one ball, and `bsm axis` prints it for the axis."
                             .to_owned(),
                     );
                 }
@@ -966,7 +965,8 @@ impl NutReport {
         }
         warnings.extend(self.loose_balls());
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
-        // The warning of such a warm state already states that balls skid.
+        // If raceway control replaced model traction in the warm state, another warning already
+        // states that the balls skid.
         let is_stated = self.problem.warm.as_ref().is_some_and(|warm| warm.replaced.is_some());
         let skid = self.ball_friction().and_then(|found| skid_warning(found.onset?));
         warnings.extend(skid.filter(|_| !is_stated));
@@ -1100,7 +1100,8 @@ impl NutReport {
         loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
         loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
-        // A nut without preload and load has no definite position, so the curve omits this point.
+        // A nut without preload and load has no definite axial position, so its curve does not
+        // begin at zero load.
         let start = usize::from(self.made.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }
@@ -1126,8 +1127,9 @@ impl NutReport {
         })
     }
 
-    /// Returns the answer with the numbers of the nut. In addition, it contains displacements,
-    /// loads of all balls and stiffness under the names that the reference cases use.
+    /// Returns the answer with the results for the nut. In addition, the answer contains
+    /// displacements, loads of all balls and stiffness under the names that the reference cases
+    /// use.
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;

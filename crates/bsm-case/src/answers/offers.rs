@@ -8,7 +8,7 @@ use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table, Verdict};
 
-/// Columns of the tables of rules, numbers and inputs of two offers.
+/// Columns of the tables that compare the rules, numbers and inputs of two offers.
 pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
                                 -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
@@ -32,7 +32,7 @@ const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 /// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
     let (first, second) = (first?, second?);
-    // Differences up to this size are rounding errors.
+    // Relative differences of up to 1e-9 are rounding errors.
     if (first - second).abs() <= 1e-9 * first.abs().max(second.abs()) {
         return None;
     }
@@ -44,7 +44,7 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
     rules.iter().find(|rule| rule.title == title)
 }
 
-/// Returns words with the titles of the rules that have the given verdict.
+/// Returns a text that consists of `words` and the titles of the rules with the given verdict.
 fn with_titles(report: &AxisReport, words: &str, verdict: Verdict) -> String {
     let rules = report.answer.rules.iter().filter(|rule| rule.verdict() == verdict);
     let titles: Vec<_> = rules.map(|rule| rule.title).collect();
@@ -135,7 +135,7 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     };
     let [first, second] = reports.map(inputs);
     let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
-    // The description names the offer, and the marks of estimates are not inputs.
+    // The description names the offer, and the list of estimated inputs is not an input itself.
     let is_input = |key: &&String| !["description", "estimated_inputs"].contains(&key.as_str());
     let differ = keys.filter(is_input).filter(|key| first.get(*key) != second.get(*key));
     differ.map(|key| vec![json!(key), json!(first.get(key)), json!(second.get(key))]).collect()

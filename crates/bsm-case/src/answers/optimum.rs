@@ -19,7 +19,7 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
         optimum_contact_angle_deg ["deg"] Directions(|k| k.best.map(|best| Some(best?.contact_angle / DEG)))
             needs [lead_angle_deg | lead_mm], "contact angle with the best efficiency";
         optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
-            "lead angle for which the contact angle of the case is the best";
+            "lead angle for which the given contact angle is optimal";
         optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the optimum angle";
         self_locking_contact_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
@@ -164,9 +164,9 @@ fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), Ca
 /// Returns a warning if the optimum contact angle for a motion is difficult to manufacture.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
     let (low, high) = USUAL_CONTACT_ANGLES_DEG;
-    // An angle at a limit of the usual range may exceed the limit by a rounding error.
+    // An angle at a limit of the recommended range may exceed the limit by a rounding error.
     let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
-        "{motion}: a contact angle of {deg:.1} deg is difficult to manufacture; {low:.0} to {high:.0} deg are usual."
+        "{motion}: a contact angle of {deg:.1} deg is difficult to manufacture; {low:.0} to {high:.0} deg are typical."
     ))
 }

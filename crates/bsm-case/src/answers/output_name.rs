@@ -32,7 +32,7 @@ const QUANTITY_TABLES: [&[Quantity]; 19] = [
 ];
 
 impl OutputName {
-    /// Returns the name of an output.
+    /// Checks that an output with the name `name` exists, and returns its [`OutputName`].
     ///
     /// # Panics
     ///
@@ -40,7 +40,7 @@ impl OutputName {
     pub const fn of(name: &str) -> Self {
         match Self::named(name) {
             Some(known) => known,
-            None => panic!("no answer has a number with this name"),
+            None => panic!("no result has this name"),
         }
     }
 

@@ -45,7 +45,7 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
         }
         Basis::Integrated { accuracy } => {
             format!(
-                "no faster model is accurate enough here; friction is integrated to {accuracy:.0e}"
+                "no faster model is accurate enough here; friction is integrated with an accuracy of {accuracy:.0e}"
             )
         }
         other => format!("{other:?}"),
@@ -53,7 +53,8 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     format!("efficiency error at most {bound:.1e}: {why}")
 }
 
-/// Result at one point: model, status and numbers, and the reason if there are no numbers.
+/// Result at one operating point: model, status and numbers, or the reason why there are no
+/// numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
@@ -91,12 +92,12 @@ impl Record {
         self.solution
     }
 
-    /// Returns the steady state, if the solve converged.
+    /// Returns the steady state, if the solver converged.
     pub fn solved(&self) -> Option<&SteadyState> {
         self.solution.as_ref()?.solved()
     }
 
-    /// Returns the status of the solve.
+    /// Returns the status of the solution.
     pub fn status(&self) -> Status {
         self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
     }
@@ -121,7 +122,7 @@ impl Record {
         self.others().is_some_and(|others| others.count > 0)
     }
 
-    /// Returns the reason why there are no numbers, or `None` if the solve converged.
+    /// Returns the reason why there are no results, or `None` if the solver converged.
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
@@ -135,13 +136,13 @@ impl Record {
         }
         let regime = solved.skid.and_then(|skid| skid.regime());
         Some(match (solution.model, regime) {
-            (Model::ClosedForm, _) => "gross skid and little inertia (assumed)",
+            (Model::ClosedForm, _) => "gross skid and low inertia (assumed)",
             (Model::QuasiStatic, _) => "slip across the groove only (assumed)",
             (Model::Rigid | Model::Elastic, _) => {
                 "gross skid with saturated friction at every contact (assumed)"
             }
             (_, Some(SlipRegime::Rolling)) => "rolling",
-            (Model::RacewayControl, _) => "skidding, so that raceway control does not hold",
+            (Model::RacewayControl, _) => "skidding; raceway control does not apply",
             (_, Some(SlipRegime::PartialSkid)) => "partial skid, between rolling and gross skid",
             _ => "gross skid with nearly saturated friction",
         })
@@ -205,8 +206,7 @@ impl Record {
                 }
                 Some(_) => {}
                 None => warnings.push(format!(
-                    "The tolerance of {tolerance:.1e} is not met: model traction has no result here, so that the \
-                     error of model {} is unknown. To see the reason, solve the point with model traction.",
+                    "The tolerance of {tolerance:.1e} is not met: model traction has no result here, so the error of model {} is unknown. To see the reason, solve the point with model traction.",
                     solution.model.name()
                 )),
             }
@@ -243,9 +243,7 @@ impl Record {
 
     /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. Ball-to-ball \
-                         contact, ball returns, errors of lead and balls, and four-point contact are not \
-                         predicted; the contacts cause about a third of the torque of a preloaded nut.";
+        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact; the contacts cause about a third of the torque of a preloaded nut.";
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
@@ -320,11 +318,11 @@ impl Record {
             let body = if contact.site == Site::Screw { "screw" } else { "nut" };
             let loss = solved.transmission.power?.dissipated;
             let factor = two_contact_power.map_or_else(String::new, |two| {
-                format!("; two contacts underestimate friction by a factor of {:.2}", loss / two)
+                format!("; a calculation with two contacts underestimates friction by a factor of {:.2}", loss / two)
             });
             return Some(format!("{below} The balls touch the far flank of the {body}{factor}."));
         }
-        // This model does not calculate the friction at a third contact.
+        // Only model `traction` calculates the friction at a third contact.
         (solved.far_flank.is_none() && play < threshold).then(|| {
             format!(
                 "{below} The balls touch a far flank, whose friction only model traction calculates, so the loss is larger than stated."
@@ -358,8 +356,7 @@ impl Record {
         if let Some(ControllingRaceway { raceway, consistent: Some(false) }) = control {
             let raceway = raceway.name();
             warnings.push(format!(
-                "Neither raceway has the larger spin friction moment at its own solution, so neither raceway \
-                 controls. This is the solution under {raceway} control; to choose the raceway, use the setting `control`."
+                "A raceway controls if it has the larger spin friction moment in the solution under its control. This is true for neither raceway. This is the solution under {raceway} control; to choose the raceway, use the setting `control`."
             ));
         }
         warnings
@@ -522,8 +519,7 @@ pub struct Supplement {
 }
 
 /// Effects that the calculated torque of lubricated contacts neglects.
-const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
-                         size; contact at four points. Catalog rules for the torque of a preloaded nut give three times the torque of \
+const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Catalog rules for the torque of a preloaded nut give three times the torque of \
                          the contacts.";
 
 /// Columns of the table that lists the intervals due to uncertain lubricated friction.
@@ -554,16 +550,16 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 
 /// Returns warnings if a lubricant film is outside the range of its formulas.
 fn of_a_film(film: &FilmState) -> Vec<String> {
-    /// Temperature rise that reduces the film thickness by about half \[K\].
+    /// Temperature rise of the lubricant film that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Value of M below which rigid and elastic contacts have different film thicknesses (theory
-    /// 17).
+    /// Value of the load parameter M below which rigid and elastic contacts have different film
+    /// thicknesses (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
     if elasticity < RIGID {
         warnings.push(format!(
-            "M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, so the film is several \
+            "The load parameter M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, so the film is several \
              times thicker than the formula for elastic contacts gives, and the sliding friction is smaller."
         ));
     }
@@ -577,8 +573,9 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// Returns the message for a reason, with numbers in the units of the outputs.
-#[expect(clippy::too_many_lines, reason = "one arm for each reason")]
+/// Returns the message for the reason why a model has no solution, with numbers in the units of the
+/// outputs.
+#[expect(clippy::too_many_lines, reason = "the match has one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(
@@ -598,11 +595,11 @@ pub(crate) fn message(reason: &Reason) -> String {
             )
         }
         Reason::UnloadedFlankWouldPull { load_ratio } => format!(
-            "the unloaded flank would have to act in tension on the ball: its normal load would be \
+            "the unloaded flank would have to pull the ball: its normal load would be \
              {load_ratio:.3e} times the axial load"
         ),
         Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(
-            "a loaded contact would have to act in tension on the ball: normal loads of {nut_load_ratio:.3e} \
+            "a loaded contact would have to pull the ball: normal loads of {nut_load_ratio:.3e} \
              (nut) and {screw_load_ratio:.3e} (screw) times the axial load"
         ),
         Reason::BallLeavesFlank { nut, screw } => format!(
@@ -625,8 +622,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              roll here; use model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "inertia forces / axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
-             both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
+            "inertia forces / axial load, m r_m W^2/F_a, are {inertia:.3e}; solutions with skid on both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
         ),
         Reason::SearchLost => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs slightly, or use another model"
@@ -669,8 +665,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
         Reason::LubricantRunsAway { hottest } => format!(
-            "thermal runaway: the losses heat the lubricant faster than heat_transfer_W_K cools it, up to \
-             {:.0} C",
+            "thermal runaway: the losses heat the lubricant faster than heat_transfer_W_K cools it, at all temperatures up to {:.0} C",
             hottest - ZERO_CELSIUS
         ),
         Reason::PowerDoesNotBalance { imbalance } => {

@@ -4,8 +4,8 @@ use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
 use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record, output};
 
-/// Magnitude below which a number counts as rounding error and is shown as 0, relative to the scale
-/// of its unit.
+/// Magnitude below which a number is treated as a rounding error and shown as 0, relative to the
+/// scale of its unit.
 const ROUNDING: f64 = 1e-12;
 
 /// Scale of each unit in a table: the largest magnitude among the numbers with this unit, and 180
@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-12;
 pub struct Scales(Vec<(&'static str, f64)>);
 
 impl Scales {
-    /// Determines the scales from pairs of unit and number.
+    /// Determines the scale of each unit from pairs of unit and number.
     pub fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
         let mut scales = vec![("deg", 180.0)];
         for (unit, value) in numbers {

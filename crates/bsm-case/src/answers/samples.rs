@@ -42,7 +42,7 @@ pub struct Samples<'a> {
 type DrawnNut = Option<Vec<Option<f64>>>;
 
 impl<'a> Samples<'a> {
-    /// Probabilities for which quantiles are calculated.
+    /// Probabilities of the quantiles that are calculated.
     const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
     /// Prepares `number` random copies of the nut.
@@ -76,7 +76,7 @@ impl<'a> Samples<'a> {
         Some(NutReport::new(one, made).some(&SAMPLED))
     }
 
-    /// Returns the answer for all copies: the quantiles of each quantity.
+    /// Returns the answer for all random copies of the nut: the quantiles of each quantity.
     pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
         let carried: Vec<_> = nuts.iter().flatten().collect();
         let failed = nuts.len() - carried.len();

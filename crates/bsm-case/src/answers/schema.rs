@@ -18,7 +18,7 @@ pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     settings.into_generator().into_root_schema_for::<T>().remove("properties").unwrap_or_default()
 }
 
-/// Returns the schema of a case.
+/// Returns the JSON schema of a case.
 pub fn input_schema() -> Value {
     let mut properties = Map::new();
     let text = json!({ "type": "string", "description": "free text" });
@@ -63,19 +63,19 @@ pub fn input_schema() -> Value {
     })
 }
 
-/// Returns the schema of a result.
+/// Returns the JSON schema of a result.
 pub fn output_schema() -> Value {
     let of_the_solve = json!({
         "model": { "type": "string", "description": "model that calculated the result" },
         "status": {
             "enum": ["converged", "no_solution", "not_converged", "invalid_input"],
-            "description": "result of the solve",
+            "description": "status of the solution",
         },
         "message": {
             "type": ["string", "null"],
-            "description": "reason why numbers are missing, else null; in a row of a table also the reason for the choice of model auto",
+            "description": "reason why numbers are missing, otherwise null; in table rows, also the reason why model auto chose its model",
         },
-        "choice": { "type": ["string", "null"], "description": "reason why model auto chose this model, else null" },
+        "choice": { "type": ["string", "null"], "description": "reason why model auto chose this model, otherwise null" },
         "without_error_bound": {
             "type": ["array", "null"],
             "items": { "type": "string" },
@@ -85,7 +85,7 @@ pub fn output_schema() -> Value {
     let mut properties = of_the_solve.as_object().cloned().unwrap_or_default();
     properties.extend(OUTPUTS.iter().map(property));
     let columns = |kind: AnalysisKind| {
-        let about = format!("numbers of {}, which can be columns of bsm sweep", kind.name());
+        let about = format!("results of {}, which can be columns of bsm sweep", kind.name());
         let properties: Map<_, _> = kind.columns().map(property).collect();
         let columns = json!({ "type": "object", "description": about, "properties": properties });
         (kind.name().to_owned(), columns)

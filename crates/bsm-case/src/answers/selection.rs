@@ -294,7 +294,8 @@ impl NutFilter {
         let mut chosen =
             if self.pareto { ManufacturerRow::front(&rows, &within) } else { within.clone() };
         if let Some((column, descending)) = &self.order {
-            // A row without this number comes last in ascending and descending order.
+            // A row without a value in the sort column comes last, both in ascending and in
+            // descending order.
             chosen.sort_by(|a, b| {
                 let verdict = |place: &u32| rows[*place as usize].verdict;
                 let [one, other] = [a, b].map(|place| number(*place, column));
@@ -451,8 +452,8 @@ fn blocks(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
 }
 
 const NO_COMBINATION: &str = "no combination of the lists is within the limits (turns_range, nut_conformity_range, \
-                              largest_ball_over_lead, largest_ball_over_screw_root), or the lands leave no room for a ball";
-const NO_SIZE: &str = "no size of the lists has the lead, lead angle or diameter that the requirement fixes; without \
+                              largest_ball_over_lead, largest_ball_over_screw_root), or no ball fits between the lands";
+const NO_SIZE: &str = "no listed size has the lead, lead angle or diameter that the requirement specifies; without \
                        lists, sizes are not restricted";
 
 /// Sizes that were found in a catalog.
@@ -618,7 +619,7 @@ impl NutList {
         let more = self.chosen.len() - count;
         if more > 0 {
             answer.notes.push(format!(
-                "The list has {more} more nuts. A table contains all nuts with all columns."
+                "{more} more nuts are not shown. A table that is written to a file contains all nuts with all columns."
             ));
         }
         answer

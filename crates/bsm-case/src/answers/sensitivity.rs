@@ -9,8 +9,8 @@ use serde_json::json;
 use crate::case::reader::Reader;
 use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 
-/// Number of inputs that are differentiated in one solve. The time of a solve increases with this
-/// number, and most callers request fewer derivatives.
+/// Number of inputs for which one solver run calculates the derivatives. The time of a run
+/// increases with this number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
 /// Columns of the derivative table.
@@ -66,7 +66,8 @@ impl Sensitivities {
     ///
     /// Returns the errors of [`Case::problem`].
     pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
-        // The derivatives are calculated at constant temperatures of the warm state.
+        // The derivatives are calculated at the temperatures of the warm state, which are held
+        // constant.
         let case = &case.in_warm_state(settings)?;
         let model = case.ask(settings)?;
         let used = Cell::new(InputSet::default());

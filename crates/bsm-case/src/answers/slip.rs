@@ -26,7 +26,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
         ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighboring balls";
     }
     "slip at the contacts" {
-        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip at the center";
+        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip at the center of the contact";
         slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "slide-roll ratio: differential slip / rolling speed";
         rolling_speed_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.rolling_speed(&c.touch))), "rolling speed";
         spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip as printed";
@@ -50,12 +50,12 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
             "gyroscopic moment about the tangent, which equals the sum of the friction moments";
     }
     "friction power, all balls" {
-        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center";
+        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center of the contact";
         spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power of the spin";
         curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power of the slip due to the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";
         total_friction_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.total())), "friction power of all contacts";
-        dissipated_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipated by the model";
+        dissipated_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipation that the model calculates";
         power_difference [""] Scalar(|s| Some(s.loss.as_ref()?.difference()).filter(|x| x.is_finite())),
             "relative difference between friction power and the power that the model dissipates by sliding";
     }
@@ -72,8 +72,8 @@ const POWERS_AGREE: f64 = 1e-6;
 const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 
 /// Calculates the gyroscopic angles, the differential slip, the slip between neighboring balls, the
-/// spin and the orbit slip, with formulas as printed, as corrected and in exact form. Also
-/// calculates the power that each part of the slip dissipates.
+/// spin and the orbit slip. Each formula is evaluated as printed, as corrected and in exact form.
+/// Also calculates the power that each part of the slip dissipates.
 ///
 /// If running contact angles are given, the ball rolls at these angles. Friction and its power are
 /// then omitted, because the given angles are not in equilibrium with the load.
@@ -114,7 +114,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     Ok(answer)
 }
 
-/// Motion of the ball and its friction losses.
+/// Motion of a ball, and the friction losses at its contacts.
 struct SlipMotion {
     solved: MovingBall,
     /// Friction losses; `None` if the contact angles are given.
@@ -122,9 +122,9 @@ struct SlipMotion {
 }
 
 impl SlipMotion {
-    /// Applies a printed formula to the contacts with nut and screw. As in print, the formula for
-    /// each contact uses the contact angle of the other contact. No formula is printed for the
-    /// unloaded flank.
+    /// Applies a printed formula to the contacts with nut and screw. As in the publication, the
+    /// formula for each contact uses the contact angle of the other contact. There is no printed
+    /// formula for the unloaded flank.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.solved.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))

@@ -100,7 +100,7 @@ fn is_of_fold(name: &str) -> bool {
     name.starts_with("fold_") || name.starts_with("unstable_")
 }
 
-/// Numbers of a warm state for which an uncertainty band is calculated.
+/// Results for a warm state that have an uncertainty band.
 const OF_BAND: [&str; 10] = [
     "nut_temperature_C",
     "screw_temperature_C",
@@ -114,7 +114,7 @@ const OF_BAND: [&str; 10] = [
     "loop_gain",
 ];
 
-/// Numbers of each phase with motion for which an uncertainty band is calculated.
+/// Results for each phase with motion that have an uncertainty band.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
 /// Returns whether the lower and the upper bound of a number are missing because no steady state
@@ -133,7 +133,7 @@ fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Returns the numbers of a warm state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase with
+/// Returns the results for a warm state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase with
 /// motion.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
@@ -203,7 +203,7 @@ impl Warm {
         }
         if state.given.contains(InputKey::ball_gap_mm) {
             notes.push(
-                "The warm state does not include the heat of ball-to-ball contact.".to_owned(),
+                "The warm state excludes the friction heat of ball-to-ball contact.".to_owned(),
             );
         }
         if state.steady.on_jump {
@@ -264,7 +264,7 @@ impl Warm {
 #[derive(Debug, Clone)]
 #[expect(
     non_snake_case,
-    reason = "the names end with unit symbols, some of which are capital letters"
+    reason = "the names end with units, and some unit symbols are capital letters"
 )]
 pub struct WarmBranch {
     /// States in the order in which the branch passes through them.
@@ -275,11 +275,11 @@ pub struct WarmBranch {
     pub cold_preload_N: Option<f64>,
 }
 
-/// A state on a [`WarmBranch`].
+/// A steady state on a [`WarmBranch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(
     non_snake_case,
-    reason = "the names end with unit symbols, some of which are capital letters"
+    reason = "the names end with units, and some unit symbols are capital letters"
 )]
 pub struct WarmPoint {
     /// Largest screw speed \[rpm\].
@@ -302,7 +302,7 @@ impl WarmBranch {
     /// exists at low speed.
     #[expect(
         non_snake_case,
-        reason = "the names end with unit symbols, some of which are capital letters"
+        reason = "the names end with units, and some unit symbols are capital letters"
     )]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {
@@ -357,7 +357,7 @@ pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
-/// Calculates the numbers of the warm state. The numbers are empty if the case does not request the
+/// Calculates the results for the warm state. There are no results if the case does not request the
 /// warm state.
 ///
 /// * `wanted`: selects the quantities to calculate. The fold is only searched for if one of its

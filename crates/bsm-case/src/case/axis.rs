@@ -63,7 +63,7 @@ pub(crate) struct Machine {
     pub(crate) warning: Option<String>,
 }
 
-/// A screw between two fixed bearings.
+/// Properties of a screw between two fixed bearings, which prevent its thermal expansion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FixedEnds {
     pub(crate) shaft: Shaft,
@@ -153,11 +153,11 @@ fn drive_train(
     })
 }
 
-/// Nut and thread, sizes of the screw and the nut body, and a warning about the ratings.
+/// Nut and thread, dimensions of the screw and the nut body, and a warning about the ratings.
 type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
 
-/// Returns the nut and thread of a case, the sizes of its screw and nut body, and a warning if the
-/// given ratings do not match the groove.
+/// Returns the nut and thread of a case, the dimensions of its screw and nut body, and a warning if
+/// the given ratings do not match the groove.
 fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     if case.lacks_groove() {
         return Ok((None, RatedScrew::without_groove(case)?, None));
@@ -310,7 +310,7 @@ impl Machine {
 
     /// Returns the length of screw over which the nut moves \[m\]. It is the stroke plus the length
     /// of the nut set or, without a stroke, the unsupported length minus the overrun at both ends.
-    /// Returns `None` if there is no room for the nut.
+    /// Returns `None` if the nut does not fit.
     pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let by_length = || {
             let overrun = mount(case).overrun_of(self.axis.screw.lead);
@@ -350,7 +350,7 @@ pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
 pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     let equal = case.number(InputKey::screws_count).recip();
     let share = case.load_share.unwrap_or(equal);
-    // The comparison tolerates load shares that are rounded to two or three digits.
+    // The comparison allows for load shares that are rounded to two or three digits.
     if share < 0.99 * equal {
         let what = format!(
             "is {share}, but the most loaded of the screws carries at least 1 / screws_count = {}",
@@ -520,7 +520,10 @@ pub(crate) fn mount(case: &Case) -> Mount {
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
     let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
     let Some(stated) = case.rated_dynamic_load_N else {
-        return Err(bad("rating_basis", "needs rated_dynamic_load_N, whose basis it states"));
+        return Err(bad(
+            "rating_basis",
+            "needs rated_dynamic_load_N, because it states the basis of this rating",
+        ));
     };
     match case.lead() {
         Some(lead) => Ok(Some(basis.factor(lead * MM) * stated)),
@@ -675,7 +678,7 @@ impl Case {
         let (preload, play) = preload(self)?;
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
-            // The axis is only required for a preload that depends on the load.
+            // The axis is only needed to calculate a preload that depends on the load.
             let axis = Machine::of(&case)?.axis;
             case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }

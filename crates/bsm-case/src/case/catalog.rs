@@ -162,7 +162,7 @@ impl Catalog {
     #[must_use]
     pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
-        // A nut that is dominated by another nut of its part is also dominated in the whole list.
+        // A nut that is dominated by another nut of its chunk is also dominated in the whole list.
         for part in indices.chunks(CHUNK) {
             best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
@@ -204,7 +204,7 @@ impl ListEntries {
         Ok(())
     }
 
-    /// Returns the numbers of a key, converted to SI units.
+    /// Returns the numbers in the list with the given key, converted to SI units.
     fn all(&self, key: &str, unit: f64) -> Vec<f64> {
         let value = self.0.get(key);
         let list = value

@@ -14,11 +14,11 @@ use crate::vocabulary::number::{decimal, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Usual range of catalog efficiencies, and the amount by which the efficiency is lower if the load
-/// drives the screw.
+/// Typical range of catalog efficiencies, and the amount by which the efficiency is lower if the
+/// load drives the screw.
 pub(crate) const USUAL_EFFICIENCIES: ([f64; 2], f64) = ([0.85, 0.95], 0.1);
 
-/// Inputs that are always required to estimate a groove.
+/// Inputs without which a groove cannot be estimated.
 const NEEDED: InputSet = inputs! { nominal_diameter_mm rated_dynamic_load_N };
 
 /// Inputs that the estimate of a groove adds to a case.
@@ -94,8 +94,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings`
-    /// is true. Returns [`CaseError::OutOfRange`] if an input violates its rule.
+    /// Returns [`CaseError::NoGroove`] if no typical groove has these ratings, unless
+    /// `keep_ratings` is true. Returns [`CaseError::OutOfRange`] if an input violates its rule.
     pub fn with_groove(&self) -> Result<Self, CaseError> {
         let line = self.without_estimates();
         let estimate = line.groove_estimate()?;
@@ -182,10 +182,10 @@ impl Case {
         case
     }
 
-    /// Returns the case with one of the possible grooves, from which the uncertainty of the results
-    /// is determined. If friction is not given, a possible catalog efficiency is added.
+    /// Returns the case with one of the possible grooves, whose results show the uncertainty of the
+    /// estimate. If friction is not given, a possible catalog efficiency is added.
     ///
-    /// * `draw`: index of the draw.
+    /// * `draw`: index of the possible groove.
     pub(crate) fn possible(&self, draw: usize, groove: &EstimatedGroove) -> Self {
         let mut case = self.with(groove);
         if !case.given().has_friction() {
@@ -207,7 +207,7 @@ impl Case {
         });
         let stated = stated.collect::<Vec<_>>().join(", ");
         let nearest = match nearest {
-            None => "no usual ball fits these sizes".to_owned(),
+            None => "no standard ball diameter fits these dimensions".to_owned(),
             Some(nearest) => {
                 let groove = nearest.best();
                 let case = self.with(&groove);
@@ -226,10 +226,10 @@ impl Case {
         let readings = if readings.is_empty() {
             String::new()
         } else {
-            format!(" A usual groove would fit if {}.", readings.join(", or "))
+            format!(" A typical groove would match the ratings if {}.", readings.join(", or "))
         };
         format!(
-            "No usual groove has these ratings and sizes: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
+            "No typical groove has these ratings and dimensions: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
              keep_ratings=true to use the nearest groove."
         )
     }

@@ -26,7 +26,7 @@ pub(crate) struct Cycle {
     pub(crate) time: Option<f64>,
     /// Process force that acts at rest \[N\]. It is positive if it acts against a positive feed.
     pub(crate) rest_force: f64,
-    /// Notes on assumptions.
+    /// Notes on assumptions about the cycle.
     pub(crate) notes: Vec<String>,
 }
 
@@ -91,7 +91,7 @@ impl Cycle {
             if sum < 1.0 - SHARE_ROUNDING {
                 segments.push(rest(1.0 - sum));
                 notes.push(format!(
-                    "The shares of the cycle sum to {}. The axis is at standstill for the other {}.",
+                    "The shares of the cycle sum to {}. The axis is at standstill for the remaining share of {}.",
                     trimmed(sum),
                     trimmed(1.0 - sum)
                 ));
@@ -110,7 +110,7 @@ impl Cycle {
             return Ok(Self { segments, time: Some(sum), rest_force, notes });
         };
         let time = 3600.0 / cycles;
-        // Differences below a millionth are rounding errors of the inputs.
+        // The cycle may exceed the available time by one millionth, because the inputs are rounded.
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
                 "is {}, but the cycle takes {} s, so at most {} cycles per hour are possible",

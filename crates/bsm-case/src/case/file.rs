@@ -1,4 +1,4 @@
-//! Reading, checking and changing cases.
+//! Reading, checking and changing case files.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ impl Case {
 
     /// Reads a case from JSON text.
     ///
-    /// A value of `null` counts as missing. The ranges of the values are not checked here (see
+    /// A value of `null` is treated as missing. The ranges of the values are not checked here (see
     /// [`check`](Self::check)), so that settings can still complete or correct the case.
     ///
     /// # Errors
@@ -134,7 +134,7 @@ impl Case {
             let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
-            // Text values need no quotes.
+            // In a setting such as `support=fixed-fixed`, the text value needs no quotes.
             let word = match name {
                 DESCRIPTION => json!(value.trim_matches('"')),
                 _ => json_or_text(value)?,
@@ -215,7 +215,7 @@ impl Case {
         let assumed: Vec<_> = SURFACES.iter().filter_map(assumed).collect();
         (self.given().is_lubricated() && !assumed.is_empty()).then(|| {
             format!(
-                "The roughness of ground surfaces is assumed, accurate to about 40 %: {}. If screw_make is rolled, screw_roughness_um \
+                "A typical roughness of ground surfaces is assumed, which is accurate to about 40 %: {}. If screw_make is rolled, screw_roughness_um \
                  defaults to 0.4.",
                 assumed.join(", ")
             )
@@ -270,14 +270,15 @@ impl Case {
     }
 }
 
-/// Returns the key to which a value is assigned. The value `auto` of a preload is a preload class,
+/// Returns the key to which a value is assigned. The word `auto` as a preload is a preload class,
 /// not a force.
 fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     let is_least = word == Some("auto") && key == InputKey::preload_N.name();
     if is_least { "preload_class" } else { key }
 }
 
-/// Returns the name of the quantity that a key in any unit gives, or `None` for an unknown key.
+/// Returns the name of the quantity to which a key with any unit refers, or `None` for an unknown
+/// key.
 pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     let key = key_of(key, value.as_str());
     let entry = || CaseEntries::KEYS.iter().chain(&[DESCRIPTION]).find(|own| **own == key).copied();
@@ -294,7 +295,7 @@ const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
 };
 
 impl InputSet {
-    /// Returns notes on given inputs that no model of the ball uses.
+    /// Returns notes on the given inputs that no ball model uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
         NOT_IN_BALANCE.into_iter().filter_map(move |(unused, part)| {
             let names: Vec<_> =
@@ -348,13 +349,13 @@ impl Case {
     /// Returns a note on the torques that are not calculated if the lubricant is too viscous for a
     /// cold start. Returns `None` if the drag of the balls is given.
     pub(crate) fn cold_lubricant(&self) -> Option<String> {
-        /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start
-        /// without heating \[m²/s\] (usual value).
+        /// Largest kinematic viscosity at which manufacturers of gears and pumps typically permit a
+        /// start without heating \[m²/s\].
         const START: f64 = 1000e-6;
         let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
         self.drag_coefficient.is_none().then(|| {
             format!(
-                "drag_coefficient is not given, so churning of the lubricant counts as 0; the torque to start from rest is not \
+                "drag_coefficient is not given, so churning of the lubricant is neglected; the torque to start from rest is not \
                  calculated at a viscosity of {:.0} mm2/s",
                 viscosity * 1e6
             )

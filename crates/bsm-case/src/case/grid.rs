@@ -14,11 +14,11 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 pub struct Axis {
     /// Varied input.
     pub key: InputKey,
-    /// Values of the input.
+    /// Values of the varied input.
     values: AxisValues,
 }
 
-/// Values of a varied input.
+/// Values of an input that is varied in a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AxisValues {
     /// Equally spaced values, including both ends.
@@ -92,8 +92,8 @@ impl Axis {
 
     /// Creates an axis that varies an input.
     ///
-    /// * `name`: name of the input, which may have another unit.
-    /// * `values`: values in the unit of the name.
+    /// * `name`: name of the input, which may end with a unit other than the default unit.
+    /// * `values`: values in the unit with which `name` ends.
     ///
     /// # Errors
     ///
@@ -189,7 +189,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Parses the axes of a grid (see [`Axis::parse`]).
+    /// Parses the text of each axis of a grid (see [`Axis::parse`]).
     ///
     /// # Errors
     ///
@@ -222,18 +222,18 @@ impl Grid {
         Ok(Self { axes, len })
     }
 
-    /// Returns the number of points.
+    /// Returns the number of points in the grid.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// Returns the axes.
+    /// Returns the axes of the grid, one for each varied input.
     pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
-    /// Returns the values at point `i`, one per axis.
+    /// Returns the values of the varied inputs at point `i`, one per axis.
     pub fn point(&self, i: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.axes.len());
         for axis in 0..self.axes.len() {
@@ -263,7 +263,7 @@ impl Grid {
         }
     }
 
-    /// Returns the varied inputs.
+    /// Returns the inputs that the grid varies.
     pub fn varied(&self) -> InputSet {
         self.axes.iter().map(|axis| axis.key).collect()
     }

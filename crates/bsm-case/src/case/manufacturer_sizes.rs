@@ -42,7 +42,7 @@ pub(crate) fn read_sizes(
     let cells = Cells::read(table, format)?;
     let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
     let sizes = cells.each(&columns, |_, row| {
-        // Ball diameters in a user's table count as published.
+        // Ball diameters in a user's table are treated as published values.
         let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
         let mut all_turns: Vec<(f64, f64)> = Vec::new();
         for ((word, change), text) in row {
@@ -56,7 +56,8 @@ pub(crate) fn read_sizes(
                 "nominal_diameter_mm" => size.diameter = meters(text)?,
                 "lead_mm" => size.lead = meters(text)?,
                 "ball_diameter_mm" => size.ball = meters(text)?,
-                // Ball diameters marked as estimated were calculated from pitch circle and core.
+                // Ball diameters that are marked as estimated were calculated from pitch circle
+                // diameter and core diameter.
                 "ball" => size.ball_is_printed = text != "estimated",
                 "pitch_circle_diameter_mm" => size.pitch_diameter = Some(meters(text)?),
                 "core_diameter_mm" => size.core = Some(meters(text)?),
@@ -91,7 +92,7 @@ pub(crate) fn read_sizes(
     Ok(sizes.into_iter().flatten().collect())
 }
 
-/// Returns all built-in sizes.
+/// Returns all manufacturers' sizes that are built into the program.
 pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
     &SIZES
 }
@@ -115,7 +116,7 @@ pub(crate) fn manufacturer_column(
 }
 
 /// Reads the column names of a user's table: a JSON object that maps each column to the name of an
-/// input, or to null if the column is to be ignored.
+/// input, or to null if the column is ignored.
 ///
 /// # Errors
 ///

@@ -18,11 +18,12 @@ use crate::{Case, CaseError, InputKey, InputSet, Rule};
 /// The model that solves a case, or its automatic choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
-    /// The fastest model whose error is below the tolerance. If inputs for the error estimate are
-    /// missing, the most complete model for which the case has the inputs.
+    /// The program chooses the fastest model whose error is below the tolerance. If inputs for the
+    /// error estimate are missing, it chooses the most complete model for which the case has the
+    /// inputs.
     #[default]
     Auto,
-    /// A fixed model.
+    /// The user chooses this model.
     Fixed(Model),
 }
 
@@ -61,7 +62,7 @@ impl ModelChoice {
     }
 }
 
-/// Choice of the model, and settings of the solvers.
+/// Choice of the model, and settings of its solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Model that solves the case.
@@ -113,7 +114,7 @@ impl Settings {
     pub const CREEP: Rule = Rule::Above(0.0);
 
     /// Returns settings with the given names of the model, the controlling raceway and the location
-    /// of friction. The other settings have their defaults.
+    /// of friction. All other settings have their default values.
     ///
     /// # Errors
     ///
@@ -209,10 +210,10 @@ impl Settings {
         let (others, used) = match self.model {
             ModelChoice::Auto => return Ok(self),
             ModelChoice::Fixed(Model::Traction) => {
-                (Self { accuracy, creep, ..self }, "accuracy and creep alone")
+                (Self { accuracy, creep, ..self }, "only the settings accuracy and creep")
             }
             ModelChoice::Fixed(Model::RacewayControl) => {
-                (Self { control, friction, ..self }, "control and friction alone")
+                (Self { control, friction, ..self }, "only the settings control and friction")
             }
             ModelChoice::Fixed(_) => (self, "no settings"),
         };
@@ -235,7 +236,7 @@ impl Settings {
 /// Inputs without a default that a model or an analysis requires.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Needs {
-    /// Inputs that are all required.
+    /// Inputs that must all be given.
     pub(crate) all: InputSet,
     /// Quantities of which at least one form must be given.
     pub(crate) quantities: &'static [Quantity],
@@ -250,11 +251,11 @@ impl Needs {
         Self::of(model)
     }
 
-    /// Required inputs of a lubricant.
+    /// Inputs that are required to define a lubricant.
     pub(crate) const LUBRICANT: Self =
         Self { all: inputs! {}, quantities: &[VISCOSITY, TEMPERATURE] };
 
-    /// Required inputs of a lubricated model.
+    /// Inputs that a model requires if its friction is calculated from a lubricant.
     pub(crate) const LUBRICATED: Self = {
         let Self { all, .. } = Self::of(Model::Traction);
         let all = all.without(inputs! { friction_coefficient });
@@ -305,7 +306,8 @@ impl Needs {
         }
         let is_angle = |quantity: &&Quantity| quantity.forms[0].key == InputKey::contact_angle_deg;
         let others = self.quantities.iter().filter(|quantity| !is_angle(quantity));
-        // The estimated groove has a pitch circle, which the lead angle needs.
+        // The estimated groove determines the pitch circle diameter, which is needed to calculate
+        // the lead angle.
         let all = self.all.without(GROOVE).and(CATALOG_LINE);
         let mut of_line = lacking(all, others, given.and(GROOVE));
         if of_line.len() >= of_groove.len() {
@@ -325,10 +327,10 @@ impl Needs {
     }
 }
 
-/// Returns missing inputs as text. For a quantity with several forms, the form with the fewest missing
-/// inputs counts.
+/// Returns missing inputs as text. If a quantity has several forms, the form with the fewest
+/// missing inputs is named.
 ///
-/// * `all`: required inputs.
+/// * `all`: inputs that must all be given.
 /// * `quantities`: quantities of which one form is required.
 fn lacking<'a>(
     all: InputSet,
@@ -402,8 +404,8 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // If there is play, friction determines which flanks are in contact, so the error of a
-            // less expensive model is unknown.
+            // With play, friction determines which flanks are in contact, so the error of a faster
+            // model is unknown.
             Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),

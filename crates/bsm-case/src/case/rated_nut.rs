@@ -1,4 +1,4 @@
-//! Nut of a case: balls, thread and body.
+//! Nut of a case: balls, thread and nut body.
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 
@@ -9,7 +9,7 @@ use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Inputs that the ratings require.
+/// Inputs that are required to calculate the ratings of a nut.
 pub(crate) const NEEDS: Needs = Needs {
     all: inputs! {
         ball_diameter_mm pitch_circle_diameter_mm nut_conformity screw_conformity
@@ -32,8 +32,8 @@ pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
     nut_for(case, || case.given().purpose("for the ratings of a nut"))
 }
 
-/// Returns the nut of a case. If inputs are missing, the message names the purpose for which they
-/// are needed.
+/// Returns the nut of a case. If inputs are missing, the error message states for which purpose
+/// they are needed.
 pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(case);
@@ -128,8 +128,10 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
     }
     let widest = thread.nut.root;
     if body.outer <= widest {
-        let (value, rule) =
-            (body.outer / MM, format!("> {:.3} mm, where the groove is", widest / MM));
+        let (value, rule) = (
+            body.outer / MM,
+            format!("> {:.3} mm, the largest diameter of the groove", widest / MM),
+        );
         return Err(CaseError::out_of_range("nut_outer_diameter_mm", value, rule));
     }
     Ok(body)
@@ -143,8 +145,8 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
 /// Returns [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless
 /// `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Ranges of the ratio of calculated to stated rating that need no note, because the formulas
-    /// of manufacturers differ by this much.
+    /// Ranges of the ratio of calculated to stated rating for which no note is given, because the
+    /// formulas of manufacturers differ by this much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
     /// If the ratio is outside this range, the ratings belong to another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);
@@ -190,7 +192,6 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
 /// * `force`: assumed preload \[N\].
 pub(crate) fn assumed_preload(force: f64) -> String {
     format!(
-        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} of its \
-         dynamic load rating (D22). The rule of `axis` permits 0.1."
+        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} times its dynamic load rating (D22). The rule of `axis` permits at most 0.1 times."
     )
 }

@@ -1,5 +1,5 @@
-//! A screw for which only nominal diameter, lead and load ratings are known. Its other sizes are
-//! estimated from lists and rules of manufacturers.
+//! A screw for which only nominal diameter, lead and load ratings are known. Its other dimensions
+//! are estimated from lists and rules of manufacturers.
 
 use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
@@ -51,12 +51,12 @@ impl Case {
     }
 }
 
-/// Sizes of a screw and its nut body \[m\]. Unknown sizes are NaN, and results that need them are
-/// omitted.
+/// Dimensions of a screw and its nut body \[m\]. Unknown dimensions are NaN, and results that need
+/// them are omitted.
 pub(crate) struct RatedScrew {
     pub(crate) screw: Screw,
     pub(crate) body: NutBody,
-    /// Notes on the sizes that were estimated.
+    /// Notes on the dimensions that were estimated.
     pub(crate) assumed: Vec<String>,
 }
 
@@ -94,7 +94,7 @@ impl RatedScrew {
         let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
         let by_rule = || Screw::usual_core(nominal, lead, case.ball_diameter_mm.map(|mm| mm * MM));
         let by = if least.is_some() {
-            "the smallest core in manufacturers' lists"
+            "the smallest core diameter in manufacturers' lists"
         } else {
             "nominal diameter and lead (Z30)"
         };
@@ -120,7 +120,7 @@ impl RatedScrew {
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]
         {
-            // A size of half the nominal diameter or less, or of twice the nominal diameter or
+            // A dimension of half the nominal diameter or less, or of twice the nominal diameter or
             // more, belongs to another screw.
             if size >= 2.0 * nominal || size <= 0.5 * nominal {
                 let rule = format!("between half and twice nominal_diameter_mm = {nominal_mm}");

@@ -110,7 +110,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         Some(drive_of_rpm(screw, nut))
     }
 
-    /// Returns the direction of drive. The default is rotary to linear.
+    /// Returns the direction in which the screw is driven. The default is rotary to linear.
     fn direction(&self) -> Direction {
         self.drive()
             .and_then(|drive| Direction::of(drive.relative_speed().re()))
@@ -245,7 +245,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     pub(crate) fn operating_point(&self) -> OperatingPoint<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
-        // Models of lubricated balls do not use this value.
+        // Models of lubricated balls do not use the friction coefficient.
         let friction = self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN));
         OperatingPoint {
             helix: Helix {

@@ -39,7 +39,7 @@ keys! {
     largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius divided by groove radius (step 6 of Lin); defaults to 0.97 for continuous sizes";
 }
 
-/// Friction coefficient that is assumed if a requirement contains none, and its usual range.
+/// Friction coefficient that is assumed if a requirement contains none, and its typical range.
 /// Greases and oils have about 0.03 to 0.12.
 const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 
@@ -48,7 +48,11 @@ pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with text values, and their permitted values. The first value is the default.
 pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
-    ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
+    (
+        "motion",
+        &["rotary-to-linear", "linear-to-rotary"],
+        "motion that drives: rotation of the screw, or linear motion of the nut",
+    ),
     (
         "objective",
         &["mass", "efficiency", "capacity", "inertia", "power"],
@@ -57,12 +61,12 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     (
         "model",
         &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
-        "model for the efficiency",
+        "model that calculates the efficiency",
     ),
     (
         "allow_warnings",
         &["false", "true"],
-        "true: a selected screw may exceed the usual temperature rise of 40 K",
+        "true: a selected screw may exceed the recommended limit of 40 K for the temperature rise",
     ),
 ];
 
@@ -73,7 +77,7 @@ const NOT_OF_AXES: InputSet = inputs! {
     catalog_efficiency catalog_back_efficiency rated_rigidity_N_um
 };
 
-/// Inputs of screw and nut that a requirement may prescribe, and other inputs that only the axis
+/// Inputs of screw and nut that a requirement may contain, and other inputs that only the axis
 /// sheet uses.
 const OF_NUTS: InputSet = inputs! {
     lead_mm lead_angle_deg ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg
@@ -130,7 +134,7 @@ pub struct RequirementFile {
     pub(crate) problem: Requirement,
     /// True if the warnings that can be permitted do not limit the selection.
     pub(crate) allow_warnings: bool,
-    /// Notes on assumptions.
+    /// Notes on the assumptions that complete the requirement.
     pub(crate) notes: Vec<String>,
 }
 
@@ -225,7 +229,8 @@ impl RequirementKeys {
         self.case.assign_json(key, value)
     }
 
-    /// Returns the name of the quantity that a key in any unit gives, or `None` for an unknown key.
+    /// Returns the name of the quantity to which a key with any unit refers, or `None` for an
+    /// unknown key.
     fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
         let numbers = REQUIREMENT_INPUTS.iter().map(|input| input.name);
         let mut own = numbers.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
@@ -273,7 +278,7 @@ impl RequirementKeys {
     /// Returns the smallest and the largest permitted value of a number, which have separate keys
     /// in a requirement.
     ///
-    /// * `usual`: range that applies without given limits.
+    /// * `usual`: default range, which applies if no limits are given.
     fn range(
         &self,
         (low, high): (&'static str, &'static str),
@@ -281,7 +286,7 @@ impl RequirementKeys {
     ) -> Result<(Option<f64>, Option<f64>), CaseError> {
         let limits = (self.number(low), self.number(high));
         let (least, most) = (limits.0.unwrap_or(usual.0), limits.1.unwrap_or(usual.1));
-        // The search needs a range of nonzero width. A fixed value has a separate key.
+        // The search needs a range with different ends. A fixed value has a separate key.
         if least < most {
             return Ok(limits);
         }
@@ -320,14 +325,14 @@ impl RequirementKeys {
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
         };
-        // If both are given, lead and lead angle determine the pitch circle diameter.
+        // If both lead and lead angle are given, they determine the pitch circle diameter.
         if let (Some(lead), Some(angle), None) =
             (case.lead_mm, case.lead_angle_deg, case.pitch_circle_diameter_mm)
         {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             case.pitch_circle_diameter_mm = Some(diameter);
         }
-        // Without a given unsupported length, the whole screw length counts as unsupported.
+        // If no unsupported length is given, the whole screw length is assumed to be unsupported.
         if let Travel::Screw(length) = travel {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
@@ -349,7 +354,7 @@ impl RequirementKeys {
         if life.is_none() {
             notes.push("required_life_h is not given, so no life is required.".to_owned());
         }
-        // The optimum angles of a lubricated screw are calculated with the usual friction
+        // The optimum angles of a lubricated screw are calculated with the default friction
         // coefficient.
         let friction = case.friction_coefficient.unwrap_or(usual);
         let conformity = match (case.nut_conformity, case.screw_conformity) {
@@ -377,8 +382,8 @@ impl RequirementKeys {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
-                // Lin's rule: the largest contact angle, and the lead angle for which this contact
-                // angle is optimal.
+                // Lin's rule uses the largest contact angle, and the lead angle for which this
+                // contact angle is optimal.
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);

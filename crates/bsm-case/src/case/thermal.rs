@@ -50,8 +50,8 @@ pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
     )
 }
 
-/// Returns the thermal data of the axis, or `None` if the length of the screw is unknown or leaves
-/// no room for the nut.
+/// Returns the thermal data of the axis, or `None` if the length of the screw is unknown or too
+/// short for the nut.
 ///
 /// * `link`: heat transfer between nut and screw through the balls.
 ///

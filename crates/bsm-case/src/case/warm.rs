@@ -37,7 +37,7 @@ pub(crate) struct Warm {
     pub(crate) replaced: Option<Box<NoSteadyState>>,
 }
 
-/// Optional results, which take time.
+/// Selection of optional results, which take additional time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Detail {
     pub(crate) fold: bool,
@@ -51,7 +51,7 @@ impl Detail {
     pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
 }
 
-/// A warm steady state.
+/// Results for a warm steady state.
 #[derive(Debug)]
 pub(crate) struct WarmState {
     pub(crate) steady: Steady,
@@ -190,9 +190,9 @@ impl Warm {
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 
-    /// Calculates the warm state without its uncertainty band, if the case requests it.
+    /// Calculates the warm state without its uncertainty band, if the case requests a warm state.
     ///
-    /// * `fold`: if true, the fold at higher speeds is searched for, too.
+    /// * `fold`: if true, also searches for the fold at higher speeds.
     ///
     /// # Errors
     ///

@@ -28,28 +28,28 @@ pub struct Answer {
 /// A missing input that was treated as zero, so that a number lacks its contribution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
-    /// Name of the affected number.
+    /// Name of the number that the missing input affects.
     pub number: &'static str,
     /// Sentence that names the missing input and states how it was treated.
     pub text: String,
 }
 
-/// A section of an answer.
+/// A section of an answer: numbers, a table or text.
 #[derive(Debug, Clone)]
 pub struct Section {
     /// Name of the member in the JSON object. If the name is empty, the numbers of the section
     /// become members of the enclosing object. A section with `None` is only shown on the screen.
     pub member: Option<&'static str>,
-    /// Content of the section.
+    /// Numbers, table or text of the section.
     pub content: Content,
 }
 
-/// Content of a section.
+/// The kinds of content that a section can have.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// Values of a table of quantities.
+    /// Numbers from a table of quantities.
     Numbers {
-        /// Numbers of the section.
+        /// Numbers that the section contains.
         numbers: Numbers,
         /// Heading of the numbers that do not belong to a contact or a direction.
         whole: &'static str,
@@ -71,7 +71,7 @@ pub enum Content {
 pub struct Table {
     /// Columns of the table.
     pub columns: Vec<Column>,
-    /// Cells, row by row.
+    /// Cells of the table, row by row.
     pub rows: Vec<Vec<Value>>,
     /// 90 % intervals of cells that depend on an estimated groove, row by row; empty if
     /// there are none.
@@ -83,7 +83,7 @@ pub struct Table {
     pub keyed: bool,
 }
 
-/// A column of a table.
+/// A column of a result table.
 #[derive(Debug, Clone)]
 pub struct Column {
     /// Name in JSON. A column with an empty name is only shown on the screen.
@@ -121,11 +121,11 @@ pub struct Criterion {
     pub title: &'static str,
     /// Name of the number, with its unit as a suffix.
     pub name: &'static str,
-    /// Symbol of the number.
+    /// Symbol of the number that the rule limits.
     pub symbol: &'static str,
     /// Displayed unit.
     pub unit: DisplayUnit,
-    /// Value of the number.
+    /// Value of the number that the rule limits.
     pub value: f64,
     /// Limit; `None` if there is no requirement.
     pub limit: Option<f64>,
@@ -153,7 +153,7 @@ pub enum Verdict {
     /// The groove is estimated, and the 90 % interval of the number contains the limit; or the rule
     /// is only met with a default that may not apply.
     Undecided,
-    /// The rule is met, or nothing is required.
+    /// The rule is met, or the rule has no limit.
     Passes,
 }
 
@@ -180,7 +180,7 @@ impl Verdict {
 impl Criterion {
     /// Returns the verdict on the rule.
     pub fn verdict(&self) -> Verdict {
-        // A decimal limit can differ from the value by a rounding error.
+        // The tolerance allows for rounding errors of limits that are entered as decimal numbers.
         let meets = |margin: f64| margin >= 1.0 - 1e-9;
         match (self.margin(), self.margins) {
             (Some(_), Some(Band { low, high })) if !meets(low) && meets(high) => Verdict::Undecided,
@@ -396,7 +396,7 @@ impl Answer {
         texts
     }
 
-    /// Returns the verdict on all rules: the worst one.
+    /// Returns the verdict on all rules, which is the worst of their verdicts.
     pub fn verdict(&self) -> Verdict {
         let of_rules = self.rules.iter().map(Criterion::verdict).min();
         let verdict = if self.fails { Verdict::Fails } else { Verdict::Passes };

@@ -52,14 +52,14 @@ impl Cells {
         &self.heads
     }
 
-    /// Returns the quantity of each column and the conversion to its unit, or `None` for a column
-    /// that is ignored. Two columns must not give the same quantity.
+    /// Returns the quantity in each column and the conversion to its unit, or `None` for a column
+    /// that is ignored. Two columns must not contain the same quantity.
     ///
     /// * `column`: returns the quantity of a column with a given name.
     ///
     /// # Errors
     ///
-    /// Returns the errors of `column`, and [`CaseError::Entry`] if two columns give the same
+    /// Returns the errors of `column`, and [`CaseError::Entry`] if two columns contain the same
     /// quantity.
     pub(crate) fn columns(
         &self,
@@ -76,8 +76,8 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
-    /// Returns the columns whose name is wanted and of which at least one cell is a text, together
-    /// with all their cells.
+    /// Returns the columns whose name satisfies `wanted` and in which at least one cell is text.
+    /// Each column includes all its cells.
     pub(crate) fn texts(&self, wanted: impl Fn(&str) -> bool) -> Vec<(String, Vec<String>)> {
         let cells = |place: usize| self.rows.iter().map(move |row| row[place].clone());
         let is_text = |cell: String| !cell.is_empty() && self.number(&cell).is_err();

@@ -1,4 +1,4 @@
-//! Values in a column of a list.
+//! Values in one column of a list of nuts.
 
 use std::ops::Range;
 
@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 /// Values of a column, one per row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColumnValues {
-    /// Numbers; an empty cell is NaN.
+    /// Numbers of the column; an empty cell is NaN.
     Numbers(Vec<f64>),
-    /// Texts; an empty cell is `None`.
+    /// Texts of the column; an empty cell is `None`.
     Texts(Vec<Option<String>>),
 }
 
@@ -27,7 +27,7 @@ impl ColumnValues {
         self.len() == 0
     }
 
-    /// Returns the values of a range of rows.
+    /// Returns the values in a range of rows.
     pub(crate) fn part(self, places: Range<usize>) -> Self {
         match self {
             Self::Numbers(values) => Self::Numbers(values[places].to_vec()),

@@ -48,7 +48,7 @@ const INCH: [(&str, &str); 23] = [
     ("K", "degF"),
 ];
 
-/// A displayed unit, and the conversion to it.
+/// A displayed unit, and the conversion to this unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisplayUnit {
     /// Unit as text.
@@ -222,12 +222,12 @@ pub(crate) fn in_unit<'a>(
     known: impl IntoIterator<Item = &'a str>,
 ) -> Option<(&'a str, DisplayUnit)> {
     let (own, change, text) = convert_with_text(name, known)?;
-    // The name already has the suffix of its unit.
+    // The name already ends with the suffix of its own unit, so the unit does not change.
     Some((own, DisplayUnit { text, other: Some(("", "", change)) }))
 }
 
 impl Numbers {
-    /// Returns the numbers in displayed units.
+    /// Returns the list of numbers, converted to displayed units.
     #[must_use]
     pub fn in_units(mut self, display: DisplayUnits) -> Self {
         for row in self.all_mut() {

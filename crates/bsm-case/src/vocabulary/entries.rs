@@ -100,7 +100,7 @@ entries! {
     base_oil: Named<BaseOil>,
         "base oil of the lubricant, which determines the properties that are not given; defaults to mineral";
     ball_precession_rad_s: f64,
-        "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; defaults to 0";
+        "angular velocity of the balls about the axis [rad/s]; determines their centrifugal force in a nut. Defaults to 0";
     driven_part: Named<DrivenPart>,
         "part that the motor turns, for `axis`: screw, or nut with the screw at rest; defaults to nut if nut_speed_rpm is given and the screw is at rest, else to screw";
     support: Named<EndFixity>,
@@ -118,7 +118,7 @@ entries! {
     kappa_by: Named<KappaBy>,
         "basis of the viscosity ratio of the modified life: film (the film thickness ratio, if groove and roughness are known) or viscosity; defaults to film";
     rating_basis: Named<RatingBasis>,
-        "travel for which rated_dynamic_load_N is stated: revolutions, a million of them (ISO 3408-5); 100 km; million inches. Defaults to revolutions";
+        "travel for which rated_dynamic_load_N is stated: revolutions (one million revolutions, ISO 3408-5), 100 km, or million inches (one million inches). Defaults to revolutions";
     motor_curve: Vec<MotorCurveRow>,
         "torque-speed curve of the motor, which replaces motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
     keep_ratings: bool,
@@ -134,11 +134,11 @@ entries! {
     brake_at_rest: bool,
         "true: a brake holds the load at standstill, so that the motor needs no torque there; defaults to false";
     warm_state: bool,
-        "true: calculates the temperatures that the axis reaches by friction, and the preload at these temperatures";
+        "true: calculates the steady-state temperatures that result from friction, and the preload at these temperatures";
     coolant: Named<Coolant>,
         "fluid that flows through a hollow screw; defaults to water";
     drag_rule: bool,
-        "false: the preload has no drag except for the drag of the contacts; defaults to true, the manufacturers' rule";
+        "false: the preload causes no drag torque except for friction in the contacts; defaults to true, which means that the drag torque follows the manufacturers' rule";
 }
 
 impl CaseEntries {
@@ -188,10 +188,10 @@ impl CaseEntries {
 pub struct CircuitEntry {
     /// Helix angle at which the loaded arc begins.
     pub start_deg: f64,
-    /// Length of the loaded arc.
+    /// Angle of the loaded arc around the screw axis.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub arc_deg: f64,
-    /// Loaded balls.
+    /// Number of loaded balls in the circuit.
     pub balls: usize,
     /// Index of the thread on which the circuit lies, from 0.
     #[serde(default)]
@@ -212,10 +212,10 @@ pub struct CircuitEntry {
     pub ball_gap_mm: Option<f64>,
 }
 
-/// A row of the torque-speed curve of a motor.
+/// A point of the torque-speed curve of a motor.
 #[expect(
     non_snake_case,
-    reason = "the names end with unit symbols, some of which are capital letters"
+    reason = "the names end with units, and some unit symbols are capital letters"
 )]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -264,7 +264,7 @@ pub enum Arrangement {
 pub struct ClassName(&'static (&'static str, PreloadClass));
 
 impl ClassName {
-    /// Returns the preload or play that the class stands for.
+    /// Returns the preload or the play that the class specifies.
     pub(crate) fn class(self) -> PreloadClass {
         self.0.1
     }
@@ -287,17 +287,17 @@ impl From<ClassName> for String {
     }
 }
 
-/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel (usual values of
-/// ISO 3408-5).
+/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel (typical values
+/// in ISO 3408-5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelFactor(pub f64);
 
 /// Basis for the viscosity ratio of the modified life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KappaBy {
-    /// Viscosity ratio from the film thickness, if it is known.
+    /// The viscosity ratio is calculated from the film thickness, if the film thickness is known.
     Film,
-    /// Viscosity ratio from the viscosity alone.
+    /// The viscosity ratio is calculated from the viscosity alone.
     Viscosity,
 }
 
@@ -492,7 +492,7 @@ impl GradeName {
         let within = format!("{} um within any 300 mm", um(*variation));
         let Some(number) = self.number else {
             let twice = if name.starts_with('T') {
-                "; transport screws may have twice this deviation of the travel (usual value)"
+                "; transport screws may have twice this travel deviation (common rule)"
             } else {
                 ""
             };
@@ -518,10 +518,10 @@ pub struct LeadErrorEntry {
     /// Phase of the wave. Defaults to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_deg: Option<f64>,
-    /// Slope.
+    /// Change of the axial error per millimeter of travel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope_um_per_mm: Option<f64>,
-    /// Coordinate at which the slope has no error. Defaults to 0.
+    /// Axial position at which the sloping error is zero. Defaults to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z0_mm: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Errors in cases. They state the key, the value and the requirement.
+//! Errors in case files and settings. Each error states the key, the value and the requirement.
 
 use std::io;
 use std::path::PathBuf;
@@ -13,29 +13,29 @@ use crate::{InputKey, OtherSeparator, exact, nearest};
 
 /// Error in a case, a setting or a grid.
 ///
-/// The message names neither the file nor the command or option. The caller adds them.
+/// The message does not contain the name of the file, command or option. The caller adds this name.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaseError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the file that cannot be read.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Error that the operating system reported.
         source: io::Error,
     },
     /// The file is not valid JSON.
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
-    /// A name is unknown.
+    /// The name of an input, an output or a column is unknown.
     #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
-        /// Kind of the name.
+        /// Kind of the unknown name.
         known: Known,
-        /// The unknown name.
+        /// Name that is not known.
         name: String,
-        /// The most similar known name.
+        /// Known name that is most similar to the unknown name.
         nearest: Option<String>,
     },
     /// The names of the columns of a table are separated by an unexpected character.
@@ -44,7 +44,7 @@ pub enum CaseError {
     /// A number is outside its permitted range or outside the range of a model.
     #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
-        /// Name of the input or setting.
+        /// Name of the input or setting with the invalid value.
         key: String,
         /// Invalid value.
         value: f64,
@@ -56,9 +56,9 @@ pub enum CaseError {
     /// An input is invalid or missing.
     #[error("{what}")]
     Entry {
-        /// Name of the input.
+        /// Name of the invalid or missing input.
         key: String,
-        /// Message about the input.
+        /// Message about the invalid or missing input.
         what: String,
     },
     /// An axis has no warm steady state.
@@ -67,13 +67,13 @@ pub enum CaseError {
     /// A nut cannot carry its load, or its preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
-    /// No usual groove has the given load ratings, so no groove can be estimated.
+    /// No typical groove has the given load ratings, so no groove can be estimated.
     #[error("{0}")]
     NoGroove(String),
     /// No search range is known for an input.
-    #[error("`{key}` is not in the case, and no range to search is given")]
+    #[error("`{key}` has no value in the case, and no search range is given")]
     NoRange {
-        /// Name of the input.
+        /// Name of the input without a search range.
         key: &'static str,
     },
     /// The inputs contradict each other, or no result can be calculated from them.
@@ -84,7 +84,7 @@ pub enum CaseError {
     InRow {
         /// Number of the row, counted from 1.
         row: usize,
-        /// Error in this row.
+        /// Error that occurred in this row.
         error: Box<Self>,
     },
 }
@@ -98,7 +98,7 @@ pub enum Known {
     List,
     /// Names of the columns in a list of nuts.
     Column,
-    /// Columns of a manufacturer's table.
+    /// Names of the columns in a manufacturer's table.
     TableColumn,
     /// Names of the keys of a requirement.
     Requirement,
@@ -215,7 +215,7 @@ impl CaseError {
 
     /// Creates the error for two alternative keys that are both missing.
     pub(crate) fn neither([one, other]: [&str; 2]) -> Self {
-        Self::Invalid(format!("give one of {one} and {other}; neither is given"))
+        Self::Invalid(format!("give either {one} or {other}; neither is given"))
     }
 
     /// Creates the error for an input that is given in two units, or twice with the same name.
@@ -234,12 +234,13 @@ impl CaseError {
         let what = if one == other {
             format!("`{}` is given twice; give it once", brief(one))
         } else {
-            format!("give one of {one} and {other}; both are given")
+            format!("give either {one} or {other}; both are given")
         };
         Self::entry(other, what)
     }
 
-    /// Creates the error for a value, with the message of the code that reads the value.
+    /// Creates the error for an invalid value, with the message of the parser that rejected the
+    /// value.
     pub(crate) fn of_value(key: &str, error: &str) -> Self {
         Self::entry(key, format!("`{key}`: {error}"))
     }
@@ -332,7 +333,8 @@ pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError 
 
 /// Returns the beginning of a user's text for use in a message, with control characters escaped.
 pub fn brief(text: &str) -> String {
-    // The limit is about one line. The longest name of an input has half as many characters.
+    // The limit corresponds to about one line of text, and to twice the length of the longest input
+    // name.
     const MAX_CHARACTERS: usize = 60;
     match text.char_indices().nth(MAX_CHARACTERS) {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),

@@ -16,19 +16,19 @@ pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 /// Rule that a value must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// Any finite number.
+    /// Any finite number is permitted.
     Any,
-    /// Greater than this bound.
+    /// The value must be greater than this bound.
     Above(f64),
-    /// Greater than or equal to this bound.
+    /// The value must be greater than or equal to this bound.
     AtLeast(f64),
-    /// Strictly between these two bounds.
+    /// The value must be strictly between these two bounds.
     Between(f64, f64),
-    /// Between these bounds or equal to one of them.
+    /// The value must be between these bounds or equal to one of them.
     Within(f64, f64),
-    /// An integer that is greater than or equal to this bound.
+    /// The value must be an integer that is greater than or equal to this bound.
     Whole(f64),
-    /// Equal to one of these numbers.
+    /// The value must be equal to one of these numbers.
     OneOf(&'static [f64]),
 }
 
@@ -83,7 +83,7 @@ impl Rule {
         self.check(key, value).map(|()| value)
     }
 
-    /// Describes the rule as text after "must be".
+    /// Describes the rule as a phrase that can follow "must be".
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
@@ -107,7 +107,7 @@ macro_rules! inputs {
         /// An operating point, given by named inputs with units. All inputs are optional. Each
         /// model states which inputs it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
-        #[expect(non_snake_case, reason = "the names end with unit symbols, some of which are capital letters")]
+        #[expect(non_snake_case, reason = "the names end with units, and some unit symbols are capital letters")]
         pub struct Case {
             /// Description of the case as free text.
             pub description: Option<String>,
@@ -196,8 +196,9 @@ impl InputKey {
         Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
-    /// Returns the input for a name that may have another unit, and the conversion to the unit of
-    /// the input. For example, `axial_load_kN` is `axial_load_N` with a factor of 1000.
+    /// Returns the input to which `name` refers, and the conversion from the unit at the end of
+    /// `name` to the unit of the input. For example, `axial_load_kN` is `axial_load_N` with a
+    /// factor of 1000.
     ///
     /// # Errors
     ///
@@ -247,9 +248,9 @@ inputs! {
         contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None,
             "contact angle; 0 is radial, 90 is axial. In the elastic models, it is the angle without load";
         nut_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "contact angle at the nut in motion, for slip with model raceway-control; defaults to the angle that the model calculates";
+            "contact angle at the nut during motion, for `bsm slip` with model raceway-control; defaults to the angle that the model calculates";
         screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "contact angle at the screw in motion, for slip with model raceway-control; defaults to the angle that the model calculates";
+            "contact angle at the screw during motion, for `bsm slip` with model raceway-control; defaults to the angle that the model calculates";
         nut_conformity ["" "f_rn"] Above(0.5), None,
             "conformity of the nut groove; groove radius divided by ball diameter";
         screw_conformity ["" "f_rs"] Above(0.5), None,
@@ -291,7 +292,7 @@ inputs! {
         loaded_balls_per_turn ["" "z_1"] Above(0.0), None,
             "loaded balls per turn; required for load ratings. A fractional number is valid";
         loaded_turns ["" "i"] Above(0.0), None,
-            "loaded turns; counts the turns of one nut, required for load ratings. A fractional number is valid";
+            "loaded turns; number of loaded turns of one nut, required for load ratings. A fractional number is valid";
         preload_N ["N" "F_pr"] Above(0.0), None,
             "preload; axial force between the two nuts of a pair, or between the flanks of a nut with oversize balls (preload_by)";
         preload_offset_um ["um"] Any, None,
@@ -299,7 +300,7 @@ inputs! {
         ball_oversize_um ["um"] Any, None,
             "oversize of all balls relative to the diameter at which they just touch both flanks of a nut; a negative value means play";
         ball_deviation_sd_um ["um"] AtLeast(0.0), None,
-            "standard deviation of the ball diameters of a nut; the diameters are drawn at random with seed";
+            "standard deviation of the ball diameters of a nut; the diameters are random numbers that depend on the input seed";
         seed [""] Whole(0.0), Some(0.0),
             "seed of the random deviations of the balls";
     }
@@ -397,13 +398,13 @@ inputs! {
     }
     "nut" {
         raceway_yield_strength_MPa ["MPa"] Above(0.0), None,
-            "yield strength of the raceways, for the margin of the contacts against yield";
+            "yield strength of the raceways; used to calculate the safety margin against yielding of the contacts";
         ball_yield_strength_MPa ["MPa"] Above(0.0), None,
-            "yield strength of the balls, for the margin of the contacts against yield";
+            "yield strength of the balls; used to calculate the safety margin against yielding of the contacts";
     }
     "lubricant" {
         lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-            "density of the lubricant, at 15 C where it varies with temperature; defaults to the density of base_oil. For the drag in jamming there is no default";
+            "density of the lubricant, at 15 C if it varies with temperature; defaults to the density of base_oil. The drag force of `bsm jam` has no default density";
         drag_coefficient [""] AtLeast(0.0), None,
             "drag coefficient of a ball in the lubricant";
         iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
@@ -449,19 +450,19 @@ inputs! {
     }
     "nut" {
         apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "half angle of the apex of the return curve, for jamming";
+            "half angle of the apex of the return curve; used to calculate jamming";
         return_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "angle between the return channel and the screw track at the transition steps, for jamming";
+            "angle between the return channel and the screw track at the transition steps; used to calculate jamming";
         step_normal_force_N ["N"] Above(0.0), None,
-            "normal force of the step on the ball, for jamming; defaults to the impact force";
+            "normal force that the step exerts on the ball; used to calculate jamming. Defaults to the impact force";
         return_approach_speed_m_s ["m/s"] Above(0.0), None,
-            "speed at which a ball enters the ball return, for jamming; defaults to its speed in the nut";
+            "speed at which a ball enters the ball return; used to calculate jamming. Defaults to the speed of the ball in the nut";
         return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
-            "Hertz stiffness of the impact on the ball return, for jamming; defaults to the stiffness of a ball on a flat of raceway material";
+            "Hertz stiffness of the impact on the ball return; used to calculate jamming. Defaults to the stiffness of a ball on a flat surface of the raceway material";
         return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
-            "linear stiffness of the impact on the ball return, for jamming; replaces return_stiffness_N_um15";
+            "linear stiffness of the impact on the ball return; used to calculate jamming. Replaces return_stiffness_N_um15";
         step_height_mm ["mm"] AtLeast(0.0), None,
-            "height of the step over which a ball enters the ball return, for jamming";
+            "height of the step over which a ball enters the ball return; used to calculate jamming";
     }
     "axis" {
         nominal_diameter_mm ["mm" "d_0"] Above(0.0), None,
@@ -493,7 +494,7 @@ inputs! {
         screw_bore_mm ["mm" "d_b"] Above(0.0), None,
             "bore of a hollow screw";
         coolant_density_kg_m3 ["kg/m3"] AtLeast(0.0), Some(0.0),
-            "density of the liquid in the bore of a hollow screw, for its critical speed";
+            "density of the liquid in the bore of a hollow screw; reduces the critical speed";
         buckling_length_mm ["mm"] Above(0.0), None,
             "length of the screw that may buckle, between fixed bearing and nut; defaults to the unsupported length";
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
@@ -501,7 +502,7 @@ inputs! {
         support_bearing_axial_load_N ["N"] Above(0.0), None,
             "largest permitted axial load of the support bearings; the sum of the load, the pretension and the force due to constrained thermal expansion must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
-            "tension of a screw between two fixed bearings when it is as warm as the bed";
+            "tension of a screw between two fixed bearings when the screw and the bed have the same temperature";
         pretension_K ["K"] AtLeast(0.0), None,
             "temperature rise of the screw that the pretension compensates, between two fixed bearings; usually 2 to 5. It replaces pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
@@ -533,7 +534,7 @@ inputs! {
         counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),
             "mass of a counterweight; it hangs vertically and moves with the axis";
         counterbalance_N ["N"] Any, Some(0.0),
-            "force of a gas spring or cylinder along a positive feed; it relieves the screw of a vertical axis";
+            "force of a gas spring or cylinder in the direction of positive feed; it relieves the screw of a vertical axis";
         screws_count [""] Whole(1.0), Some(1.0),
             "number of screws that share the load of the axis";
         load_share ["" "x"] Within(0.01, 1.0), None,
@@ -601,9 +602,9 @@ inputs! {
         required_life_years [""] Above(0.0), None,
             "required life in years of operating_h_day and operating_days_year; replaces required_life_h";
         operating_h_day ["h/day"] Within(0.1, 24.0), None,
-            "hours of operation per day; for the life in years";
+            "hours of operation per day; used to calculate the life in years";
         operating_days_year [""] Within(1.0, 366.0), None,
-            "days of operation per year; for the life in years";
+            "days of operation per year; used to calculate the life in years";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
             "required static safety";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),
@@ -621,25 +622,25 @@ inputs! {
         coolant_temperature_C ["C"] Within(-40.0, 150.0), None,
             "temperature of the coolant of screw and nut; defaults to ambient_temperature_C";
         nut_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of nut and table to the air; usually 2 to 20. Defaults to a calculated value, which is accurate to a factor of 2";
+            "thermal conductance from nut and table to the air; usually 2 to 20. Defaults to a calculated value, which is accurate to a factor of 2";
         carriage_area_m2 ["m2"] Above(0.0), None,
-            "surface area of bracket and table in air; replaces nut_conductance_W_K. Defaults to ten times the surface area of the nut";
+            "surface area of the bracket and table exposed to air; replaces nut_conductance_W_K. Defaults to ten times the surface area of the nut";
         screw_film_W_m2K ["W/(m2 K)"] Above(0.0), None,
             "film coefficient of the screw in air; usually 10 to 60. Defaults to a calculated value, which is accurate to a factor of 1.4";
         gap_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of gap and wipers from nut to screw; usually 0.2 to 3. Defaults to a calculated value, which is accurate to a factor of 3";
+            "thermal conductance of gap and wipers between nut and screw; usually 0.2 to 3. Defaults to a calculated value, which is accurate to a factor of 3";
         ball_nut_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of the contacts from balls to nut; defaults to a calculated value, which is accurate to a factor of 2";
+            "thermal conductance of the contacts between balls and nut; defaults to a calculated value, which is accurate to a factor of 2";
         ball_screw_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of the contacts from balls to screw; defaults to a calculated value, which is accurate to a factor of 2";
+            "thermal conductance of the contacts between balls and screw; defaults to a calculated value, which is accurate to a factor of 2";
         end_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of each screw bearing to the structure; usually 2 to 20. Defaults to a calculated value, which is accurate to a factor of 3";
+            "thermal conductance from each screw bearing to the structure; usually 2 to 20. Defaults to a calculated value, which is accurate to a factor of 3";
         nut_coolant_conductance_W_K ["W/K"] AtLeast(0.0), Some(0.0),
-            "conductance of the nut to a coolant; usually 20 to 60 for a cooled nut";
+            "thermal conductance from the nut to a coolant; usually 20 to 60 for a cooled nut";
         coolant_flow_l_min ["l/min"] Above(0.0), None,
             "coolant flow through the bore of the screw";
         coolant_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of the screw to the coolant; replaces coolant_flow_l_min";
+            "thermal conductance from the screw to the coolant; replaces coolant_flow_l_min";
         screw_tension_N ["N"] Any, Some(0.0),
             "tension of the screw; negative if the screw is compressed. If warm_state is true, the tension is calculated";
         motor_heat_W ["W"] AtLeast(0.0), Some(0.0),
@@ -647,6 +648,6 @@ inputs! {
         steel_conductivity_W_m_K ["W/(m K)"] Above(0.0), Some(45.0),
             "thermal conductivity of the steel";
         fold_search_factor [""] Above(1.0), Some(2.0),
-            "largest multiple of the speeds in the search for the fold";
+            "largest multiple of the given speeds up to which the program searches for the fold of the warm state";
     }
 }

@@ -1,4 +1,4 @@
-//! Sets of inputs, and the effect of new inputs on a set.
+//! Sets of inputs, and the changes to a set if new inputs are given.
 
 use std::f64::consts::PI;
 
@@ -180,12 +180,12 @@ pub(crate) struct Quantity {
     pub(crate) forms: &'static [Form],
 }
 
-/// A form of a quantity.
+/// One of the forms in which a quantity may be given.
 #[derive(Debug)]
 pub(crate) struct Form {
-    /// Input of the form.
+    /// Main input of this form of the quantity.
     pub(crate) key: InputKey,
-    /// Additional inputs that this form needs.
+    /// Additional inputs that are needed if the quantity is given in this form.
     pub(crate) with: InputSet,
     pub(crate) to: &'static str,
 }
@@ -219,18 +219,18 @@ macro_rules! forms {
 forms! {
     /// Lead angle, or lead together with the pitch circle diameter.
     pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
-        lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to turn lead_mm into an angle";
+        lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to convert lead_mm to an angle";
     /// Contact angle, or the distance between the groove bottoms, from which it is calculated. Only
     /// the ratings of a nut use the distance.
     pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
     /// Speed of the screw, or feed rate of the nut.
-    SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to turn feed_m_min into a speed";
+    SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to convert feed_m_min to a speed";
     /// Viscosity of the lubricant, given at two temperatures or by its grade.
     pub(crate) VISCOSITY, "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)":
         viscosity_40C_mm2_s with viscosity_100C_mm2_s "for the viscosity at other temperatures", iso_vg;
     /// Temperature of the lubricant, or the inputs from which it is calculated.
     pub(crate) TEMPERATURE, "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)":
-        heat_transfer_W_K with ambient_temperature_C "for the heat that leaves", lubricant_temperature_C;
+        heat_transfer_W_K with ambient_temperature_C "for the heat transfer to the surroundings", lubricant_temperature_C;
     /// Conductance from nut and table to the air.
     NUT_IN_AIR, "nut_conductance_W_K (or carriage_area_m2)": nut_conductance_W_K, carriage_area_m2;
     /// Conductance from a hollow screw to its coolant.
@@ -238,7 +238,7 @@ forms! {
         coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
     /// Pretension of a screw between two fixed bearings.
     PRETENSION, "pretension_N (or pretension_K)": pretension_N, pretension_K;
-    /// Required life.
+    /// Required life in one of several units.
     REQUIRED_LIFE, "required_life_h (or _revolutions, _km, _cycles, _strokes or _years)":
         required_life_h, required_life_revolutions, required_life_km, required_life_cycles,
         required_life_strokes, required_life_years;
@@ -246,15 +246,16 @@ forms! {
     HARDNESS, "hardness_HRC (or hardness_HV10)": hardness_HRC, hardness_HV10;
 }
 
-/// Returns the value of an input that follows from other inputs: the number of balls from the balls
-/// per turn, or the speed from the feed rate.
+/// Returns the value of an input that is calculated from other inputs: the number of balls from the
+/// balls per turn, or the speed from the feed rate.
 pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     use InputKey as K;
     match key {
         K::loaded_balls => {
             let balls = given(K::loaded_balls_per_turn)? * loaded_turns(&given)?;
             match (given(K::loaded_turns), given(K::circuits_count)) {
-                // Each circuit of one turn minus its gap has an integer number of balls.
+                // Each circuit covers one turn minus its gap, and contains an integer number of
+                // balls.
                 (None, Some(circuits)) => Some((balls / circuits).round() * circuits),
                 _ => Some(balls),
             }
@@ -292,7 +293,7 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
 }
 
 /// Inputs that show that friction is calculated from a lubricant. Density and drag coefficient are
-/// not among them, because the jamming analysis also uses them for dry balls.
+/// not included, because the jamming analysis also uses them for dry balls.
 pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
@@ -418,7 +419,7 @@ impl Case {
         for key in given.replaced().without(given).iter() {
             self[key] = None;
         }
-        // An input that is given is no longer estimated.
+        // An input that the user gives is no longer an estimate.
         if let Some(estimated) = &mut self.nut.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }

@@ -6,13 +6,13 @@ use std::io::{self, BufRead, BufReader, Read};
 /// Maximum length of a line in bytes. The limit prevents endless input from exhausting the memory.
 const MAX_LINE_LENGTH: usize = 16 << 20;
 
-/// Error in a text table.
+/// Error in a table in text form.
 #[derive(Debug, thiserror::Error)]
 pub enum TextError {
     /// The file could not be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// A line is malformed.
+    /// A line of the table is malformed.
     #[error("{0}")]
     Malformed(String),
 }
@@ -22,7 +22,7 @@ pub enum TextError {
 #[error("the column names are separated by `{}`, but the expected separator is `{}`",
     found.escape_debug(), expected.escape_debug())]
 pub struct OtherSeparator {
-    /// Separator in the file.
+    /// Separator that the file contains.
     pub found: char,
     /// Expected separator.
     pub expected: char,
@@ -47,7 +47,7 @@ pub struct Lines<R> {
 }
 
 impl<R: Read> Lines<R> {
-    /// Creates a reader of lines.
+    /// Creates a reader that returns a text line by line.
     pub fn new(reader: R) -> Self {
         let reader = BufReader::with_capacity(1 << 16, reader);
         Self { reader, line: Vec::new(), number: 0, after_cr: false }

@@ -13,9 +13,9 @@ use crate::{CaseEntries, CaseError, INPUTS, Output};
 /// Description of a case for messages about invalid files.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
-/// Quantities given by one source, such as a case, the settings of a command or the header of a
-/// table. Each quantity is stored with the name that the source uses, and may only be given once,
-/// in any unit.
+/// Quantities that one source specifies, such as a case, the settings of a command or the header of
+/// a table. Each quantity is stored with the name that the source uses, and may be specified only
+/// once, in any unit.
 #[derive(Debug, Default)]
 pub struct GivenNames(Vec<(&'static str, String)>);
 
@@ -182,7 +182,8 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
 
 /// Returns the name that is most similar to `key`, if a name is similar enough.
 pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // A much longer text is not similar to any name, and comparing it would be slow.
+    // A text that is much longer than a name is not similar to it, and comparing the two would be
+    // slow.
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };

@@ -12,7 +12,7 @@ use bsm_design::Band;
 /// counts.
 pub fn exact(value: f64) -> String {
     let mut text = Vec::with_capacity(24);
-    // Writing to memory cannot fail.
+    // Writing to a buffer in memory cannot fail.
     let _ = write_exact(&mut text, value);
     String::from_utf8_lossy(&text).into_owned()
 }
@@ -117,7 +117,7 @@ pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize
 }
 
-/// Converts a count to a floating-point number.
+/// Converts an integer count to a floating-point number.
 #[expect(clippy::cast_precision_loss, reason = "numbers of circuits and balls")]
 pub(crate) fn count(n: usize) -> f64 {
     n as f64

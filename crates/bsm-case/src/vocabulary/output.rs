@@ -30,14 +30,15 @@ pub struct Output {
     pub(crate) origin: Origin,
 }
 
-/// Where the value of an output comes from.
+/// Source of the value of an output.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
-    /// The solution of a model.
+    /// The value comes from the solution of a model.
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
-    /// A table of quantities. `kind` is set if the table belongs to an analysis.
+    /// The value comes from a table of quantities. `kind` is set if the table belongs to an
+    /// analysis.
     Table { kind: Option<AnalysisKind> },
-    /// An input of a case.
+    /// The value is an input of a case.
     Input,
     /// One end of the 90 % interval of another output over the possible grooves.
     Interval { of: &'static Output, is_high: bool },
@@ -288,7 +289,7 @@ fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
-/// Converts true to 1 and false to 0.
+/// Converts the value true to 1 and false to 0.
 fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
@@ -309,7 +310,7 @@ fn film<F: Real>(solved: &SteadyState<F>, at: Site) -> Option<&ContactFilm<F>> {
 outputs! {
     "" {
         "efficiency of the balls" ["" "eta"] Number: efficiency whole = |s, _| Some(s.transmission.efficiency),
-            "output power divided by input power of the balls, without preload, seals and bearings; negative: self-locking";
+            "output power divided by input power of the balls, without preload, seals and bearings; a negative value means self-locking";
         "torque of the balls" ["N m"] Number: ball_torque_Nm whole = |s, _| s.transmission.screw_torque,
             "torque of all balls on the screw; screw_torque_Nm also includes preload, seals and bearings";
         "input power" ["W"] Number: input_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.input),
@@ -349,15 +350,15 @@ outputs! {
         "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
             "precession, the angular velocity of the ball center about the screw axis";
         "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
-            "angular velocity of the ball along the helix";
+            "angular velocity of the ball, component along the helix";
         "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
-            "angular velocity of the ball toward the axis";
+            "angular velocity of the ball, component towards the axis of the screw";
         "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
-            "angular velocity of the ball along the binormal";
+            "angular velocity of the ball, component along the binormal of the helix";
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
             "gyroscopic moment divided by friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
-            "skid onset number: skid number times a factor for the friction that the lead-induced slip uses. Below 0.1 the ball rolls; above 2 it is in gross skid";
+            "skid onset number: skid number times a factor that accounts for the friction consumed by lead-induced slip. Below 0.1, the ball rolls; above 2, it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
             "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
         "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),

@@ -33,7 +33,7 @@ macro_rules! phase {
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[schemars(!try_from, deny_unknown_fields)]
         #[serde(try_from = "Map<String, Value>")]
-        #[expect(non_snake_case, reason = "the names end with unit symbols, some of which are capital letters")]
+        #[expect(non_snake_case, reason = "the names end with units, and some unit symbols are capital letters")]
         pub struct PhaseEntry {
             $(
                 #[doc = $about]
@@ -52,7 +52,7 @@ macro_rules! phase {
         }
 
         impl PhaseEntry {
-            /// Returns the keys that are given.
+            /// Returns the keys that the cycle entry contains.
             fn given(&self) -> impl Iterator<Item = &'static str> {
                 let profile = self.profile.map(|_| PROFILE);
                 let all = [$(self.$name.map(|_| stringify!($name)),)* profile];
@@ -72,7 +72,7 @@ macro_rules! phase {
 phase! {
     time_s ["s" "t"] Above(0.0), None, "time of a move or a phase";
     share [""] Above(0.0), None, "share of the cycle time; replaces time_s. If the sum of all shares is below 1, the rest is standstill. A sum of 100 means percentages";
-    distance_mm ["mm" "S"] Any, None, "distance of a move from standstill to standstill, with its sign";
+    distance_mm ["mm" "S"] Any, None, "signed distance of a move that starts and ends at standstill";
     max_feed_m_min ["m/min"] Above(0.0), None, "highest speed of a move; replaces time_s";
     deceleration_m_s2 ["m/s2" "d"] Above(0.0), None, "deceleration of a move; defaults to acceleration_m_s2";
     dwell_s ["s"] Above(0.0), None, "time of a standstill";
@@ -82,7 +82,7 @@ phase! {
     start_feed_m_min ["m/min"] Any, None, "feed at the start of a ramp; defaults to 0";
     end_feed_m_min ["m/min"] Any, None, "feed at the end of a ramp; defaults to 0";
     screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw; replaces feed_m_min";
-    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move or of a ramp; in a phase, the acceleration along a positive feed. feed_m_min is the end speed of an accelerating ramp and the start speed of a decelerating ramp";
+    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move or of a ramp; in a phase, the acceleration in the direction of positive feed. feed_m_min is the end speed of an accelerating ramp and the start speed of a decelerating ramp";
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor on the load for life and equivalent load; defaults to load_factor of the case";
 }
 
@@ -215,7 +215,7 @@ impl PhaseEntry {
         let one_of = |name: &str, keys: [&str; 2]| {
             let given = self.given().filter(|key| keys.contains(key)).count();
             let [one, other] = keys;
-            (given == 1).then_some(()).ok_or(format!("{name} needs one of {one} and {other}"))
+            (given == 1).then_some(()).ok_or(format!("{name} needs either {one} or {other}"))
         };
         if self.dwell_s.is_some() {
             return Ok(());
@@ -236,7 +236,7 @@ impl PhaseEntry {
             }
             if self.profile.and(self.deceleration_m_s2).is_some() {
                 return Err(
-                    "deceleration_m_s2 needs acceleration_m_s2 instead of profile".to_owned()
+                    "deceleration_m_s2 requires acceleration_m_s2 and cannot be combined with profile".to_owned()
                 );
             }
             return Ok(());
@@ -251,7 +251,7 @@ impl PhaseEntry {
         let given: Vec<_> =
             speeds.iter().filter(|(given, _)| *given).map(|(_, key)| *key).collect();
         if given.len() > 1 {
-            return Err(format!("a phase has only one of {}", given.join(" and ")));
+            return Err(format!("a phase can contain only one of {}", given.join(" and ")));
         }
         let accelerates = self.acceleration_m_s2.is_some_and(|acceleration| acceleration != 0.0);
         if is_ramp && self.acceleration_m_s2.is_some() {

@@ -7,22 +7,22 @@ use bsm_design::Band;
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
-/// An analysis. Its results can be columns of a table.
+/// Kinds of analyses whose results can be columns of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnalysisKind {
-    /// Slip of the balls.
+    /// Analysis of the slip of the balls.
     Slip,
-    /// Jamming of the balls.
+    /// Analysis of jamming of the balls.
     Jam,
     /// Optimum contact angles and self-locking limits.
     Optimum,
-    /// Ratings, stiffness and thread of a nut.
+    /// Calculation of the ratings, the stiffness and the thread of a nut.
     Ratings,
-    /// Nut with all its balls (`bsm nut`).
+    /// Calculation of a nut with all its balls (`bsm nut`).
     Nut,
-    /// Axis around a screw.
+    /// Calculation of an axis: screw, nut, bearings and motor (`bsm axis`).
     Axis,
-    /// Warm steady state of an axis.
+    /// Calculation of the warm steady state of an axis.
     Warm,
     /// Number of warnings about a solution.
     Warnings,
@@ -53,7 +53,7 @@ pub struct Quantity {
     pub(crate) needs: &'static [InputSet],
     /// Rule for the value, if the quantity is an input.
     pub rule: Rule,
-    /// Default value, if the quantity is an input.
+    /// Default value of the quantity, if the quantity is an input.
     pub default: Option<f64>,
 }
 
@@ -72,8 +72,8 @@ impl Quantity {
         default: None,
     };
 
-    /// Returns the quantity with the given name, which must exist in the table. Its meaning is cut
-    /// off at the first semicolon.
+    /// Returns the quantity with the given name from a table. The text of its meaning is cut off at
+    /// the first semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
@@ -350,12 +350,12 @@ impl Numbers {
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
 
-    /// Returns the quantities of a table without values.
+    /// Returns all quantities of a table, but without values.
     pub(crate) fn none(table: &'static [Quantity]) -> Self {
         Self::of(table, |_| [None; 3], |_| false)
     }
 
-    /// Appends the rows of `other`.
+    /// Appends the rows of `other` to this table.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.rows.extend(other.rows);

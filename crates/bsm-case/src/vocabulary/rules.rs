@@ -1,5 +1,5 @@
-//! Rules that relate the values of several inputs, for one point or for several points side by
-//! side.
+//! Rules that relate the values of several inputs. A rule is evaluated for one point, or for
+//! several points in SIMD lanes.
 //!
 //! The rule for a single value is a [`Rule`](crate::Rule).
 
@@ -12,8 +12,8 @@ use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// A number of one point, or numbers of several points side by side, to which functions of scalar
-/// numbers can be applied.
+/// A number at one point, or the numbers at several points in SIMD lanes, to which functions of
+/// scalar numbers can be applied.
 pub trait Pointwise: Real {
     /// Applies a function to the numbers of each point in `self` and `other`.
     #[must_use]
@@ -34,9 +34,9 @@ impl<S: Simd, const N: usize> Pointwise for Lane<S, N> {
     }
 }
 
-/// Inputs of one point, or of several points side by side.
+/// Inputs of one point, or of several points in SIMD lanes.
 pub trait Inputs {
-    /// Type of the value of an input: a number, or several numbers side by side.
+    /// Type of the value of an input: a single number, or one number per SIMD lane.
     type Number: Pointwise;
 
     /// Returns the given or default value of an input.
@@ -69,7 +69,7 @@ pub enum Relation {
     OilThins,
 }
 
-/// Permitted relative rounding error if balls fill a turn completely.
+/// Permitted relative rounding error of the number of balls that fill a turn.
 const ROUNDED: f64 = 1e-9;
 
 /// Permitted relative difference between the given lead and the lead that follows from the lead

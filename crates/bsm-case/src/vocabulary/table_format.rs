@@ -24,7 +24,7 @@ impl Default for TableFormat {
 }
 
 impl TableFormat {
-    /// Returns true if the table has the default format.
+    /// Returns true if the table has the program's default format.
     pub fn is_ours(&self) -> bool {
         *self == Self::default()
     }

@@ -22,14 +22,14 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
-/// Converts the speeds of screw and nut from revolutions per minute, for one point or several
-/// points side by side.
+/// Converts the speeds of screw and nut from revolutions per minute to SI units, for one point or
+/// for several points in SIMD lanes.
 #[inline(always)]
 pub fn drive_of_rpm<F: Real>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
 }
 
-/// Returns a label for a name: the words of the name, a comma and the unit. For example,
+/// Returns the label of a quantity: the words of its name, a comma and the unit. For example,
 /// `axial_load_N` becomes "axial load, N".
 pub fn label(name: &str, unit: &str) -> String {
     let stem = &name[..name.len() - unit_suffix(name, unit).len()];
@@ -60,13 +60,13 @@ pub fn direction_deg<F: Real>(angle: F) -> F {
     F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }
 
-/// Conversion from another unit to the unit of the vocabulary: `factor * (value - zero)`.
+/// Conversion from an alternative unit to the unit of the vocabulary: `factor * (value - zero)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitChange {
-    /// Size of the other unit, in the unit of the vocabulary.
+    /// Size of the alternative unit, expressed in the unit of the vocabulary.
     pub factor: f64,
-    /// Value in the other unit that corresponds to zero in the unit of the vocabulary. It is 0
-    /// except for temperatures.
+    /// Value in the alternative unit that corresponds to zero in the unit of the vocabulary. It is
+    /// 0 except for temperatures.
     pub zero: f64,
 }
 
@@ -84,8 +84,8 @@ impl UnitChange {
         self.factor * difference
     }
 
-    /// Converts a value from the unit of the vocabulary to the other unit. Without an offset, the
-    /// result keeps the sign of zero.
+    /// Converts a value from the unit of the vocabulary to the alternative unit. Without an offset,
+    /// the result keeps the sign of zero.
     pub fn back(self, value: f64) -> f64 {
         let scaled = value / self.factor;
         if self.zero == 0.0 { scaled } else { scaled + self.zero }
@@ -95,11 +95,11 @@ impl UnitChange {
 /// A unit, with its suffix in names, its printed text and its size.
 #[derive(Debug)]
 struct Unit {
-    /// Suffix in names.
+    /// Suffix of the unit in the names of quantities.
     suffix: &'static str,
     /// Text of the unit, as printed after a number.
     text: &'static str,
-    /// Size in SI units.
+    /// Size of the unit in SI units.
     size: f64,
 }
 
@@ -196,7 +196,7 @@ const DIMENSIONS: &[Dimension] = {
 /// Values that correspond to 0 °C, for temperature units with another zero point.
 const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
 
-/// Returns the units of all quantities.
+/// Returns the units of all physical quantities.
 fn units() -> impl Iterator<Item = &'static Unit> {
     DIMENSIONS.iter().flat_map(|dimension| dimension.units)
 }
@@ -246,7 +246,7 @@ pub(crate) type Counterpart = (&'static str, &'static str, UnitChange);
 /// the other unit.
 pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
     let of = |dimension: &'static Dimension, unit: Option<&'static Unit>| {
-        // The first of several suffixes with the same text is the usual one.
+        // If several suffixes have the same text, the first one is the preferred suffix.
         let other = dimension.units.iter().find(|unit| unit.text == other)?;
         Some((unit?.suffix, other.suffix, dimension.change(other, unit?)))
     };
@@ -257,7 +257,8 @@ pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
     let any = |dimension: &'static Dimension| {
         of(dimension, dimension.units.iter().find(|unit| unit.text == own))
     };
-    // Units of the vocabulary come first, because a text such as K is a unit of several quantities.
+    // Units of the vocabulary are searched first, because a text such as K is a unit of several
+    // quantities.
     DIMENSIONS.iter().find_map(of_vocabulary).or_else(|| DIMENSIONS.iter().find_map(any))
 }
 
@@ -360,7 +361,7 @@ mod tests {
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
             let (found, change) = convert(name, known()).expect(name);
-            // Factors are rounded to fifteen digits.
+            // The conversion factors are rounded to fifteen digits.
             assert!(
                 found == own && (change.factor / factor - 1.0).abs() < 1e-14,
                 "{name}: {found} {change:?}"

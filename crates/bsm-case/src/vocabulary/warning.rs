@@ -5,7 +5,7 @@
 pub enum SelectionLimit {
     /// The screw is longer than any screw that manufacturers list.
     ScrewLength,
-    /// The nut has more or fewer loaded turns than usual.
+    /// The number of loaded turns is outside the typical range.
     LoadedTurns,
     /// The land between the grooves is too narrow for these balls.
     BallOverLead,
@@ -22,10 +22,10 @@ impl SelectionLimit {
     pub fn label(self) -> &'static str {
         match self {
             Self::ScrewLength => "longest screw in manufacturers' lists",
-            Self::LoadedTurns => "usual number of loaded turns",
-            Self::BallOverLead => "ball diameter over lead",
-            Self::UnsolvedNut => "solution of the nut with all its balls",
-            Self::TemperatureRise => "usual steady-state temperature rise",
+            Self::LoadedTurns => "typical number of loaded turns",
+            Self::BallOverLead => "ball diameter divided by lead",
+            Self::UnsolvedNut => "calculation of the nut with all its balls",
+            Self::TemperatureRise => "recommended limit of the steady-state temperature rise",
             Self::NutResonance => "resonance of the driven nut",
         }
     }

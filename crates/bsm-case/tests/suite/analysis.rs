@@ -1,5 +1,5 @@
-//! Tests of general properties of the motion analyses. Published trends are checked by `bsm
-//! validate`.
+//! Tests of general properties of the analyses of the ball motion. Published trends are checked by
+//! `bsm validate`.
 
 use bsm_case::{
     AnalysisKind, Answer, Case, CaseError, Catalog, EllipseFields, INPUTS, ModelChoice,
@@ -188,7 +188,8 @@ fn published_jamming_criterion_uses_the_screw_contact() {
     assert!(screw > weaker, "{screw} {weaker}");
     let ratio =
         number(&report, "screw_track_friction_N") / number(&report, "weaker_track_friction_N");
-    // Both ratios are calculated with the same thrust.
+    // Both margins are divided by the same thrust, so their ratio equals the ratio of the friction
+    // forces.
     assert!((screw / weaker / ratio - 1.0).abs() < 1e-12);
 }
 

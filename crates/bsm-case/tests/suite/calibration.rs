@@ -15,7 +15,7 @@ const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 /// True values of the fitted inputs.
 const TRUTH: [(&str, f64); 2] = [("friction_coefficient", 0.06), ("contact_angle_deg", 45.0)];
 
-/// Number of data sets of each kind.
+/// Number of random data sets of each kind.
 const SETS: usize = 400;
 
 /// 97.5 % quantile of Student's t distribution with 10 degrees of freedom, which is 12 points minus
@@ -69,7 +69,7 @@ fn fit_to_points(
 /// Fits random data sets and returns two kinds of fractions: for each input, the fraction of data
 /// sets for which the true value is outside its 95 % interval, and the fraction of data sets whose
 /// residuals are reported as systematic.
-fn fractions_outside_interval_and_reported(
+fn miss_and_alarm_rates(
     noise: impl Fn(f64) -> f64,
     errors: Option<MeasurementError>,
     with_column: bool,
@@ -105,8 +105,7 @@ fn are_fractions_close_to_five_percent(beyond: [f64; 2]) -> bool {
 
 #[test]
 fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
-    let (beyond, alarms) =
-        fractions_outside_interval_and_reported(|_| 1e-3, Some(MeasurementError::Absolute), false);
+    let (beyond, alarms) = miss_and_alarm_rates(|_| 1e-3, Some(MeasurementError::Absolute), false);
     assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
     // The fraction is at most the significance level of 5 %, because the number of sign runs is
     // discrete, and because the residuals of a fit change sign more often than independent random
@@ -116,8 +115,7 @@ fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
 
 #[test]
 fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
-    let (beyond, alarms) =
-        fractions_outside_interval_and_reported(|torque| 2e-4 * torque, None, false);
+    let (beyond, alarms) = miss_and_alarm_rates(|torque| 2e-4 * torque, None, false);
     assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
@@ -126,8 +124,7 @@ fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
 /// to a common factor.
 #[test]
 fn error_column_gives_correct_standard_deviations() {
-    let (beyond, alarms) =
-        fractions_outside_interval_and_reported(|torque| 1e-5 * torque.powi(2), None, true);
+    let (beyond, alarms) = miss_and_alarm_rates(|torque| 1e-5 * torque.powi(2), None, true);
     assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
@@ -160,7 +157,7 @@ fn invalid_measurement_errors_are_rejected() {
         fit.expect_err("a fault").to_string()
     };
     let zero = "axial_load_N,screw_torque_Nm\n100,0\n";
-    assert!(why(None, zero).contains("no relative error"), "{}", why(None, zero));
+    assert!(why(None, zero).contains("cannot be relative"), "{}", why(None, zero));
     let both = "screw_torque_Nm,screw_torque_Nm_error\n26,0.1\n";
     let said = why(Some(MeasurementError::Relative), both);
     assert!(said.contains("screw_torque_Nm_error"), "{said}");

@@ -27,7 +27,8 @@ fn ratings_grow_with_the_number_of_turns() {
     let one = numbers(&nut(&[("loaded_turns", 1.0), ("axial_load_N", 1000.0)]));
     let four = numbers(&nut(&[("loaded_turns", 4.0), ("axial_load_N", 4000.0)]));
     let ratio = |name: &str| four(name) / one(name);
-    // Powers and products of exact factors differ only by rounding errors.
+    // The load and the number of turns differ by a factor of exactly 4, so the ratios of the
+    // results differ from the exact values only by rounding errors.
     assert!((ratio("dynamic_load_rating_N") - 4.0_f64.powf(0.86)).abs() < 1e-12);
     assert!((ratio("static_load_rating_N") - 4.0).abs() < 1e-12);
     assert!((ratio("contact_displacement_um") - 1.0).abs() < 1e-12);
@@ -147,16 +148,16 @@ fn violated_recommendations_of_sobolewski_are_reported() {
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
     for (changes, words) in [
-        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic load rating"),
+        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 times the dynamic load rating"),
         (
             &[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)],
             "Above 43841 N (with equal ball loads), one nut is unloaded",
         ),
-        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 turns are usual"),
-        (&[("lead_mm", 12.0)], "The ball diameter is 0.833 of the groove pitch"),
+        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 turns are typical"),
+        (&[("lead_mm", 12.0)], "The ball diameter is 0.833 times the groove pitch"),
         (
             &[("pitch_circle_diameter_mm", 27.0), ("loaded_balls_per_turn", 6.0)],
-            "of the root diameter",
+            "times the root diameter",
         ),
         (
             &[("nut_conformity", 0.58)],

@@ -145,7 +145,7 @@ fn lead_and_lead_angle_are_equivalent() {
     let no_pitch = case(r#"{"lead_mm": 10, "contact_angle_deg": 45, "friction_coefficient": 0.1}"#);
     let error = no_pitch.problem(&Settings::default()).expect_err("no pitch circle").to_string();
     assert!(
-        error.starts_with("pitch_circle_diameter_mm (to turn lead_mm into an angle)"),
+        error.starts_with("pitch_circle_diameter_mm (to convert lead_mm to an angle)"),
         "{error}"
     );
 }
@@ -260,7 +260,7 @@ fn auto_states_error_bound_and_reason_of_its_choice() {
     };
     for (tolerance, load, model, part) in [
         (0.02, "axial_load_N=2113", "raceway-control", "rolling, skid onset"),
-        (1e-4, "axial_load_N=2113", "traction", "integrated to"),
+        (1e-4, "axial_load_N=2113", "traction", "integrated with"),
         (0.02, "axial_load_N=1", "elastic", "gross skid, skid onset"),
     ] {
         let (name, why) = solve(tolerance, load);
@@ -283,7 +283,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
     lin.apply(&["friction_coefficient=0.1"]).expect("known name");
     lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
     assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
-    // A new lead replaces the lead angle in the file.
+    // A lead in the settings replaces the lead angle of the case.
     lin.apply(&["lead_mm=20"]).expect("known name");
     assert_eq!((lin.lead_mm, lin.lead_angle_deg), (Some(20.0), None));
     assert!(lin.check().is_ok());
@@ -296,7 +296,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
         let error = lin.apply(&[setting]).expect_err(setting).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // The rule for an input rejects NaN.
+    // A setting can contain NaN, but the check of the case rejects this value.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
 }
@@ -375,7 +375,7 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
     // message.
     let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
     let error = Grid::new(leads.to_vec()).expect_err("two forms").to_string();
-    assert_eq!(error, "give one of lead_angle_deg and lead_mm; both are given");
+    assert_eq!(error, "give either lead_angle_deg or lead_mm; both are given");
     // A drive with a varied nut speed used to be rejected because the base case is at standstill.
     let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
@@ -416,7 +416,7 @@ fn error_about_two_forms_of_a_quantity_states_both_names() {
         let expected = if names.iter().any(|name| name.contains("load_kN")) {
             expected
         } else {
-            format!("give one of {}; both are given", names.join(" and ").replace('`', ""))
+            format!("give either {}; both are given", names.join(" or ").replace('`', ""))
         };
         let mut case = Case::default();
         let checked = case.apply(&forms).and_then(|()| case.check());
@@ -558,10 +558,10 @@ fn contact_columns_show_values_of_their_own_contact() {
     }
 }
 
-/// Missing inputs are those of the nearest way to a result: a catalog line if it lacks fewer inputs than the groove, otherwise the
-/// groove.
+/// The error names the smallest set of missing inputs with which a result can be calculated: inputs
+/// of a catalog line if fewer of them are missing, otherwise inputs of the groove.
 #[test]
-fn missing_inputs_are_those_of_the_nearest_way() {
+fn error_names_the_smallest_set_of_missing_inputs() {
     let refusal = |json: &str| {
         let case = Case::from_json(json.as_bytes()).expect("a case");
         let error = NutProblem::of(&case, &Settings::default()).expect_err("inputs are missing");

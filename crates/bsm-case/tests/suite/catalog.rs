@@ -5,7 +5,7 @@ use bsm_design::Candidate;
 
 use crate::named;
 
-/// Short lists of sizes. The other lists keep their standard values.
+/// Short lists of sizes as JSON text. Lists that are not given keep their standard values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
@@ -15,7 +15,7 @@ fn columns() -> Vec<ListColumn> {
     ListColumn::of_sizes(false)
 }
 
-fn all(catalog: &Catalog) -> Vec<Candidate> {
+fn all_nuts(catalog: &Catalog) -> Vec<Candidate> {
     catalog.map(&catalog.indices(), |_, nut| Some(*nut))
 }
 
@@ -23,7 +23,7 @@ fn all(catalog: &Catalog) -> Vec<Candidate> {
 /// percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
 #[test]
 fn the_catalog_contains_the_published_nuts() {
-    let all = all(&Catalog::from_json(SMALL).expect("lists"));
+    let all = all_nuts(&Catalog::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> = conditions
             .iter()
@@ -64,7 +64,7 @@ fn catalog_contains_nuts_for_every_standard_diameter() {
 #[test]
 fn lists_of_the_paper_give_every_printed_row() {
     let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
-    let all = all(&Catalog::from_json(lists).expect("lists"));
+    let all = all_nuts(&Catalog::from_json(lists).expect("lists"));
     let table = include_str!("../../../../validation/published/ratings/sobolewski.csv");
     let mut rows = 0;
     for line in table.lines().skip(1) {
@@ -111,15 +111,17 @@ fn ball_gap_and_axial_play_can_be_set() {
     let with = |key: &str, value: f64| {
         let mut lists: serde_json::Value = serde_json::from_slice(SMALL).expect("JSON");
         lists[key] = value.into();
-        all(&Catalog::from_json(lists.to_string().as_bytes()).expect("lists"))
+        all_nuts(&Catalog::from_json(lists.to_string().as_bytes()).expect("lists"))
     };
-    let (usual, tight) =
-        (all(&Catalog::from_json(SMALL).expect("lists")), with("largest_ball_gap_over_ball", 0.02));
+    let (usual, tight) = (
+        all_nuts(&Catalog::from_json(SMALL).expect("lists")),
+        with("largest_ball_gap_over_ball", 0.02),
+    );
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
-    // The row with a pitch circle of 101.66 mm has room for 31.99999 balls, which count as 32 balls
-    // without a gap.
+    // The turn with a pitch circle of 101.66 mm is as long as 31.99999 balls, which is treated as
+    // 32 balls without a gap.
     let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
     assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);
@@ -133,7 +135,7 @@ fn ball_gap_and_axial_play_can_be_set() {
 #[test]
 fn pareto_front_contains_no_dominated_nut() {
     let catalog = Catalog::from_json(SMALL).expect("lists");
-    let all = all(&catalog);
+    let all = all_nuts(&catalog);
     let front = catalog.map(&catalog.pareto(&catalog.indices()), |_, nut| Some(*nut));
     let best = |nuts: &[Candidate]| nuts.iter().map(|nut| nut.dynamic_rating).fold(0.0, f64::max);
     assert!(front.len() < all.len() && (best(&front) - best(&all)).abs() < 1e-9);
@@ -199,12 +201,12 @@ fn preload_reduces_the_life() {
 /// The standard sizes used to contain balls of 0.8 mm for a screw of 40 mm. The most common sizes
 /// of all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
-fn catalogs_contain_common_sizes_with_usual_proportions() {
+fn catalogs_contain_common_sizes_with_typical_proportions() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
     // The table has 208 rows from THK and HIWIN, and each row has at least one number of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);
     for catalog in [manufacturers, Catalog::standard().expect("compiled in")] {
-        let all = all(&catalog);
+        let all = all_nuts(&catalog);
         let outside = all.iter().filter(|nut| {
             let share = nut.size.ball / nut.size.diameter;
             !(0.06 - 1e-9..=0.27 + 1e-9).contains(&share)
@@ -230,7 +232,7 @@ fn large_lead_nut_has_one_circuit_per_thread_start() {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         near(nut.nut.lead, 50e-3) && near(nut.nut.turns, 7.2) && near(nut.size.diameter, 50e-3)
     };
-    let all = all(&manufacturers);
+    let all = all_nuts(&manufacturers);
     let nut = all.iter().find(|nut| is_large(nut)).expect("in the list");
     assert!((nut.nut.starts - 4.0).abs() < 1e-12);
     assert!((nut.body.length - 12.5e-3 * 10.2).abs() < 1e-12, "{}", nut.body.length);

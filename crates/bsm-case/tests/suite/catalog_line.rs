@@ -62,7 +62,8 @@ fn complete_grooves_are_not_changed_by_the_estimate() {
         let stated = ["nominal_diameter_mm=40", "lead_mm=20", "rated_dynamic_load_N=51300"];
         let mut rated = given.clone();
         rated.apply(&stated).expect("inputs");
-        // If the groove is incomplete, it may contradict these ratings.
+        // The incomplete groove of an example may contradict these ratings, and the example is then
+        // skipped.
         let Ok(found) = rated.with_groove() else { continue };
         if !found.has_estimated_groove() {
             complete += 1;
@@ -183,7 +184,7 @@ fn error_about_unreachable_ratings_states_the_nearest_groove() {
     assert!(kept.has_estimated_groove());
     let no_ball = groove_error(&case(SFU1605, &["lead_mm=0.5"]));
     assert!(
-        no_ball.contains("no usual ball fits") && no_ball.contains("lead_mm = 0.5 mm"),
+        no_ball.contains("no standard ball diameter fits") && no_ball.contains("lead_mm = 0.5 mm"),
         "{no_ball}"
     );
     let starts = groove_error(&case(SFU1605, &["starts=2"]));
@@ -452,7 +453,7 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
 }
 
-/// Each model has its own intervals. The solve time has no interval.
+/// Each model has its own intervals. The calculation time has no interval.
 #[test]
 fn model_comparison_has_intervals() {
     let line = case(R40, &[]).with_groove().expect("a groove");
@@ -574,7 +575,7 @@ fn rule_is_undecided_where_the_interval_of_an_estimated_groove_contains_its_limi
             assert!(notes.iter().any(|note| note.contains("is undecided")), "{notes:?}");
         }
     }
-    // With the groove, the rule is decided.
+    // If the groove is given, the rule is decided.
     let mut given = sheet(band.low * margin).case.with_groove().expect("a groove");
     given.nut.estimated_inputs = None;
     given.axial_load_N = Some(band.low * margin);
@@ -618,7 +619,7 @@ strong,40,20,51300";
 /// Only some of the possible grooves have a fold of the warm states. The answer states how many, with the interval of the fold over
 /// these grooves. It used to say nothing if the best groove has no fold.
 #[test]
-fn fold_that_only_some_grooves_have_is_reported_with_its_share() {
+fn fold_that_exists_only_for_some_grooves_is_reported_with_their_number() {
     let base = ["stroke_mm=800", "warm_state=true", "preload_N=2000", "screw_speed_rpm=1500"];
     let limit = |factor: f64| format!("fold_search_factor={factor}");
     let fold = |factor: f64| {
@@ -647,7 +648,7 @@ fn fold_that_only_some_grooves_have_is_reported_with_its_share() {
     let (some, estimate, notes) = fold(0.5 * (all + high));
     assert!(some.is_some_and(|some| (some / all - 1.0).abs() < 1e-3), "{some:?}");
     let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");
-    let text = format!("{grooves} of 16 possible grooves have a value of fold_speed_factor");
+    let text = format!("Only {grooves} of 16 possible grooves have values for fold_speed_factor");
     assert!(notes.iter().any(|note| note.starts_with(&text)), "{notes:?}");
 }
 

@@ -31,7 +31,7 @@ fn value(report: &DesignReport, name: &str) -> f64 {
     row.and_then(|row| row.value).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
-fn says(settings: &[&str], words: &str) {
+fn assert_error_contains(settings: &[&str], words: &str) {
     let error = requirement(settings).expect_err(words).to_string();
     assert!(error.contains(words), "{error}");
 }
@@ -75,17 +75,26 @@ fn selected_screw_for_linear_to_rotary_motion_turns_backward() {
 
 #[test]
 fn invalid_requirements_are_rejected() {
-    says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
-    says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
-    says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
-    says(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
-    says(&["life=10"], "did you mean `required_life_h`?");
-    says(
+    assert_error_contains(
+        &["screw_torque_Nm=3"],
+        "give either axial_load_N or screw_torque_Nm; both are given",
+    );
+    assert_error_contains(
+        &["screw_length_mm=900"],
+        "give either screw_length_mm or stroke_mm; both are given",
+    );
+    assert_error_contains(
+        &["motion=sideways"],
+        "must be one of rotary-to-linear, linear-to-rotary",
+    );
+    assert_error_contains(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
+    assert_error_contains(&["life=10"], "did you mean `required_life_h`?");
+    assert_error_contains(
         &["nut_conformity=0.52", "screw_conformity=0.53"],
         "a design uses one conformity for both",
     );
-    says(&["screw_speed_rpm=0"], "must not be 0");
-    says(&["pressure_limit_MPa=much"], "must be a number");
+    assert_error_contains(&["screw_speed_rpm=0"], "must not be 0");
+    assert_error_contains(&["pressure_limit_MPa=much"], "must be a number");
     let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
     let error = bare.expect_err("incomplete").to_string();
     assert!(error.contains("(or feed_m_min) is required"), "{error}");
@@ -143,7 +152,7 @@ fn lead_and_lead_angle_determine_the_pitch_circle() {
     );
     let case = report.case;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
-    // The diameter is rounded to one micrometer.
+    // The pitch circle diameter in the case is rounded to one micrometer.
     assert!((case.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
 }
 
@@ -278,7 +287,7 @@ fn error_of_a_fit_states_the_reachable_range() {
         ("friction", "screw_torque_Nm=1", "did you mean `friction_coefficient`?"),
         ("friction_coefficient", "torque=1", "no numeric output is named `torque`"),
         ("friction_coefficient", "screw_torque_Nm", "does not have the form"),
-        ("rolling_friction_mm", "screw_torque_Nm=1", "no range to search is given"),
+        ("rolling_friction_mm", "screw_torque_Nm=1", "no search range is given"),
     ] {
         let error = Fit::parse(&case, input, measured).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
@@ -301,9 +310,15 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     assert!(wide.found, "{:?}", wide.reasons);
     // The expected value from a hand calculation is 0.5 / 0.53.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
-    says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
-    says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
-    says(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
+    assert_error_contains(
+        &["largest_contact_angle_deg=20"],
+        "must be > smallest_contact_angle_deg = 30",
+    );
+    assert_error_contains(
+        &["largest_contact_angle_deg=30"],
+        "`largest_contact_angle_deg` = 30 must be >",
+    );
+    assert_error_contains(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
     let flat = ["largest_contact_angle_deg=40", "smallest_contact_angle_deg=20"];
     let flat = DesignReport::of(&requirement(&flat).expect("a requirement"));
     assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
@@ -458,7 +473,7 @@ fn nut_results_for_a_cycle_match_the_axis_sheet() {
         let notes = nut.solve().expect("a solution").notes();
         assert!(notes[0].contains("largest load: 6058.8 N at 300 rpm"), "{notes:?}");
         let nut = NutProblem::of(&case, &Settings::default()).expect("a nut").solve().expect("one");
-        // Both commands solve the same problem.
+        // The commands `axis` and `nut` solve the same nut problem, so the stiffnesses are equal.
         let stiffness = sheet.number(output!(nut_stiffness_at_largest_load_N_um));
         assert_eq!(nut.number(output!(nut_stiffness_N_um)), stiffness);
         assert_eq!(nut.number(output!(cold_preload_N)).is_some(), is_pair);

@@ -185,9 +185,9 @@ fn resolution_and_stopping_distance_need_no_load() {
         AxisReport::of(&case, &Settings::default()).expect("a sheet")
     };
     let steps = sheet(r#"{"lead_mm": 5, "motor_steps_per_turn": 200, "microsteps_count": 16}"#);
-    // 5 mm / 3200 steps. One rounding.
+    // The expected value is 5 mm / 3200 steps. The tolerance allows for one rounding error.
     assert!((steps.number(output!(travel_per_step_um)).expect("a step") - 1.5625).abs() < 1e-12);
     let stop = sheet(r#"{"lead_mm": 10, "feed_m_min": 15, "stop_deceleration_m_s2": 5}"#);
-    // 0.25 m/s for 50 ms, then (0.25 m/s)^2 / (2 * 5 m/s^2).
+    // Hand calculation: 0.25 m/s for 50 ms, and then (0.25 m/s)^2 / (2 * 5 m/s^2).
     assert!((stop.number(output!(stopping_distance_mm)).expect("a distance") - 18.75).abs() < 1e-9);
 }

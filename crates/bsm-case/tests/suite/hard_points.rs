@@ -37,7 +37,7 @@ fn hard_points_are_solved() {
 /// find it: the branch of states that begins at small inertia ends before this point, and other
 /// branches are not searched.
 #[test]
-fn missed_root_on_another_branch_has_only_traced_evidence() {
+fn root_on_an_untraced_branch_is_missed_but_not_excluded_by_proof() {
     let answers = solve_cases_in_folder("off_branch");
     assert_eq!(answers.len(), 1);
     for (name, solution) in answers {

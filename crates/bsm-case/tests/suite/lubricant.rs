@@ -191,7 +191,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
     let oiled = report(&OIL);
     assert!(torque(&oiled) < torque(&dry));
-    // The axis adds the seal torque separately.
+    // The axis sheet adds the seal torque separately.
     let sealed = report(&[&OIL[..], &["seal_torque_Nm=5"]].concat());
     assert_eq!(torque(&sealed).to_bits(), torque(&oiled).to_bits());
 

@@ -146,7 +146,8 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         assert_eq!(rules.count(), 0);
         let estimated = report.answer.notes.iter().any(|note| note.contains("nut_inertia_kg_m2"));
         assert_eq!(estimated, !inputs.contains_key("nut_inertia_kg_m2"));
-        // Giving the nut speed leads to the same results.
+        // If the nut speed replaces the inputs `driven_part` and `feed_m_min`, the results are the
+        // same.
         let speed = number(&report, "largest_speed_rpm");
         inputs.remove("driven_part");
         inputs.remove("feed_m_min");
@@ -303,7 +304,7 @@ fn film_conductance_is_averaged_over_standstill() {
 }
 
 /// If the torques of seals and bearings are not given, they are named next to the heat. The upper
-/// end of the temperature rise includes typical values of these torques.
+/// bound of the temperature rise includes typical values of these torques.
 #[test]
 fn sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];

@@ -8,7 +8,7 @@ use crate::named;
 
 /// Adds a catalog screw without inertia to inputs that contain no screw. None of the compared
 /// numbers depends on the screw.
-fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
+fn with_catalog_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
     let screw = [
         ("nominal_diameter_mm", 20.0),
@@ -30,7 +30,7 @@ fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
 }
 
 fn report(inputs: &Value) -> Result<AxisReport, CaseError> {
-    let inputs = Value::Object(with_screw(inputs.as_object().expect("inputs")));
+    let inputs = Value::Object(with_catalog_screw(inputs.as_object().expect("inputs")));
     let case = Case::from_json(inputs.to_string().as_bytes())?;
     AxisReport::of(&case, &Settings::default())
 }
@@ -286,7 +286,7 @@ fn time_not_covered_by_shares_is_standstill() {
     assert_eq!(half.phases.len(), 3);
     assert_eq!(half.number(output!(travel_per_cycle_mm)), None);
     assert_eq!(half.number(output!(regenerated_energy_J)), None);
-    let note = "The shares of the cycle sum to 0.5. The axis is at standstill for the other 0.5.";
+    let note = "The shares of the cycle sum to 0.5. The axis is at standstill for the remaining share of 0.5.";
     assert!(half.answer.notes.iter().any(|own| own == note));
     assert!(of([0.6, 0.6]).expect_err("refused").to_string().contains("sum to 1.2"));
     assert!(of([1e308, 1e308]).is_err());
@@ -397,7 +397,7 @@ fn axial_load_is_only_a_force_at_rest_if_hold_force_repeats_it() {
     assert!(says(&moving, "No force acts at rest"), "{moving:?}");
     assert!(says(&moving, "if the 12000 N also act at rest, give hold_force_N"), "{moving:?}");
     let holding = jack(Some(12000.0));
-    assert!(says(&holding, "12000 N act at rest") && !says(&holding, "only during motion"));
+    assert!(says(&holding, "12000 N acts at rest") && !says(&holding, "only during motion"));
 }
 
 /// A free end means that nothing may guide the load, as in a jack, for which the buckling load is a

@@ -11,7 +11,7 @@ use bsm_dyn::ModelWorkspace;
 
 use crate::named;
 
-/// Four catalog numbers of a screw, and the motion of its axis.
+/// A case with four catalog values of a screw, and the motion of its axis.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "estimate_groove": false,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
@@ -48,7 +48,8 @@ fn four_catalog_numbers_suffice_for_an_axis_sheet() {
     ] {
         number(&report, name);
     }
-    // The torque is F h/0.9, with h = lead / (2 pi), without preload and seals.
+    // Without preload and seals, the screw torque at an efficiency of 0.9 is F h/0.9, with h = lead
+    // / (2 pi).
     let torque = 5000.0 * 0.02 / TAU / 0.9;
     assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
     assert_eq!(report.phases[0].contacts, "catalog efficiency");
@@ -67,7 +68,7 @@ fn four_catalog_numbers_suffice_for_an_axis_sheet() {
             report.answer.notes
         );
     }
-    assert!(has_note(&report, "smallest core in manufacturers' lists"));
+    assert!(has_note(&report, "smallest core diameter in manufacturers' lists"));
     // For a size that is not listed, the core diameter is estimated by a rule as 0.84 of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
@@ -146,7 +147,7 @@ fn machining_center_with_catalog_data_matches_the_reference() {
     // When warm, the screw is compressed between its bearings. The pretension is 6605.3 N for 3 K.
     // The temperature rise of 13.979 K from the thermal network was calculated independently.
     let pressed = 6605.3 / 3.0 * 13.979_30 - 6605.3;
-    // Each of these numbers has five digits.
+    // Each number in this hand calculation has five digits.
     let safety = 265_885.0 / (7000.0 + pressed);
     assert_relative_eq!(number(&report, "buckling_safety"), safety, max_relative = 3e-5);
     let slack = report.answer.rules.iter().find(|rule| rule.title == "pretension left");
@@ -309,7 +310,7 @@ fn life_is_modified_by_load_factors_and_lubricant() {
         factor.number(output!(modified_life_low_h)),
         factor.number(output!(modified_life_h))
     );
-    // The load factor affects neither static safety nor buckling nor torque.
+    // The load factor does not affect static safety, buckling or torque.
     for name in ["static_safety_factor", "buckling_safety", "peak_motor_torque_Nm"] {
         let plain = sheet(FEED_AXIS, &[]).expect("a sheet");
         assert_eq!(typical.number(named(name)), plain.number(named(name)), "{name}");
@@ -498,7 +499,7 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
 fn constant_process_force_acts_like_a_weight() {
     let sheet = |more: &[&str]| sheet(UPRIGHT, more).expect("a sheet");
     let upright = sheet(&[]);
-    // The force is 250 kg times 9.80665 m/s2.
+    // The process force equals the weight of a mass of 250 kg, which is 250 kg times 9.80665 m/s2.
     let level = sheet(&["moved_mass_kg=0", "inclination_deg=0", "hold_force_N=2451.6625"]);
     for name in [
         "holding_torque_frictionless_Nm",
@@ -508,7 +509,7 @@ fn constant_process_force_acts_like_a_weight() {
         "back_driving_torque_high_Nm",
     ] {
         let [a, b] = [&upright, &level].map(|sheet| sheet.number(named(name)).expect(name));
-        // The values differ only by rounding errors.
+        // The two calculated values differ only by rounding errors.
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }
 }

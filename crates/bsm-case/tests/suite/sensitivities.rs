@@ -1,5 +1,5 @@
 //! Tests of derivatives with respect to the inputs, compared with finite differences of complete
-//! solves and with exact identities.
+//! solutions and with exact identities.
 
 use approx::assert_relative_eq;
 use bsm_case::{Case, ModelChoice, Sensitivities, Sensitivity, Settings};
@@ -11,7 +11,10 @@ use bsm_dyn::{
 use proptest::prelude::*;
 
 /// Returns efficiency and torque with their derivatives, or `None` if there is no solution.
-fn derived(case: &Case, settings: &Settings) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
+fn with_derivatives(
+    case: &Case,
+    settings: &Settings,
+) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
     let inputs = Sensitivities::of(case, settings).expect("complete case");
     inputs.solve(&mut ModelWorkspace::default()).ok()
 }
@@ -65,7 +68,7 @@ fn cases() -> impl Strategy<Value = Case> {
 
 /// Removes the nut speed if the screw turns, because model `quasi-static` does not cover drives in
 /// which both parts turn.
-fn single_drive(mut case: Case) -> Case {
+fn with_one_turning_part(mut case: Case) -> Case {
     if case.screw_speed_rpm != Some(0.0) {
         case.nut_speed_rpm = None;
     }
@@ -73,15 +76,15 @@ fn single_drive(mut case: Case) -> Case {
     case
 }
 
-/// Compares each derivative with finite differences of complete solves with a relative step of `h`.
-/// After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
+/// Compares each derivative with finite differences of complete solutions with a relative step of
+/// `h`. After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
 /// error, relative to the change that a relative change of 1 in the input would cause.
 fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
-    let (answer, rows) = derived(case, settings)?;
+    let (answer, rows) = with_derivatives(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
-        // Model `quasi-static` only uses which part turns, so it has no derivatives with respect to
-        // speeds.
+        // Model `quasi-static` depends on which part turns, but not on the speeds, so it has no
+        // derivatives with respect to speeds.
         if settings.model == Model::QuasiStatic.into() && row.input.unit == "rpm" {
             assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
             continue;
@@ -178,8 +181,8 @@ fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     }
 }
 
-fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
-    let (found, numbers) = (derived(case, settings), solved(case, settings));
+fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
+    let (found, numbers) = (with_derivatives(case, settings), solved(case, settings));
     prop_assert_eq!(found.is_some(), numbers.is_some());
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
@@ -200,8 +203,8 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Returns the same point with its speeds divided by a factor of a thousand to a million.
-fn slowed_down(mut case: Case, log_factor: f64) -> Case {
+/// Returns the same operating point at speeds that are a thousand to a million times smaller.
+fn at_low_speed(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
         *speed = speed.map(|rpm| rpm * factor);
@@ -210,7 +213,7 @@ fn slowed_down(mut case: Case, log_factor: f64) -> Case {
 }
 
 /// Returns Lin's screw with conformities, at the given speed.
-fn lin(rpm: f64) -> Case {
+fn screw_of_lin(rpm: f64) -> Case {
     Case {
         ball_diameter_mm: Some(8.74),
         pitch_circle_diameter_mm: Some(48.6),
@@ -226,8 +229,8 @@ fn lin(rpm: f64) -> Case {
     }
 }
 
-fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
-    let (_, rows) = derived(case, &model.into()).expect("solved");
+fn sensitivity_to(case: &Case, model: Model, name: &str) -> Sensitivity {
+    let (_, rows) = with_derivatives(case, &model.into()).expect("solved");
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
 }
 
@@ -243,16 +246,16 @@ fn third_contact_derivatives_match_finite_differences() {
             axial_play_um: Some(6.0),
             radial_gap_um: Some(2.0),
             far_flank_friction_coefficient: Some(0.09),
-            ..lin(rpm)
+            ..screw_of_lin(rpm)
         };
         let settings = Settings::from(Model::Traction);
         let problem = case.problem(&settings).expect("complete case");
         let solution = problem.solve(&mut ModelWorkspace::default());
         let far = solution.solved().and_then(|solved| solved.far_flank).expect("a play");
         assert!(far.contact.is_some(), "{far:?}");
-        check(&case, &settings).expect("exact derivatives");
+        check_derivatives(&case, &settings).expect("exact derivatives");
         for name in ["axial_play_um", "radial_gap_um", "far_flank_friction_coefficient"] {
-            let row = row(&case, Model::Traction, name);
+            let row = sensitivity_to(&case, Model::Traction, name);
             assert!(row.efficiency != 0.0, "{name}");
         }
     }
@@ -265,10 +268,12 @@ fn closed_form_friction_derivative_matches_the_formula() {
     let (a, b, f) = (10.0_f64.to_radians(), 45.0_f64.to_radians(), 0.075);
     let (cos2, s) = (a.cos().powi(2), b.sin());
     let d = (b.cos().powi(2) + a.tan().powi(2)).sqrt();
-    let driving = row(&lin(2000.0), Model::ClosedForm, "friction_coefficient").efficiency;
+    let driving =
+        sensitivity_to(&screw_of_lin(2000.0), Model::ClosedForm, "friction_coefficient").efficiency;
     let expected = -d / (cos2 * s * (d + f * s).powi(2));
     assert_relative_eq!(driving, expected, max_relative = 1e-13);
-    let driven = row(&lin(-2000.0), Model::ClosedForm, "friction_coefficient").efficiency;
+    let driven = sensitivity_to(&screw_of_lin(-2000.0), Model::ClosedForm, "friction_coefficient")
+        .efficiency;
     let expected = -s / (cos2 * d * (s + f * d).powi(2));
     assert_relative_eq!(driven, expected, max_relative = 1e-13);
 }
@@ -279,7 +284,9 @@ fn closed_form_friction_derivative_matches_the_formula() {
 #[test]
 fn density_effect_is_proportional_to_speed_squared() {
     for model in [Model::Rigid, Model::Elastic] {
-        let at = |rpm| row(&lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2);
+        let at = |rpm| {
+            sensitivity_to(&screw_of_lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2)
+        };
         let faster = at(100.0);
         for rpm in [4.0, 10.0, 40.0] {
             // At 4 rpm, the derivative multiplied by the density is 1e-11, so rounding errors of η
@@ -294,7 +301,7 @@ fn density_effect_is_proportional_to_speed_squared() {
 #[test]
 fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
     let names = |model: Model| {
-        let rows = derived(&lin(2000.0), &model.into()).expect("solved").1;
+        let rows = with_derivatives(&screw_of_lin(2000.0), &model.into()).expect("solved").1;
         let mut names: Vec<_> = rows.iter().map(|row| row.input.name).collect();
         names.sort_unstable();
         names
@@ -303,9 +310,9 @@ fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
     assert!(rigid.contains(&"density_kg_m3") && rigid.contains(&"nut_speed_rpm"), "{rigid:?}");
     assert!(!rigid.contains(&"nut_conformity") && !rigid.contains(&"lead_mm"), "{rigid:?}");
     assert!(names(Model::Elastic).contains(&"youngs_modulus_GPa"));
-    let still = row(&lin(2000.0), Model::Rigid, "nut_speed_rpm");
+    let still = sensitivity_to(&screw_of_lin(2000.0), Model::Rigid, "nut_speed_rpm");
     assert!(still.relative_efficiency.is_none() && still.efficiency != 0.0);
-    let (_, rows) = derived(&lin(2000.0), &Model::Rigid.into()).expect("solved");
+    let (_, rows) = with_derivatives(&screw_of_lin(2000.0), &Model::Rigid.into()).expect("solved");
     let sizes: Vec<_> = rows.iter().filter_map(|r| r.relative_efficiency).map(f64::abs).collect();
     assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
 }
@@ -313,12 +320,12 @@ fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
 /// Without a load, the closed form has no torque. Without a solution, there are no derivatives.
 #[test]
 fn missing_results_have_no_derivatives() {
-    let case = Case { axial_load_N: None, ..lin(2000.0) };
-    let friction = row(&case, Model::ClosedForm, "friction_coefficient");
+    let case = Case { axial_load_N: None, ..screw_of_lin(2000.0) };
+    let friction = sensitivity_to(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
-    let mut shallow = lin(2000.0);
+    let mut shallow = screw_of_lin(2000.0);
     shallow.lead_angle_deg = Some(5.0);
-    assert!(derived(&shallow, &Model::Rigid.into()).is_none());
+    assert!(with_derivatives(&shallow, &Model::Rigid.into()).is_none());
 }
 
 proptest! {
@@ -326,43 +333,44 @@ proptest! {
 
     #[test]
     fn closed_form_derivatives_match_finite_differences(case in cases()) {
-        check(&case, &Model::ClosedForm.into())?;
+        check_derivatives(&case, &Model::ClosedForm.into())?;
     }
 
     #[test]
     fn quasi_static_derivatives_match_finite_differences(case in cases()) {
-        check(&single_drive(case), &Model::QuasiStatic.into())?;
+        check_derivatives(&with_one_turning_part(case), &Model::QuasiStatic.into())?;
     }
 
     #[test]
     fn rigid_derivatives_match_finite_differences(case in cases()) {
-        check(&case, &Model::Rigid.into())?;
+        check_derivatives(&case, &Model::Rigid.into())?;
     }
 
     #[test]
     fn elastic_derivatives_match_finite_differences(case in cases()) {
-        check(&case, &Model::Elastic.into())?;
+        check_derivatives(&case, &Model::Elastic.into())?;
     }
 
     #[test]
     fn traction_derivatives_match_finite_differences(case in cases()) {
-        check(&case, &Model::Traction.into())?;
+        check_derivatives(&case, &Model::Traction.into())?;
     }
 
-    /// The controlling raceway is given. Otherwise, near a tie of (W7), the points of a finite
-    /// difference could be controlled by different raceways.
+    /// The controlling raceway is given. Otherwise, if both raceways have nearly equal spin
+    /// friction moments (W7), the points of a finite difference could be controlled by different
+    /// raceways.
     #[test]
     fn raceway_control_derivatives_match_finite_differences(case in cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
-        check(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
+        check_derivatives(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
     /// The balls are so slow that the result is extrapolated from faster balls.
     #[test]
     fn derivatives_of_slow_balls_match_finite_differences(case in cases(), log_factor in 3.0..6.0_f64) {
-        let case = slowed_down(case, log_factor);
+        let case = at_low_speed(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
-            check(&case, &model.into())?;
+            check_derivatives(&case, &model.into())?;
         }
     }
 
@@ -372,18 +380,18 @@ proptest! {
     fn auto_derivatives_match_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
-        let found = derived(&case, &auto).expect("auto has an answer");
+        let found = with_derivatives(&case, &auto).expect("auto has an answer");
         let accuracy = match solution.choice.expect("a choice").basis {
             Basis::Integrated { accuracy } => accuracy,
             _ => Traction::ACCURACY,
         };
         let own = Settings { accuracy, ..solution.model.into() };
-        let own = derived(&case, &own).expect("the model has an answer");
+        let own = with_derivatives(&case, &own).expect("the model has an answer");
         for row in &found.1 {
             // Inputs that the chosen model does not use have no row.
             let same = own.1.iter().find(|own| own.input.name == row.input.name);
             let expected = same.map_or(0.0, |own| own.efficiency);
-            // The two solves find the same root from different starting points.
+            // In both cases, the solver finds the same root, but from different starting points.
             let error = (row.efficiency - expected) * row.value.abs().max(1.0);
             prop_assert!(error.abs() <= 1e-8, "{row:?} {expected}");
         }
@@ -398,7 +406,7 @@ fn raceway_control_differences_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");
     let case = Case::from_json(json).expect("a case");
     let settings = Settings::from(Model::RacewayControl);
-    let (_, rows) = derived(&case, &settings).expect("a solution");
+    let (_, rows) = with_derivatives(&case, &settings).expect("a solution");
     for (name, documented) in [
         ("pitch_circle_diameter_mm", -2.9),
         ("screw_speed_rpm", 2.3),
@@ -423,7 +431,7 @@ fn raceway_control_differences_deviate_from_derivatives_as_documented() {
         let difference =
             (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
         let deviation = 100.0 * (difference / row.efficiency - 1.0);
-        // The table in the theory has one decimal place.
+        // The table in theory chapter 12 states the deviations with one decimal place.
         assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
     }
 }

@@ -31,11 +31,12 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
     found.unwrap_or_else(|| panic!("no {title}"))
 }
 
-fn says(report: &AxisReport, words: &str) -> bool {
+fn has_note(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// The expected values have five digits. Bearings with a stiffness of 750 N/um deform noticeably.
+/// The expected values are accurate to five digits. Bearings with a stiffness of 750 N/um deform
+/// noticeably.
 #[test]
 fn pretension_force_is_calculated_and_checked_by_a_rule() {
     let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
@@ -132,7 +133,7 @@ fn screw_bore_reduces_area_inertia_and_mass() {
     near(change("yield_load_N"), 147.0 * rod, 1e-9, "section");
     assert!(change("critical_speed_rpm") < 0.0 && change("buckling_load_N") > 0.0);
     let stated = axis(&["screw_inertia_kg_m2_m=0.01"]);
-    assert!(says(&stated, "Manufacturers print the moment of inertia of a rod"));
+    assert!(has_note(&stated, "Catalogs often state the moment of inertia of a solid rod"));
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 
@@ -142,11 +143,11 @@ fn screw_bore_reduces_area_inertia_and_mass() {
 fn sheet_contains_a_note_about_short_strokes() {
     // The two nuts are 380 mm long in total.
     let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
-    assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
-    assert!(says(&with("stroke_mm=500"), "three nut lengths"));
-    assert!(says(&with("stroke_mm=200"), "does not circulate"));
+    assert!(!has_note(&with("stroke_mm=1200"), "stroke of less"));
+    assert!(has_note(&with("stroke_mm=500"), "three nut lengths"));
+    assert!(has_note(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");
-    assert!(says(&still, "false brinelling") && still.number(output!(cycle_life_h)).is_none());
+    assert!(has_note(&still, "false brinelling") && still.number(output!(cycle_life_h)).is_none());
     // If the life cannot be calculated, the rule for the required life is violated.
     let life = rule(&still, "life");
     assert!(!life.passes() && life.remedy.is_none(), "{life:?}");

@@ -91,8 +91,8 @@ fn rules_match_a_calculation_in_catalog_units() {
             size(&report, "screw_core_diameter_mm"),
             1200.0 + size(&report, "nut_length_mm") + 2.0 * size(&report, "lead_mm"),
         );
-        // Young's modulus is 207 GPa = 207 000 N/mm², and the density is 7850 kg/m³ = 7.85e-9
-        // t/mm³.
+        // Young's modulus is 207 GPa = 207 000 N/mm², and the density of steel is 7850 kg/m³ =
+        // 7.85e-9 t/mm³.
         let (e, rho): (f64, f64) = (207e3, 7.85e-9);
         let (i, a) = (PI * d.powi(4) / 64.0, PI * d * d / 4.0);
         let critical = 60.0 / TAU * (root / l).powi(2) * (e * i / (rho * a)).sqrt();
@@ -187,7 +187,7 @@ fn screw_torque_is_the_sum_of_its_parts() {
     }
 }
 
-/// The sheet answers each of these usual questions in one line: which torque to measure (THK
+/// The sheet answers each of these frequent questions in one line: which torque to measure (THK
 /// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
 /// the load falls.
 #[test]
@@ -211,16 +211,16 @@ fn sheet_states_preload_torque_temperature_and_back_driving() {
     // The torque is the product of 0.05/sqrt(tan), with tan = 10/(pi 41.75) to six digits, the
     // preload of 3000 N and the lead of 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
-    let measure = note(&level, "to be measured").expect("a preload");
+    let measure = note(&level, "A measurement of the preload").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % according to C3)", "with the seals 1.165 N m"] {
         assert!(measure.contains(part), "{measure}");
     }
     assert_eq!(note(&level, "Without motor power"), None);
     let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
-    let coarse = note(&coarse, "to be measured").expect("a preload");
+    let coarse = note(&coarse, "A measurement of the preload").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
     // The note for a screw without a grade used to read as if the standard contained no value.
-    let ungraded = note(&axis(&NUT[..7]), "to be measured");
+    let ungraded = note(&axis(&NUT[..7]), "A measurement of the preload");
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
@@ -338,7 +338,7 @@ fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
         axis(&["preload_N=1", "keep_ratings=true", &format!("rated_dynamic_load_N={}", 0.5 * c)]);
-    // The preload of 1 N changes both loads by the same fraction, 1e-4.
+    // The preload of 1 N increases the load in both cases by the same fraction, 1e-4.
     near(number(&stated, "cycle_life_h"), number(&own, "cycle_life_h") / 8.0, 1e-6, "life");
     let half = axis(&["preload_N=1", "reliability_percent=95"]);
     near(number(&half, "cycle_life_h"), 0.62 * number(&own, "cycle_life_h"), 1e-9, "95 %");
@@ -362,7 +362,7 @@ fn errors_name_missing_and_contradictory_inputs() {
         &format!("{{{nut}, \"axial_load_N\": 1, \"feed_m_min\": 1, \"screw_speed_rpm\": 1}}"),
         "feed_m_min",
     );
-    says(&format!("{{{nut}, \"cycle\": [{{\"force_N\": 1}}]}}"), "needs one of time_s and share");
+    says(&format!("{{{nut}, \"cycle\": [{{\"force_N\": 1}}]}}"), "needs either time_s or share");
     says(
         &format!("{{{nut}, \"cycle\": [{{\"time_s\": 1, \"froce_N\": 1}}]}}"),
         "did you mean `force_N`",
@@ -473,9 +473,9 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 }
 
 /// `select`, `axis`, `nut` and `solve` give equal values for outputs with the same name. This is
-/// tested for random requirements (200 with `CAMPAIGNS=whole`), plain and preloaded, dry and
-/// lubricated. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in `axis`,
-/// which used another model.
+/// tested for random requirements (200 with `CAMPAIGNS=whole`), with and without preload, and with
+/// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
+/// `axis`, which used another model.
 #[test]
 fn select_axis_nut_and_solve_agree() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
@@ -790,7 +790,7 @@ fn each_result_requires_only_the_inputs_on_which_it_depends() {
     );
     let buckling =
         ("buckling_safety", "The buckling is not calculated, because inputs are missing: ");
-    // The torque is F h/0.9, with h = lead / (2 pi).
+    // At an efficiency of 0.9, the screw torque is F h/0.9, with h = lead / (2 pi).
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);
     left_out(&torque, &[life, safety, speed, buckling]);
@@ -833,21 +833,21 @@ fn buckling_rule_names_its_end_conditions() {
     for (inputs, ends, loads, safeties, is_default) in [
         (
             r#""lead_mm":6.35,"shaft_diameter_mm":21.336,"unsupported_length_mm":1050.2138,"support":"fixed-supported","axial_load_N":2224.1"#,
-            "end conditions fixed-fixed (default); with the end conditions of support, fixed-supported: 17.33",
+            "end conditions fixed-fixed (default); for the end conditions that the input support implies, fixed-supported: 17.33",
             [75_369.658_973_678_41, 38_546.841_998_044_52],
             [33.887_711_422_001_69, 17.331_433_837_527_324],
             true,
         ),
         (
             r#""lead_mm":5,"shaft_diameter_mm":16.5,"unsupported_length_mm":600,"support":"fixed-free","axial_load_N":2000"#,
-            "end conditions fixed-fixed (default); with the end conditions of support, fixed-free: 2.58",
+            "end conditions fixed-fixed (default); for the end conditions that the input support implies, fixed-free: 2.58",
             [82_591.101_257_860_41, 5_161.943_828_616_276],
             [41.295_550_628_930_21, 2.580_971_914_308_138],
             true,
         ),
         (
             r#""lead_mm":10,"shaft_diameter_mm":34.4,"unsupported_length_mm":1500,"buckling_length_mm":1300,"support":"fixed-fixed","buckling_support":"fixed-supported","axial_load_N":20000"#,
-            "end conditions fixed-supported; with the end conditions of support, fixed-fixed: 16.6",
+            "end conditions fixed-supported; for the end conditions that the input support implies, fixed-fixed: 16.6",
             [169_996.233_863_483_74, 332_389.308_928_353_5],
             [8.499_811_693_174_188, 16.619_465_446_417_674],
             false,
@@ -924,7 +924,7 @@ fn catalog_axis(more: &str) -> Answer {
 #[test]
 fn missing_inputs_are_stated_next_to_the_affected_numbers() {
     let bare = catalog_axis("");
-    let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and count as 0";
+    let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and are assumed to be 0";
     for number in
         ["peak_motor_torque_Nm", "screw_torque_Nm", "mean_heat_W", "steady_temperature_rise_K"]
     {

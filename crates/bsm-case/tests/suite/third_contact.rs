@@ -28,14 +28,14 @@ fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{name} {found} {expected}");
 }
 
-/// Ten balls of reference V06 share ten times the load of one ball.
+/// The nut has ten balls, which share ten times the load of the single ball in reference case V06.
 #[test]
 fn third_contact_below_the_threshold_play_matches_the_reference() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
     let record = solved(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
     let get = |key: &str| expect[key].as_f64().expect("a number");
-    // The tolerance is the tolerance of the reference.
+    // The tolerance is taken from the reference case.
     near(&record, "nut_normal_load_N", get("nut_plus_N"), 1e-6);
     near(&record, "screw_normal_load_N", get("screw_plus_N"), 1e-6);
     near(&record, "third_contact_load_N", get("nut_minus_N"), 3e-5);
@@ -62,7 +62,7 @@ fn threshold_play_is_stated_if_no_play_is_given() {
     assert!(threshold > 10.0 && threshold < 40.0, "{threshold}");
     assert_eq!(record.number(output!(far_flank_gap_um)), None);
     assert!(!record.warnings(&case).join(" ").contains("far flank"));
-    // Above the threshold, a larger play only increases the gap.
+    // Above the threshold play, a larger play only increases the gap between ball and far flank.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
     let wide = solved(&above, &settings);
     // The tolerance allows for rounding errors of the contact angle.
@@ -87,7 +87,7 @@ fn only_models_with_friction_in_the_force_balance_have_a_threshold_play() {
 }
 
 /// An axial play of zero and a radial gap of zero describe the same grooves. If either of these
-/// inputs is given, the play counts as given.
+/// inputs is given, the play is known.
 #[test]
 fn radial_gap_counts_as_play() {
     let settings = Settings::default();
@@ -113,7 +113,8 @@ fn radial_gap_counts_as_play() {
     let angle = (45_f64.to_radians().cos() - gap / l).acos().to_degrees();
     let wide = torque(&["radial_gap_um=90"]);
     let turned = torque(&["axial_play_um=1000", &format!("contact_angle_deg={angle}")]);
-    // Both force balances are solved to 1e-10 of the friction.
+    // The tolerance allows for the residuals of both force balances, which are 1e-10 of the
+    // friction.
     assert!((wide / turned - 1.0).abs() < 1e-9, "{wide} {turned}");
 }
 
@@ -124,7 +125,7 @@ fn radial_gap_deeper_than_the_grooves_is_rejected() {
         let why = case.problem(&Settings::from(model)).expect_err("no groove is that deep");
         assert!(why.to_string().contains("radial_gap_um"), "{why}");
     }
-    // Models without grooves do not use the play.
+    // Models that do not depend on the groove geometry ignore the play.
     case.radial_gap_um = Some(300.0);
     assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
 }
@@ -301,7 +302,8 @@ fn lubricated_pair_has_more_drag_with_little_play() {
         let [little, wide, unknown] = [&none, &wide, &unknown]
             .map(|nut| nut.number(named(name)).unwrap_or_else(|| panic!("{name}")));
         assert!(little > 1.2 * wide, "{name}: {little} {wide}");
-        // In both cases, the balls have two contacts and are solved in the same way.
+        // Whether the play is large or unknown, the balls have two contacts and are solved in the
+        // same way.
         assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
     }
     assert_eq!(wide.number(output!(third_contact_balls)), Some(0.0));

@@ -84,7 +84,7 @@ fn torque_parts_add_up_to_the_total() {
     assert!((sum - whole).abs() <= 1e-15 * whole, "{sum} {whole}");
     let ideal = 6340.0 * 10e-3 / std::f64::consts::TAU;
     let drive = number(&report, "drive_torque_Nm");
-    // The equilibrium of the nut is solved to 1e-10 of its load.
+    // The tolerance corresponds to the residual of the nut equilibrium, which is 1e-10 of the load.
     assert!((drive - ideal - whole - 0.2).abs() < 1e-9 * drive, "{drive}");
 }
 
@@ -150,7 +150,8 @@ fn ball_contact_torque_range_uses_traction_or_raceway_control() {
     // The rotations of most balls are interpolated from the rotations of a few balls, with an error
     // of 1e-4.
     assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-4);
-    // The spin at one raceway tilts the axis of rotation by a few degrees.
+    // In raceway control, the ball spins at one raceway, which tilts its axis of rotation by a few
+    // degrees.
     assert!((band(Model::RacewayControl) / traction - 1.0).abs() < 0.02);
 }
 
@@ -162,7 +163,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
     };
     // The arc of the circuit, 1731.6 degrees, is 626.5 mm long and has room for 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
-    let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 have room for 98 balls of 6.35 mm";
+    let room = "`ball_gap_mm` = 0 must be a finite number > 0: the length of 626 mm of circuit 0 is sufficient for 98 balls with a diameter of 6.35 mm";
     assert_eq!(none, room);
     let both = refused(json!({"return_push_N": 1.0, "return_bend_deg": 180.0}));
     assert!(both.contains("return_push_N") && both.contains("return_bend_deg"), "{both}");
@@ -267,7 +268,7 @@ fn too_many_balls_are_reported() {
     // The arc of 1731.6 degrees is therefore 626.5 mm long and has room for 98.6 balls of 6.35 mm.
     assert!(
         warnings.contains(
-            "120 balls are too many: the 626 mm of circuit 0 have room for 98 balls of 6.35 mm"
+            "120 balls are too many: the length of 626 mm of circuit 0 is sufficient for 98 balls with a diameter of 6.35 mm"
         ),
         "{warnings}"
     );

@@ -25,7 +25,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The specification and the program have different names for this input.
+    // The specification and the program use different names for this input.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
@@ -93,7 +93,7 @@ fn warm_state_matches_reference_cases() {
 /// The answer states the value of each conductance, which agrees with the reference case, and the
 /// origin of this value.
 #[test]
-fn conductances_state_their_origin() {
+fn conductances_are_listed_with_their_origin() {
     let names = [
         ("nut_conductance_W_K", "nut"),
         ("screw_film_W_m2K", "screw_film_W_m2K"),
@@ -205,7 +205,7 @@ fn cold_life_equals_the_life_without_a_warm_state() {
         AxisReport::of(&case, &settings()).expect("an axis").number(named(name)).expect(name)
     };
     let cold = lives(true, "cold_cycle_life_revolutions");
-    // The preload is found to 1e-10 in both calculations.
+    // Both calculations find the preload with a relative error of at most 1e-10.
     assert!((cold / lives(false, "cycle_life_revolutions") - 1.0).abs() < 1e-9);
     assert!(lives(true, "cycle_life_revolutions") < cold, "a preload that rises takes life");
 }
@@ -227,7 +227,7 @@ fn steady_state_rule_fails_above_the_fold() {
     let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
     let factor = report.number(output!(fold_speed_factor)).expect("a fold");
-    // The reference determines the fold to 1e-5.
+    // The reference value of the fold has a relative accuracy of 1e-5.
     assert!((factor - 1.166_546_72 / 1.5).abs() < 2e-5, "{factor}");
     assert_eq!(report.number(output!(nut_temperature_C)), None);
     assert!(report.answer.warnings.iter().any(|words| words.contains("runs away above 0.78")));
@@ -274,8 +274,8 @@ fn outputs_of_the_warm_state_are_equal_in_all_commands() {
         let (found, expected) = found.zip(expected).unwrap_or_else(|| panic!("no {name}"));
         assert!((found - expected).abs() <= allowed * expected.abs(), "{name}: {found} {expected}");
     };
-    // The heat balance is solved to 1e-10 and always in the same order. The nut is then solved once
-    // more.
+    // The residual of the heat balance is 1e-10. The nut is then solved once more at the calculated
+    // temperatures.
     same("preload of the sheet", sheet.number(output!(warm_preload_N)), Some(preload), 1e-9);
     for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
         let numbers = kind
@@ -421,7 +421,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
     let tension = number("screw_tension_N");
     assert!(tension < 0.0);
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
-    // The values differ only by rounding errors.
+    // The two calculated values differ only by rounding errors.
     assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
     assert!(sheet.answer.warnings.iter().any(|words| words.contains("expansion compresses")));
 }

@@ -421,7 +421,10 @@ fn model_settings_are_used_or_rejected() {
         (["--control", "ball"], "nut, screw"),
         // Regression test: this setting used to be accepted without any effect.
         (["--model=rigid", "--control=nut"], "--model: model rigid uses no settings"),
-        (["--model=traction", "--tolerance=0.1"], "model traction uses accuracy and creep alone"),
+        (
+            ["--model=traction", "--tolerance=0.1"],
+            "model traction uses only the settings accuracy and creep",
+        ),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
         assert_eq!(output.status.code(), Some(2));

@@ -148,7 +148,7 @@ fn answers_are_displayed_in_inch_units() {
             .unwrap_or_else(|| panic!("{label}: {shown}"));
         found.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
     };
-    let largest = line("largest axial load of the screw");
+    let largest = line("largest axial load on the screw");
     assert!(largest.contains(&"lbf".to_owned()), "{largest:?}");
     let value: f64 = largest.last().expect("a number").parse().expect("a number");
     let newtons = metric["results"]["largest_load_N"].as_f64().expect("a load");

@@ -209,7 +209,7 @@ fn contradictory_nut_inputs_are_rejected() {
         (with("start", json!(1)), "`circuits[1].start` = 1 must be below the number of starts, 1"),
         (with("body", json!(2)), "has no circuit of body 1"),
         (with("flank", json!("up")), "`circuits[1].flank`: `up` is not one of `+`, `-`"),
-        (json!({ "circuits": [circuit] }), "give one of circuits and loaded_turns; both are given"),
+        (json!({ "circuits": [circuit] }), "give either circuits or loaded_turns; both are given"),
         (json!({ "ring_expansion": 1 }), "`ring_expansion`: invalid type: integer"),
         (json!({ "nut_gidance": "free" }), "did you mean `nut_guidance`?"),
         (json!({ "nut_guidance": "loose" }), "`nut_guidance`: `loose` is not one of"),
@@ -473,7 +473,7 @@ fn a_preload_force_applies_to_the_cold_nut() {
         assert!((number(found, "cold_preload_N") - 2500.0).abs() < 1e-4, "{found}");
         assert!((number(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
         let notes = found["notes"].to_string();
-        assert!(notes.contains(&format!("2500 N cold, {expected:.0} N warm")), "{notes}");
+        assert!(notes.contains(&format!("2500 N cold, and {expected:.0} N with")), "{notes}");
     }
     assert!((number(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
     assert!((number(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");

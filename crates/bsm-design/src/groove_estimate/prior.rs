@@ -4,7 +4,8 @@
 //! (`validation/published/groove`) with equal weight for each manufacturer. The values for metric
 //! balls, conformity and contact angle are judgment, because catalogs do not print them.
 //!
-//! All lengths are in mm as in the catalogs, so the evidence uses densities per millimeter.
+//! All lengths are in mm as in the catalogs, so the evidence is calculated from probability
+//! densities per millimeter.
 
 use super::{CatalogLine, PER_M};
 use crate::statistics::{Normal, ln_mixture};

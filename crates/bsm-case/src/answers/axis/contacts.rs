@@ -6,7 +6,7 @@ use bsm_dyn::{ModelWorkspace, Status};
 use crate::case::catalog_line::USUAL_EFFICIENCIES;
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings, output};
 
-/// Friction of the contacts in a phase.
+/// Friction of the ball contacts in a phase of the cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Contacts {
     /// Friction torque at the screw \[N·m\], positive; `None` if the model has no solution.
@@ -16,7 +16,7 @@ pub(super) struct Contacts {
     pub(super) at_raceways: [f64; 2],
     /// Friction torque of the third contacts \[N·m\]; `None` if the balls have two contacts.
     pub(super) third: Option<f64>,
-    /// Model used, or the reason why there is no torque.
+    /// Name of the model that was used, or the reason why there is no torque.
     pub(super) text: String,
 }
 
@@ -33,14 +33,14 @@ impl Contacts {
     }
 }
 
-/// Solves the nut of an axis with all its balls under a given load.
+/// Calculates the nut of an axis, including the loads of all balls, under a given axial load.
 pub(super) fn nut_at(
     case: &Case,
     settings: &Settings,
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
-    // The axis adds the seal torque separately.
+    // The seal torque is omitted here, because the axis sheet adds it separately.
     let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }

@@ -24,7 +24,7 @@ pub(super) struct PowerLoss {
     pub(super) what: BackDriving,
 }
 
-/// Stop from the largest feed rate.
+/// Deceleration and distance of a stop from the largest feed rate.
 pub(super) struct Stop {
     /// Deceleration \[m/s²\].
     pub(super) deceleration: f64,
@@ -33,7 +33,7 @@ pub(super) struct Stop {
 }
 
 impl AxisState<'_> {
-    /// Returns the largest magnitude of a number at the starts and ends of all phases.
+    /// Returns the largest magnitude of a quantity at the starts and ends of all phases.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
         let ends = self.torques.iter().flat_map(|torques| &torques.ends);
         let all: Option<Vec<f64>> = ends.map(|torques| number(self, torques)).collect();
@@ -81,9 +81,9 @@ impl AxisState<'_> {
         Some(safety * self.holding_torque())
     }
 
-    /// Calculates a stop from the largest feed rate in the direction of the load at rest. The
-    /// deceleration is given or follows from the brake torque. Returns `None` if neither is given
-    /// or the brake cannot hold the load.
+    /// Calculates how the axis stops from its largest feed rate in the direction of the load at
+    /// rest. The deceleration is given or follows from the brake torque. Returns `None` if neither
+    /// is given or the brake cannot hold the load.
     pub(super) fn stop(&self) -> Option<Stop> {
         let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
@@ -175,8 +175,8 @@ impl AxisState<'_> {
 
     /// Determines whether the load at rest back-drives the screw after a loss of motor power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Largest and smallest ratio of the actual friction coefficient to the given one, which is
-        /// usually not measured.
+        /// Largest and smallest ratio of the actual friction coefficient to the given friction
+        /// coefficient, which is rarely a measured value.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
@@ -251,8 +251,8 @@ impl AxisState<'_> {
             (None, None) => String::new(),
         };
         Some(format!(
-            "Without motor power, {load:.0} N act at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
-             screw. {what} The brake needs at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
+            "Without motor power, an axial load of {load:.0} N acts at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
+             screw. {what} The brake needs a torque of at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
              friction.{holds}{}",
             self.force_during_motion()
         ))

@@ -16,11 +16,12 @@ pub(super) struct Heating {
     /// Temperature rises of nut, screw, balls and both screw ends above the surroundings \[K\], and
     /// the conductances between them. `None` if `axis_heat_transfer_W_K` is given.
     pub(super) nodes: Option<([f64; NODES], Conductances)>,
-    /// Free growth of the screw between its bearings \[m\].
+    /// Free thermal growth of the screw between its bearings \[m\].
     pub(super) growth: f64,
     /// Mean temperature rise of the screw above the surroundings \[K\].
     pub(super) mean: f64,
-    /// Mean temperature rise of the screw above the structure that carries its bearings \[K\].
+    /// Mean temperature rise of the screw above the machine structure that carries its bearings
+    /// \[K\].
     pub(super) over_bed: f64,
     /// Uncertainty band of `mean` \[K\]; `None` for a warm state, which has its own band.
     pub(super) band: Option<[f64; 2]>,
@@ -56,7 +57,7 @@ impl Heating {
     /// Returns the temperatures of an axis without a warm state, or `None` if friction or the
     /// length of the screw is unknown.
     ///
-    /// * `expansion`: growth of the screw per kelvin, relative to its length.
+    /// * `expansion`: thermal growth of the screw per kelvin, relative to its length \[1/K\].
     pub(super) fn of(
         case: &Case,
         settings: &Settings,

@@ -1,4 +1,5 @@
-//! Notes and warnings on the sheet of an axis: assumptions, usual practice and uncertainties.
+//! Notes and warnings on the sheet of an axis: assumptions, recommendations from practice, and
+//! uncertainties.
 
 use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
@@ -19,18 +20,20 @@ use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
 /// short strokes (HIWIN BS-08-2, F 3.10).
 const SHORT: (f64, f64) = (3.0, 3.0);
 
-/// Speed number above which the manufacturer must approve the grease \[mm/min\] (usual value).
+/// Speed number above which the manufacturer must approve the grease \[mm/min\] (value from common
+/// practice).
 const FAST: f64 = 100e3;
 
-/// Steady-state temperature rise above which cooling is recommended \[K\] (usual value).
+/// Steady-state temperature rise above which cooling is recommended \[K\] (value from common
+/// practice).
 const HOT: f64 = 40.0;
 
 /// Range of the ratio of nut speed to critical screw speed in which a driven nut can excite the
-/// screw (usual advice).
+/// screw (common recommendation).
 const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Ratio between the viscosity ratios from film thickness and from viscosity above which a note
-/// states both of them.
+/// Ratio between the viscosity ratio from the film thickness and the viscosity ratio from the
+/// viscosity. Above this limit, a note states both viscosity ratios.
 const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
@@ -73,7 +76,7 @@ impl AxisState<'_> {
         let speed_number = self.axis().speed_number() / (MM * RPM);
         if speed_number > FAST {
             note(
-                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is usual. Ask the manufacturer which grease is suitable.",
+                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is normally used. Ask the manufacturer which grease is suitable.",
             );
         }
         if let Some(short) = self.short_stroke() {
@@ -87,7 +90,7 @@ impl AxisState<'_> {
         }
         if self.case.screw_inertia_kg_m2_m.is_some() {
             note(
-                "screw_inertia_kg_m2_m is used as given. Manufacturers print the moment of inertia of a rod with the nominal diameter, which \
+                "screw_inertia_kg_m2_m is used as given. Catalogs often state the moment of inertia of a solid rod with the nominal diameter, which \
                  is 1.15 to 1.87 times the value that corresponds to their mass per meter.",
             );
         }
@@ -161,8 +164,7 @@ impl AxisState<'_> {
         let first = jumps.first().map(|[before, after]| {
             let feed = |speed: f64| trimmed(speed * self.machine.advance() * 60.0);
             format!(
-                "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of a jump is not included; \
-                 moves and ramps include it.",
+                "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of these jumps is not included. To include it, replace the jumps by moves or ramps.",
                 if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
                 feed(before.speed[1]),
                 feed(after.speed[0])
@@ -204,7 +206,7 @@ impl AxisState<'_> {
     fn about_heat(&self) -> Vec<String> {
         if self.powers().is_none() {
             let needs = self.machine.held.filter(|_| self.tension().is_none());
-            let cold = "The load of the support bearings refers to the cold screw, because temperatures are unknown without friction.";
+            let cold = "The load on the support bearings is calculated for the cold screw, because temperatures are unknown without friction.";
             return needs.map(|_| cold.to_owned()).into_iter().collect();
         }
         let mut notes = Vec::new();
@@ -219,11 +221,10 @@ impl AxisState<'_> {
             });
             notes.push(format!(
                 "The steady-state temperature rise of the screw is {mean:.0} K ({low:.0} to {high:.0} K{usual}; nut {nut:.0} K, screw along \
-                 its travel {screw:.0} K). It follows from the thermal network with estimated conductances, without feedback of the \
-                 temperatures. With warm_state, the temperatures include their effect on the preload."
+                 its travel {screw:.0} K). It is calculated with a thermal network whose conductances are estimated, and without the effect of the temperatures on the preload. To include this effect, set warm_state to true."
             ));
             if self.machine.groove.is_none() {
-                let link = "The conductance of the balls from nut to screw is estimated from the pitch circle, accurate to a factor of 2.";
+                let link = "The thermal conductance of the balls between nut and screw is estimated from the pitch circle diameter. The estimate is accurate to a factor of 2.";
                 notes.push(link.to_owned());
             }
             if self.case.stroke_mm.is_none() {
@@ -243,7 +244,7 @@ impl AxisState<'_> {
             && case.accuracy_factor.is_none()
         {
             notes
-                .push(format!("rated_dynamic_load_N is used as printed for grade {}.", grade.name));
+                .push(format!("rated_dynamic_load_N is used without an accuracy factor, because it is assumed to be the catalog value for grade {}.", grade.name));
         }
         let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
         let lubricated = case.given().is_lubricated();
@@ -273,12 +274,9 @@ impl AxisState<'_> {
         let drags: Vec<_> = drags.into_iter().filter(|key| self.case[*key].is_none()).collect();
         if !drags.is_empty() && self.mean_heat().is_some() {
             let names = drags.iter().map(|key| key.name()).collect::<Vec<_>>().join(" and ");
-            let verb = if drags.len() == 1 {
-                "is not given and counts"
-            } else {
-                "are not given and count"
-            };
-            let text = format!("{names} {verb} as 0");
+            let verb =
+                if drags.len() == 1 { "is not given and is" } else { "are not given and are" };
+            let text = format!("{names} {verb} assumed to be 0");
             let numbers = [
                 "peak_motor_torque_Nm",
                 "screw_torque_Nm",
@@ -292,7 +290,10 @@ impl AxisState<'_> {
         }
         let plays = self.preload.is_none() && self.lost_motion().is_some();
         if plays && self.case.axial_play_um.is_none() {
-            lack(&["lost_motion_um"], "axial_play_um is not given and counts as 0".to_owned());
+            lack(
+                &["lost_motion_um"],
+                "axial_play_um is not given and is assumed to be 0".to_owned(),
+            );
         }
         if let Some(text) = self.case.cold_lubricant() {
             lack(&["screw_torque_Nm"], text);
@@ -321,7 +322,7 @@ impl AxisState<'_> {
             return None;
         }
         Some(format!(
-            "load_factor is not given and counts as 1; catalogs recommend {low} to {high} at this speed, which gives lives of {long:.0} to {short:.0} h"
+            "load_factor is not given and is assumed to be 1; catalogs recommend {low} to {high} at this speed, which gives lives of {long:.0} to {short:.0} h"
         ))
     }
 
@@ -335,7 +336,7 @@ impl AxisState<'_> {
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
                 "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \
-                 condition); with the end conditions of support, it is {of_support:.2}. Set buckling_support."
+                 condition); for the end conditions that the input support implies, it is {of_support:.2}. Set buckling_support to the actual end conditions."
             )
         })
     }
@@ -351,14 +352,14 @@ impl AxisState<'_> {
             );
         }
         let circuits = self.case.value_or_default(InputKey::circuits_count)?;
-        // While the nut moves by a distance, the balls advance by (1 − γ)/2 of this distance.
+        // While the nut moves by a distance, the balls advance along the thread by (1 − γ)/2 of
+        // this distance.
         let round = self.machine.groove.as_ref().map(|(nut, _)| {
             2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
         });
         if let Some(round) = round.filter(|round| stroke < *round) {
             return Some(format!(
-                "A stroke of less than {:.0} mm does not circulate the balls, so the same balls always carry the load. Make a stroke of two nut \
-                 lengths every few thousand strokes (usual advice).",
+                "A stroke of less than {:.0} mm does not circulate the balls, so the same balls always carry the load. Make a stroke of two nut lengths every few thousand strokes (common recommendation).",
                 round / MM
             ));
         }
@@ -381,8 +382,7 @@ impl AxisState<'_> {
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
                 .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(
-                "The torque follows from the catalog efficiency and is {torque:.3} N m at the largest load in motion; usual efficiencies give \
-                 {low:.3} to {high:.3} N m."
+                "The torque of {torque:.3} N m at the largest load during motion is calculated from the catalog efficiency; typical efficiencies give {low:.3} to {high:.3} N m."
             ))
         });
         let left_out = self.machine.groove.is_none().then(|| LEFT_OUT.to_owned());
@@ -398,8 +398,7 @@ impl AxisState<'_> {
         let [low, high] = contacts::band(self.case, self.settings, point, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
-            "Friction from the lubricant: at {:.0} N and {:.0} rpm, the 90 % interval of the contact friction over uncertain inputs is \
-             {:.3} to {:.3} N m, and the value is {friction:.3} N m.",
+            "Friction calculated from the lubricant: at {:.0} N and {:.0} rpm, the friction torque of the contacts has a 90 % interval of {:.3} to {:.3} N m due to uncertain inputs; the calculated value is {friction:.3} N m.",
             point.load,
             point.friction_speed / RPM,
             low * friction,

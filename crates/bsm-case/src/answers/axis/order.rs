@@ -1,4 +1,4 @@
-//! Order data of a screw.
+//! Order data of a screw, as printed on the axis sheet.
 
 use bsm_design::{NutSet, PreloadMethod};
 
@@ -10,7 +10,7 @@ use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 
-/// An entry of the order.
+/// An entry in the order data of a screw.
 #[derive(Debug, Clone, PartialEq)]
 struct OrderEntry {
     what: &'static str,

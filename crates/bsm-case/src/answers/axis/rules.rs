@@ -83,12 +83,13 @@ impl RuleInputs<'_> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
-    /// Returns the largest permitted utilization of the motor, if a torque-speed curve is given.
+    /// Returns the largest permitted utilization of the motor if its torque-speed curve is given,
+    /// and `None` otherwise.
     fn utilization_limit(&self) -> Option<f64> {
         self.case.nut.motor_curve.as_ref().map(|_| 1.0)
     }
 
-    /// Returns true if the screw moves. The life of a screw at standstill is not checked.
+    /// Returns true if the screw moves. For a screw at standstill, life is not checked.
     fn moves(&self) -> bool {
         self.axis.fastest() > 0.0
     }
@@ -100,7 +101,7 @@ impl RuleInputs<'_> {
         let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
-            "Euler (Z2); end conditions {}{by_default}; with the end conditions of support, {}: {}",
+            "Euler (Z2); end conditions {}{by_default}; for the end conditions that the input support implies, {}: {}",
             shaft.buckling.0.name(),
             shaft.support.name(),
             number(of_support)
@@ -124,8 +125,8 @@ impl RuleInputs<'_> {
         rule
     }
 
-    /// Describes the remedy of whirling apart from length and core: two fixed ends cannot become stiffer, but a driven nut
-    /// turns around a screw at rest.
+    /// Describes a remedy against whirling other than a shorter or thicker screw: a stiffer support
+    /// or, if both ends are already fixed, a driven nut on a screw at rest.
     fn other_remedy_of_whirling(&self) -> &'static str {
         let is_fixed = |shaft: &Shaft| shaft.support == EndFixity::FixedFixed;
         if self.axis.shaft.as_ref().is_some_and(is_fixed) {
@@ -218,7 +219,7 @@ macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
     )*) => {
-        /// Titles of these rules.
+        /// Titles of the rules in this table.
         const $titles: &[&str] = &[$($title),*];
 
         $(#[$doc])*
@@ -261,7 +262,7 @@ rules! {
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "DN limit, THK A-697 (Z15)",
         format!(
-            "lead_mm {} at the same feed, or another ball return (speed_number_limit_mm_min)",
+            "lead_mm {} at the same feed, or a ball return that permits a higher speed (speed_number_limit_mm_min)",
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety
@@ -294,7 +295,7 @@ rules! {
         "rating of the bearing manufacturer, cold and warm (BB7)",
         match of.number(output!(pretension_for_no_slack_K)) {
             Some(kelvin) if kelvin > 0.0 && of.number(output!(screw_tension_N)).is_some_and(|t| t < 0.0) => {
-                format!("larger bearings, or pretension_K up to {}, or one bearing that permits the growth of the screw", at_least(kelvin, 1))
+                format!("larger bearings, or pretension_K up to {}, or one bearing that permits thermal growth of the screw", at_least(kelvin, 1))
             }
             _ => "larger bearings, or less pretension".to_owned(),
         };
@@ -326,7 +327,7 @@ rules! {
         at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "a higher viscosity, a cleaner lubricant or a larger dynamic load rating";
-    "life by all balls" cycle_life_by_balls_h at_least of.required_life(),
+    "life from the loads of all balls" cycle_life_by_balls_h at_least of.required_life(),
         "loads of all balls (U24)",
         of.needed_rating(margin);
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
@@ -363,7 +364,7 @@ rules! {
     "power of the motor" peak_motor_power_W
         = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
-        "the worst phase",
+        "largest motor power in any phase",
         format!("{} times the feed, or a larger motor", at_most(margin, 2));
     "inertia ratio" inertia_ratio at_most of.input(K::largest_inertia_ratio),
         "THK, eq. 49: 3 to 10",
@@ -388,7 +389,7 @@ rules! {
     of_preload(of, margin) TITLES_OF_PRELOAD:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
-        "end of the flank (G8)",
+        "load at which a contact ellipse reaches the end of its flank (G8)",
         "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),

@@ -54,7 +54,8 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
-        // This call fails if the nut leaves no room for the stroke.
+        // This call fails if the thread that stroke and nut require is longer than the unsupported
+        // length.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
@@ -75,12 +76,12 @@ impl<'a> AxisState<'a> {
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let warm_preload = preload.as_ref().map(|preload| preload.warm);
-        // The case is copied for every moment, so the cycle, which is not needed there, is removed
-        // first.
+        // The case is copied for every moment of the cycle. The copies do not need the cycle, so it
+        // is removed first.
         let mut of_a_moment = case.clone();
         of_a_moment.nut.cycle = None;
-        // Contact friction depends only on load and speed, so moments with equal load and speed
-        // share one solve.
+        // Contact friction depends only on load and speed, so it is calculated only once for
+        // moments with equal load and speed.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
         let torque = |phase: &Phase| {
             PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
@@ -148,7 +149,7 @@ impl<'a> AxisState<'a> {
         self.machine.held.filter(|held| held.stretched > 0.0)
     }
 
-    /// Returns the thermal growth of the screw per kelvin, relative to its length.
+    /// Returns the thermal growth of the screw per kelvin, relative to its length \[1/K\].
     pub(super) fn expansion(&self) -> Option<f64> {
         Some(self.case.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
     }
@@ -248,9 +249,9 @@ impl<'a> AxisState<'a> {
         useful_travel(self.case)
     }
 
-    /// Returns the cold and the warm load of the support bearings \[N\] (BB7). Each load is the sum
-    /// of the largest axial load and the force of a screw between two fixed bearings. The warm load
-    /// is `None` if the temperature is unknown.
+    /// Returns the load on the support bearings in the cold and in the warm state \[N\] (BB7). Each
+    /// load is the sum of the largest axial load and the force of a screw between two fixed
+    /// bearings. The warm load is `None` if the temperature is unknown.
     pub(super) fn bearing_loads(&self) -> Option<[Option<f64>; 2]> {
         let held = self.machine.held?;
         let load = |tension: f64| tension.abs() + self.axis().largest_load();
@@ -390,12 +391,12 @@ impl<'a> AxisState<'a> {
         })
     }
 
-    /// Returns the torques at the largest load in motion.
+    /// Returns the torques at the largest load during motion.
     pub(super) fn heaviest(&self) -> Option<&Torques> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
 
-    /// Returns the mean of a number over the cycle.
+    /// Returns the time average of a quantity over the cycle.
     pub(super) fn mean(&self, of: impl Fn(&PhaseTorques) -> Option<f64>) -> Option<f64> {
         self.torques.iter().map(|torques| Some(torques.phase.time * of(torques)?)).sum()
     }
@@ -429,8 +430,8 @@ fn life_by_balls(
         };
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
-        // The model only supplies the ratio of the lives, because the load rating may be stated by
-        // the manufacturer.
+        // Only the ratio of the lives is taken from the ball model, because the load rating may be
+        // stated by the manufacturer.
         let preload = nut.number(output!(warm_preload_N)).filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;

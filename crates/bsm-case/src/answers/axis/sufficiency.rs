@@ -4,7 +4,7 @@
 use super::state::AxisState;
 use crate::{Case, CaseError, Numbers, OutputName, output};
 
-/// A required input, with the inputs that can replace it.
+/// A required input, or several inputs that can replace each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
     Lead,

@@ -24,9 +24,9 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, including the moved mass";
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
-        contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
+        contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  ball contacts";
         third_contact_torque_Nm = NUT Scalar(|t| t.contacts.third);
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  drag of the preload (catalog rule)";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag (catalog rule)";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
@@ -46,8 +46,8 @@ pub struct ScrewTorque {
 }
 
 impl ScrewTorque {
-    /// Parts of the torque in the order in which they are added: first the torque of the load, then
-    /// the parts that turn into heat.
+    /// Parts of the screw torque in the order in which they are added: first the torque of the
+    /// load, then the parts that dissipate energy as heat.
     pub const PARTS: [OutputName; 5] = [
         output!(ideal_torque_Nm),
         output!(contact_friction_torque_Nm),
@@ -128,7 +128,7 @@ impl Torques {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
             ("contacts", self.contacts.friction?),
-            ("drag of the preload", self.drag),
+            ("preload drag", self.drag),
             ("seals", self.seal),
             ("support bearings", self.bearing),
         ];
@@ -138,7 +138,7 @@ impl Torques {
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
-                "Shares of friction in the input power at the largest load in motion: {}.",
+                "Friction losses as shares of the input power, at the largest load during motion: {}.",
                 costs.join(", ")
             )
         })
@@ -155,7 +155,7 @@ impl Torques {
     }
 }
 
-/// Torques in a phase.
+/// Torques in a phase of the cycle.
 pub(crate) struct PhaseTorques {
     pub(super) phase: Phase,
     /// Torques at the start and the end of the phase.
@@ -212,8 +212,8 @@ impl PhaseTorques {
         })
     }
 
-    /// Returns the torques at the end of the phase with the larger load. If both loads are equal,
-    /// the faster end is returned.
+    /// Returns the torques at the start or the end of the phase, whichever has the larger load. If
+    /// both loads are equal, the larger speed decides.
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }
@@ -228,7 +228,7 @@ pub(crate) struct Preload {
     pub(super) warm: f64,
     /// Drag torque that a measurement is expected to give, according to the manufacturers' rule.
     pub(super) by_rule: f64,
-    /// Drag torque of the contacts alone; `None` without friction.
+    /// Drag torque of the ball contacts only; `None` if friction is not known.
     pub(super) of_contacts: Option<f64>,
     /// The nut without external load; `None` without friction or motion.
     pub(super) unloaded: Option<NutReport>,
@@ -317,7 +317,7 @@ pub fn torque_parts(
 /// screws. Even for a preloaded nut, it solves only one ball that carries an equal share of the
 /// load, and it takes the friction torque of the preload from the manufacturers' rule.
 ///
-/// * `nut`: nut of the case.
+/// * `nut`: nut that the case describes.
 pub(crate) fn quick_efficiency(
     case: &Case,
     settings: &Settings,

@@ -27,7 +27,7 @@ quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     }
 }
 
-/// A circuit of the ball train.
+/// A circuit of balls in the ball train.
 struct OneCircuit<'a> {
     number: f64,
     needed: f64,
@@ -78,8 +78,9 @@ impl NutProblem {
 }
 
 impl NutReport {
-    /// Calculates the advance of the balls from their free motions. The motions are solved with
-    /// model `traction` unless raceway control is requested.
+    /// Calculates how far each ball advances relative to the other balls, from the motions of free
+    /// balls. These motions are calculated with model `traction` unless raceway control is
+    /// requested.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (source, drive) = problem.friction.as_ref()?;

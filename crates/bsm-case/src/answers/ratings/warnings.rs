@@ -12,7 +12,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
         warnings.push(Warning::advice(format!(
-            "A nut of {:.3} mm has no room for {} loaded turns at a pitch of {:.3} mm.",
+            "A nut with a length of {:.3} mm is too short for {} loaded turns at a pitch of {:.3} mm.",
             body.length / MM,
             nut.turns,
             nut.pitch() / MM
@@ -21,7 +21,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let (few, many) = limits.turns;
     if nut.turns < few || nut.turns > many {
         let text = format!(
-            "loaded_turns = {}: {few} to {many} turns are usual. Fewer turns guide the screw poorly; with more turns, the \
+            "loaded_turns = {}: {few} to {many} turns are typical. Fewer turns guide the screw poorly; with more turns, the \
              outer turns carry little load, which the load ratings do not take into account.",
             nut.turns
         );
@@ -31,7 +31,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let over_pitch = nut.ball_diameter / nut.pitch();
     if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
         let text = format!(
-            "The ball diameter is {over_pitch:.3} of the groove pitch; above {}, the land between the turns is narrow.",
+            "The ball diameter is {over_pitch:.3} times the groove pitch; above {}, the land between the turns is narrow.",
             limits.ball_over_lead
         );
         warnings.push(Warning::limit(SelectionLimit::BallOverLead, text));
@@ -39,7 +39,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let root = thread.screw.root;
     if nut.ball_diameter >= limits.ball_over_root * root {
         warnings.push(Warning::advice(format!(
-            "The ball diameter is {:.3} of the root diameter of the screw, {:.3} mm; this ratio should be below {}.",
+            "The ball diameter is {:.3} times the root diameter of the screw, {:.3} mm; this ratio should be below {}.",
             nut.ball_diameter / root,
             root / MM,
             limits.ball_over_root
@@ -76,7 +76,7 @@ pub(super) fn of_pair(
     // F_w ≤ 0.15 C_a                                                      (D22)
     if preload > PRELOAD * rating * (1.0 + 1e-9) {
         warnings.push(format!(
-            "preload_N is {:.3} of the dynamic load rating; above {PRELOAD}, the preload reduces the life.",
+            "preload_N is {:.3} times the dynamic load rating; above {PRELOAD}, the preload reduces the life.",
             preload / rating
         ));
     }

@@ -1,4 +1,4 @@
-//! Nut and screw as elastic bodies.
+//! Nut and screw as elastic bodies, whose deformation changes the ball loads.
 
 use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};

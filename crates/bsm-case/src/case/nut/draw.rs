@@ -1,4 +1,4 @@
-//! Random draws of quantities that vary from nut to nut.
+//! Random values of the quantities that vary from nut to nut.
 
 use std::f64::consts::TAU;
 

@@ -24,7 +24,7 @@ const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
     ]
 };
 
-/// Magnitude of a preload, given as a force or as a displacement.
+/// Magnitude of a preload, which is either a force or a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Amount {
     /// Axial force \[N\]. It is negative if the nut bodies are pushed apart.
@@ -33,7 +33,7 @@ pub(super) enum Amount {
     Displacement(f64),
 }
 
-/// Returns the kind of preload that a preload method produces.
+/// Returns the kind of preload that results from a preload method.
 pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadKind {
     match method {
         PreloadMethod::DoubleNut | PreloadMethod::Offset => PreloadKind::Offset,

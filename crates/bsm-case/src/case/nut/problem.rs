@@ -63,7 +63,7 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// Friction data of the balls, and the speeds of screw and nut.
+    /// Friction data of the balls, together with the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
     /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
     far_friction: Option<f64>,
@@ -78,7 +78,7 @@ pub struct NutProblem {
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
     pub(crate) warnings: Vec<String>,
-    /// Note on torques of a cold lubricant that are not calculated.
+    /// Note on the torques that are not calculated because the lubricant is cold and too viscous.
     pub(crate) cold_lubricant: Option<String>,
 }
 
@@ -203,8 +203,8 @@ impl NutProblem {
         })
     }
 
-    /// Returns model and settings of the friction. They differ from the requested settings if a warm state exists only with another
-    /// model.
+    /// Returns the model and the settings that were used for friction. They differ from the
+    /// requested settings if a warm state exists only with another model.
     pub fn settings(&self) -> Settings {
         self.settings
     }
@@ -365,7 +365,7 @@ impl Case {
             }
         };
         let note = format!(
-            "The nut is solved {at}: {} N at {} rpm.",
+            "The nut is calculated {at}: {} N at {} rpm.",
             trimmed(phase.load),
             trimmed(speed / RPM)
         );
@@ -463,8 +463,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// If neither load nor preload is given, returns the case of a nut pair whose preload is the usual
-/// fraction of the dynamic load rating. Returns `None` otherwise.
+/// If neither load nor preload is given, returns the case of a nut pair with a typical preload,
+/// which is a fixed fraction of the dynamic load rating. Returns `None` otherwise.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -516,7 +516,7 @@ fn notes(
     notes
 }
 
-/// Inputs that only the nut model uses. Other commands print a note that these inputs are not used.
+/// Inputs that only the nut model uses. Other commands print a note that they ignore these inputs.
 pub(crate) const OF_A_NUT: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um

@@ -19,13 +19,13 @@ pub(crate) struct BallGaps {
     pub(crate) train: Option<TrainInputs>,
 }
 
-/// Returns a message that states for how many balls a circuit has room.
+/// Returns a message that states how many balls fit into a circuit.
 ///
 /// * `spacer`: thickness of the spacers \[m\].
 pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
     let arc = nut.circuits[circuit].arc;
     format!(
-        "the {:.0} mm of circuit {circuit} have room for {} balls of {} mm",
+        "the length of {:.0} mm of circuit {circuit} is sufficient for {} balls with a diameter of {} mm",
         arc * nut.helix.arc_length_per_radian() / MM,
         nut.room(circuit, spacer),
         exact(2.0 * nut.ball.radius / MM)

@@ -23,7 +23,7 @@ const SLOW: f64 = 100.0 * RPM;
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
-    /// Equilibrium under the support of the problem.
+    /// Equilibrium of the nut with the loads and constraints of the problem.
     found: Equilibrium,
     pub(super) preload: Option<NutPreload>,
     /// Equilibrium of the preloaded nut without load; the guides prevent tilting.
@@ -56,8 +56,8 @@ impl ColdNut {
         Ok(Self { problem, nut, found, preload, unloaded, set: set_temperature(case) })
     }
 
-    /// Returns the heat transfer through the balls. The contact areas are calculated for the mean
-    /// ball load under the cold preload or, without a preload, under the largest load.
+    /// Returns the data of the heat transfer through the balls. The contact areas are calculated
+    /// for the mean ball load under the cold preload or, without a preload, under the largest load.
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
             Some(found) if self.problem.support == Support::guided(0.0) => found.mean_load(),
