@@ -23,8 +23,8 @@ pub(crate) const MANUFACTURERS: &str = "manufacturers";
 /// Hint that suggests another source of sizes.
 const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
-/// The source named by `--from`: sizes (by default the sizes of manufacturers), or nuts from a
-/// manufacturer's table.
+/// Sizes or nuts that `--from` specifies: a list of sizes (by default the sizes of manufacturers),
+/// or nuts from a manufacturer's table.
 #[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
 pub(crate) enum Source {
     Sizes(Catalog),

@@ -29,7 +29,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Combinations of options, fixed inputs, model and outputs are checked before the work starts.
+    // Combinations of options, fixed inputs, model and outputs are checked before the first point
+    // is solved.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
         let text = "plots and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
@@ -81,7 +82,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     solved
 }
 
-/// Solves the rows of a table. The result has the same number of rows in the same order.
+/// Solves the rows of a table. The table of results has the same number of rows in the same order.
 fn of_table(
     args: &SweepArgs,
     path: &Path,
@@ -223,7 +224,7 @@ impl<'a> Files<'a> {
             };
             return Err(Failure::Input(format!(
                 "--resume cannot continue {name}: a single table is only written when it is complete, so an \
-                 interrupted run leaves nothing; write a folder of parts with -o {}/, which --resume \
+                 interrupted run leaves no results; write a folder of parts with -o {}/, which --resume \
                  can continue",
                 folder.with_extension("").display()
             )));

@@ -133,7 +133,7 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Formats the computing times of single solves and of tables.
+/// Formats the computing times of single solves and of batch tables.
 fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     let of = [single.mean, single.median, single.q90, single.q99, single.max];
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()

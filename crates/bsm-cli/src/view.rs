@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         let text = "--open and --port apply to the server, which -o PAGE.html does not start";
         return Err(Failure::Input(text.to_owned()));
     }
-    // A case that cannot be solved is reported here instead of in the browser.
+    // An error in the case is reported here instead of in the browser.
     case.with_groove().and_then(|case| case.problem(&settings)).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();
