@@ -212,7 +212,7 @@ fn sheet_contains_process_force_and_signature_fields() {
     assert!(!sheet.contains(">thread 1"), "{sheet}");
 }
 
-/// A table of nuts has figures of its ratings, in displayed units.
+/// For a table of nuts, the program draws figures of the ratings in display units.
 #[test]
 fn figures_are_written_for_a_table_of_nuts() {
     let dir = folder();

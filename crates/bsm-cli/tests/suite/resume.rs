@@ -106,7 +106,7 @@ impl Points {
     }
 }
 
-/// Counts of a test campaign.
+/// Numbers of killed runs and leftover files in a test campaign.
 #[derive(Debug, Default)]
 struct Tally {
     kills: usize,

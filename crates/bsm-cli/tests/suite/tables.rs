@@ -200,7 +200,7 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
     run(dir.path(), &[&draw[..], &to].concat(), 0);
     let texts = sheet(&dir.path().join("out.xlsx"), "xl/sharedStrings.xml");
     assert!(texts.contains(seed), "{texts}");
-    // An id in an integer column of a Parquet table is not parsed from text.
+    // A Parquet table stores the id as an integer, so the id is not parsed from text.
     let (path, id) = (dir.path().join("ids.parquet"), 9_007_199_254_740_993);
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![id, 5]));
     let loads: ArrayRef = Arc::new(Float64Array::from(vec![1000.0, 2000.0]));
