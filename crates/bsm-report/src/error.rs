@@ -1,4 +1,4 @@
-//! Errors of figures and pages.
+//! Errors that occur when figures and pages are created.
 
 /// The reason why a figure or a page cannot be created.
 #[derive(Debug, thiserror::Error)]

@@ -145,7 +145,7 @@ impl Map {
         drawing
     }
 
-    /// Returns the index of the cell in a column and a row.
+    /// Returns the index of the cell in the given column and row.
     fn at(&self, column: usize, row: usize) -> usize {
         column * self.y.1.len() + row
     }
@@ -258,7 +258,8 @@ impl Bands {
         if low > 0.0 && high / low > DECADES {
             return Self::decades(low, high);
         }
-        // Differences caused by rounding errors are ignored.
+        // The range is not smaller than 1e-9 of the largest value, so that rounding errors are not
+        // divided into color bands.
         let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let rough = span / BANDS;
         let power = 10_f64.powf(rough.log10().floor());
@@ -283,7 +284,8 @@ impl Bands {
             3..=4 => &[1.0, 3.0],
             _ => &[1.0],
         };
-        // This limits the number of bands to ten.
+        // If the range covers many powers of ten, several powers share a band, so that there are at
+        // most ten bands.
         let every = usize::try_from((to - from - 1) / 9).unwrap_or(0) + 1;
         let edges = (from..=to + 1).step_by(every).flat_map(|power| {
             digits.iter().map(move |digit| format!("{digit}e{power}").parse().unwrap_or(0.0))

@@ -14,7 +14,7 @@ const MAX_HEAD_LINES: usize = 64;
 /// Maximum size of a request body \[B\].
 const MAX_BODY: usize = 1 << 20;
 
-/// Time limits for a client to send its request, to receive the response, and to close the
+/// Time limits for a client: to send its request, to receive the response, and to close the
 /// connection.
 const TO_SEND: Duration = Duration::from_secs(5);
 const TO_TAKE: Duration = Duration::from_secs(30);
@@ -118,8 +118,8 @@ impl<'a> Connection<'a> {
         if self.write_all(answer.as_bytes()).is_ok()
             && self.stream.shutdown(Shutdown::Write).is_ok()
         {
-            // If the connection were closed before all received bytes are read, the operating
-            // system would discard data that have not been sent yet.
+            // All received bytes are read before the connection is closed. Otherwise, the operating
+            // system would discard response data that have not been sent yet.
             self.until = Instant::now() + TO_CLOSE;
             let _ = io::copy(&mut self, &mut io::sink());
         }
@@ -158,7 +158,7 @@ impl Head {
         }
     }
 
-    /// Returns the value of the first header with the given name.
+    /// Returns the value of the first header that has the given name.
     pub(crate) fn line(&self, name: &str) -> Option<&str> {
         let (_, value) = self.lines.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
         Some(value)

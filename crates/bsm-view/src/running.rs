@@ -33,7 +33,7 @@ impl Turn {
     }
 }
 
-/// A calculation that has been started.
+/// A calculation that has been started and has not ended yet.
 struct Entry {
     turn: Option<Turn>,
     stop: Arc<AtomicBool>,
@@ -69,7 +69,7 @@ impl Running {
     /// Registers a new calculation. Calculations for earlier requests of the same page are stopped,
     /// and these requests are answered immediately.
     ///
-    /// Returns the calculation and a receiver for its answer.
+    /// Returns the registered calculation and a receiver for its answer.
     pub(crate) fn begin(
         &self,
         turn: Option<Turn>,

@@ -107,7 +107,7 @@ pub fn saved(
     })))
 }
 
-/// Removes data from the answer for a slider position that are the same at all positions.
+/// Removes those data from the answer for a slider position that are the same at all positions.
 fn stop(mut point: Value) -> Value {
     if let Some(solved) = point.get_mut("solve").and_then(Value::as_object_mut) {
         solved.remove("section");

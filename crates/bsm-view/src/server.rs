@@ -30,8 +30,9 @@ use crate::running::{Running, Turn};
 /// because no other panel of the page waits for them.
 const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
-/// Maximum number of running calculations, including stopped ones. Beyond this number, no
-/// calculation is started. A page waits for at most half as many answers.
+/// Maximum number of running calculations, including stopped calculations that have not ended yet.
+/// If this number is reached, no further calculation is started. A page waits for at most half as
+/// many answers.
 const MAX_RUNNING: usize = 16;
 
 /// Pause after the operating system could not accept a connection because of missing resources.
@@ -62,7 +63,7 @@ pub enum ViewError {
     Thread(#[from] io::Error),
 }
 
-/// A server that shows one case.
+/// A server that shows the page of one case.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -70,7 +71,7 @@ pub struct Server {
     shared: Arc<ServerState>,
 }
 
-/// Data that all requests use.
+/// Data that all requests share.
 struct ServerState {
     token: String,
     hosts: [String; 2],
@@ -161,7 +162,7 @@ impl Server {
 /// A response: status, content type and body.
 type Reply = (u16, &'static str, String);
 
-/// Returns a rejection as JSON, in the form that the page expects.
+/// Returns a rejection as JSON, in the form that the page expects for errors.
 fn refused(status: u16, text: &str) -> Reply {
     (status, "application/json", json!({ "error": text }).to_string())
 }
@@ -256,8 +257,8 @@ impl ServerState {
         }
     }
 
-    /// Calculates an answer. Fails if the calculation takes too long or a newer request replaces
-    /// this one.
+    /// Calculates an answer. Returns an error if the calculation takes too long or a newer request
+    /// replaces this one.
     fn answer(
         self: &Arc<Self>,
         turn: Option<Turn>,
@@ -301,8 +302,8 @@ impl ServerState {
     }
 }
 
-/// Returns true if two strings are equal. The time does not depend on where they differ, so that it
-/// reveals nothing about the token.
+/// Returns true if two strings are equal. The computing time does not depend on the position of the
+/// first difference, so that an attacker cannot guess the token by measuring times.
 fn same(one: &str, other: &str) -> bool {
     let differ = one.bytes().zip(other.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
     one.len() == other.len() && differ == 0

@@ -8,9 +8,9 @@ use serde::Deserialize;
 use super::study::{Rows, Study, analyzed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Factors by which the load and the speed of the case are multiplied. In the paper, loads of 8 to
-/// 24 kN surround 16 kN, and speeds of up to 5000 rpm surround 2500 rpm. A speed of zero is
-/// omitted.
+/// Factors by which the load and the speed of the case are multiplied. In the paper, the loads
+/// range from 8 to 24 kN around 16 kN, and the speeds range up to 5000 rpm around 2500 rpm. A speed
+/// of zero is omitted.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
 
@@ -41,7 +41,7 @@ fn drawings() -> Vec<Drawing> {
     serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined")
 }
 
-/// Sweeps along the same axis, with their labels.
+/// Sweeps over the same quantity, with their labels.
 struct Sweeps {
     name: &'static str,
     axis: &'static str,
@@ -133,7 +133,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Adds a figure and its named curves.
+    /// Adds a figure together with the curves that the trend checks use.
     fn add(&mut self, drawing: &Drawing, sweeps: &Sweeps) {
         let Drawing { key, title, caption, y, log, .. } = drawing;
         let single = sweeps.each.len() == 1;

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::{Page, ReportError};
 
-/// Number of significant digits.
+/// Number of significant digits of the compared values.
 const DIGITS: u8 = 4;
 
 /// Sections of the comparison, with their titles.
