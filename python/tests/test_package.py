@@ -631,7 +631,7 @@ def test_tables_select_columns_and_rows_as_frames_do(screw: bs.Case) -> None:
     assert grid[grid["axial_load_N"] > 5e3]["efficiency"].tolist() == [grid["efficiency"][1]]
     wrong: Any
     for wrong in (0, None, ("efficiency",), 1.5, np.array([0.5])):
-        with pytest.raises(TypeError, match="name of a column, a list of names, a slice or a mask"):
+        with pytest.raises(TypeError, match="column name, a list of names, a slice or a mask"):
             table[wrong]
     with pytest.raises(KeyError, match="did you mean `efficiency`"):
         table[["efficency"]]
