@@ -156,7 +156,7 @@ def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] 
     axes : matplotlib axes
         Axes that a function of this module returned.
     path : path
-        Path of the file. Its ending determines the format.
+        Path of the file. The file extension determines the format.
     size_mm : tuple of float, optional
         Width and height of the figure in millimeters.
     title : str, optional

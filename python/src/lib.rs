@@ -109,7 +109,7 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Reads the members of a JSON object from text.
+/// Parses a JSON object and returns its members.
 #[pyfunction]
 fn entries(text: &str) -> Result<Object> {
     let entries = bsm_case::entries(text.as_bytes())?;

@@ -56,7 +56,7 @@ impl PyPlan {
     ///   a table with columns to copy.
     #[staticmethod]
     #[pyo3(name = "_of")]
-    #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+    #[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
     fn of(
         py: Python<'_>,
         base: &Bound<'_, Case>,
@@ -156,7 +156,7 @@ impl PyPlan {
     ///   writes the list of parts.
     /// * `table`: path of the table that contains the points of the plan.
     #[pyo3(name = "_solve_into")]
-    #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+    #[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
     fn solve_into(
         &self,
         py: Python<'_>,

@@ -233,7 +233,7 @@ pub(crate) fn table_of(
 /// * `text`: true to keep the reasons why `auto` chose a model, in addition to the reasons for
 ///   missing results.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn solve_many(
     py: Python<'_>,
     base: &Bound<'_, Case>,
@@ -311,7 +311,7 @@ pub(crate) fn draws(
 /// * `axes`: names and values of the varied inputs.
 /// * `text`: see [`solve_many`].
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn sweep(
     py: Python<'_>,
     base: &Bound<'_, Case>,
@@ -483,7 +483,9 @@ where
                     // The channel is disconnected, so the worker thread has panicked.
                     Err(RecvTimeoutError::Disconnected) => match running.join() {
                         Err(panic) => resume_unwind(panic),
-                        Ok(()) => break Err(io::Error::other("the threads returned no answer")),
+                        Ok(()) => {
+                            break Err(io::Error::other("the worker thread returned no result"));
+                        }
                     },
                     Err(RecvTimeoutError::Timeout) if interrupted.is_none() => {
                         let count = done.load(Ordering::Relaxed);

@@ -27,7 +27,7 @@ use crate::objects::{Entries, Object, case_of};
 use crate::points::{beside, format_of, watched};
 use crate::table::{NumberArray, shared};
 
-/// The entries of a report, true if it has a result, and its warnings.
+/// A report: its entries, whether it has a result, and its warnings.
 type Report = (Object, bool, Vec<String>);
 
 /// Converts an answer to a report.
@@ -468,7 +468,7 @@ pub(crate) fn manufacturers(
 /// * `lists`: see [`sizes`].
 /// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn select_nuts(
     py: Python<'_>,
     lists: Option<Lists>,

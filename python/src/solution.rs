@@ -187,7 +187,7 @@ const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loade
 /// * `columns`: name of each column, and its value at each point.
 /// * `torque`: true for the screw torque, false for the efficiency.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn gradient(
     py: Python<'_>,
     base: &Bound<'_, Case>,

@@ -25,7 +25,7 @@ const OTHERS: &str = "--from standard searches every combination of the standard
 
 /// Sizes or nuts that `--from` specifies: a list of sizes (by default the sizes of manufacturers),
 /// or nuts from a manufacturer's table.
-#[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
+#[expect(clippy::large_enum_variant, reason = "a run creates only one value of this type")]
 pub(crate) enum Source {
     Sizes(Catalog),
     Nuts(Vec<ManufacturerNut>),

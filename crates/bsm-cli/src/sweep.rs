@@ -112,7 +112,9 @@ fn of_table(
     let mut source = open(path, &args.keep, &table_format)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
-        Failure::Input(format!("{path}: {error}; add columns, a case or --set"))
+        Failure::Input(format!(
+            "{path}: {error}; give the inputs as columns, in a case or with --set"
+        ))
     })?;
     note_unread(&task, source.columns().set());
     if let Some(note) = source.columns().ignored_note() {

@@ -112,9 +112,9 @@ impl Job<'_> {
         if several > 0 {
             let have = if several == 1 { "has" } else { "have" };
             let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
-            let hint = if is_written { "see the column" } else { "listed by --columns" };
+            let hint = if is_written { "see the column" } else { "list them with --columns" };
             let text =
-                format!("{several} of {rows} rows {have} other solutions, {hint} other_solutions");
+                format!("{several} of {rows} rows {have} other solutions; {hint} other_solutions");
             warn("note", &text);
         }
         if failed == 0 {

@@ -35,8 +35,9 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     })?;
     bar.finish_and_clear();
     let unknown: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
-    let warning = (!unknown.is_empty())
-        .then(|| format!("rows without a reference are not counted: {}", unknown.join(", ")));
+    let warning = (!unknown.is_empty()).then(|| {
+        format!("rows without a reference solution are not counted: {}", unknown.join(", "))
+    });
     let warnings: Vec<_> = warning.into_iter().collect();
     let answer = Answer { fails: !warnings.is_empty(), warnings, ..Answer::default() }
         .with("program", Content::Json(PROGRAM.into()))

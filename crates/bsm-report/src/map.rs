@@ -258,8 +258,8 @@ impl Bands {
         if low > 0.0 && high / low > DECADES {
             return Self::decades(low, high);
         }
-        // The range is not smaller than 1e-9 of the largest value, so that rounding errors are not
-        // divided into color bands.
+        // The range is at least 1e-9 times the largest value, so that rounding errors do not appear
+        // as color bands.
         let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let rough = span / BANDS;
         let power = 10_f64.powf(rough.log10().floor());

@@ -46,7 +46,7 @@ fn solve_prints_json_with_schema_field_names() {
 }
 
 #[test]
-fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
+fn sensitivities_are_printed_as_a_table_and_in_json() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin(), "--show", "sensitivities"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

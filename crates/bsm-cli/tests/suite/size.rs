@@ -497,7 +497,7 @@ fn full_names_are_suggested_for_short_or_incomplete_names() {
 /// Regression test: other commands rejected nuts that were picked from the catalog and screws that
 /// were designed by `bsm select`.
 #[test]
-fn every_command_accepts_a_picked_nut() {
+fn every_command_accepts_a_selected_nut() {
     let dir = folder();
     let args =
         ["select", "--where", "nominal_diameter_mm=40", "--where", "lead_mm=20", "-o", "nut.json"];

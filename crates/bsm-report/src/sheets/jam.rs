@@ -38,7 +38,7 @@ type PlotLine = (String, String, usize, Stroke, OutputName);
 
 /// Returns the definitions of all figures.
 fn drawings() -> Vec<Drawing> {
-    serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined")
+    serde_json::from_str(include_str!("jam.json")).expect("valid figure definitions")
 }
 
 /// Sweeps over the same quantity, with their labels.
@@ -105,7 +105,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
             (part, Case { step_height_mm, ..case.clone() })
         };
-        let axis = "height of the step / ball diameter";
+        let axis = "step height / ball diameter";
         let [angles, heights] =
             [run((1..=80).map(angle).collect())?, run((1..=80).map(height).collect())?]
                 .map(|rows| vec![(String::new(), rows)]);

@@ -103,7 +103,7 @@ fn operating_point(case: &Case) -> String {
             screw - nut,
             load / balls
         ),
-        _ => format!("f = {friction}; closed form."),
+        _ => format!("f = {friction}; closed-form solution."),
     }
 }
 

@@ -509,8 +509,7 @@ fn over_time(report: &AxisReport) -> Figure {
         ([output!(start_feed_m_min), output!(end_feed_m_min)], "feed", "m/min"),
         ([output!(start_motor_torque_Nm), output!(end_motor_torque_Nm)], "motor torque", "N m"),
     ];
-    let caption =
-        "Each quantity is divided by its largest value; the sign is relative to the feed.";
+    let caption = "Each quantity is divided by its largest value. Signs refer to the direction of positive feed.";
     Figure::new(
         ["size-cycle", "The cycle", caption],
         [Axis::linear(label), Axis::linear("value / largest value")],

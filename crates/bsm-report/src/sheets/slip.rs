@@ -87,7 +87,7 @@ const SLIPS: [Slip; 9] = [
         "orbit-exact",
         3,
         EXACT,
-        "part of the spin due to the orbit, exact",
+        "spin due to the orbital motion, exact",
         [output!(nut_orbit_slip_m_s), output!(screw_orbit_slip_m_s)],
     ),
 ];

@@ -29,7 +29,12 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
         }
     }
     if !folds.is_empty() {
-        curves.push(Curve::new("fold: no state above this speed", 6, Stroke::Circles, folds));
+        curves.push(Curve::new(
+            "fold: no steady state above this speed",
+            6,
+            Stroke::Circles,
+            folds,
+        ));
     }
     Figure::new(
         words,
