@@ -1,4 +1,4 @@
-//! The Python class of cases.
+//! The class `Case` of the Python package.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -86,7 +86,7 @@ impl Case {
 /// lubricant, as passed from Python.
 pub(crate) type Keywords = (String, f64, f64, f64, Option<String>, String);
 
-/// Solver settings that have been checked.
+/// Checked solver settings, converted from Python.
 pub(crate) struct How(pub(crate) Settings);
 
 impl<'py> FromPyObject<'_, 'py> for How {

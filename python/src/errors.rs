@@ -125,7 +125,7 @@ struct About<'a> {
     row: Option<usize>,
 }
 
-/// Creates an `InputError` with its attributes.
+/// Creates an `InputError` with the given message and attributes.
 fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
     made("InputError", |py, kind| {
         let named = PyDict::new(py);

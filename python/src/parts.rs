@@ -111,7 +111,7 @@ impl PyPlan {
         Ok(Dataset::resume(&folder, self.0.clone(), make).map(drop)?)
     }
 
-    /// Returns the text of `plan.json`.
+    /// Returns the text of the file `plan.json`.
     #[getter]
     fn text(&self) -> &str {
         self.0.text()
@@ -129,7 +129,7 @@ impl PyPlan {
         self.0.rows()
     }
 
-    /// Returns the number of parts.
+    /// Returns the number of parts of the plan.
     #[getter]
     fn parts(&self) -> u64 {
         self.0.parts()

@@ -405,7 +405,7 @@ impl RowAnswers {
         Self { verdicts, messages, columns, len, text }
     }
 
-    /// Solves all rows of the source.
+    /// Solves all rows of a source and stores their results.
     fn fill(
         &mut self,
         task: &Task,

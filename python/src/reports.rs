@@ -30,7 +30,7 @@ use crate::table::{NumberArray, shared};
 /// A report: its entries, whether it has a result, and its warnings.
 type Report = (Object, bool, Vec<String>);
 
-/// Converts an answer to a report.
+/// Converts an answer of the program to a report for Python.
 fn told(answer: &Answer) -> Report {
     (Object(answer.to_json()), !answer.fails, answer.warnings.clone())
 }
@@ -44,13 +44,13 @@ fn on_threads<R: Send>(
     watched(py, false, 0, None, None, |_, _| work())
 }
 
-/// Calculates the slip of the balls.
+/// Calculates the slip at the contacts of a ball.
 #[pyfunction]
 pub(crate) fn slip(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
     of_motion(py, case, &how, bsm_case::slip)
 }
 
-/// Analyzes jamming of the balls.
+/// Analyzes whether the balls jam in the nut or at the ball return.
 #[pyfunction]
 pub(crate) fn jam(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
     of_motion(py, case, &how, |case, _, solution| bsm_case::jam(case, solution))
@@ -103,7 +103,7 @@ pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> 
     on_threads(py, || Ok(told(&bsm_case::comparison(case)?)))
 }
 
-/// Calculates the ratings of a nut.
+/// Calculates the load ratings of a nut.
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().with_groove()?;
@@ -278,7 +278,7 @@ pub(crate) fn optimum(
 /// Files of a report: path in the folder of the report, and contents.
 type Files = Vec<(String, String)>;
 
-/// Calculates a feed axis.
+/// Calculates a feed axis: rules, torque, heat and life.
 ///
 /// * `sheet`: true to create also the files of the axis sheet.
 #[pyfunction]
@@ -414,7 +414,7 @@ fn sizes(lists: Option<Lists>) -> Result<Catalog, CaseError> {
     }
 }
 
-/// Reads a requirement.
+/// Reads a requirement from the keys of a Python dict.
 fn requirement_of(
     entries: Option<Entries>,
     catalog: &Catalog,

@@ -1,4 +1,4 @@
-//! The Python class of solutions.
+//! The class `Solution` of the Python package.
 
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
@@ -26,7 +26,7 @@ thread_local! {
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
-/// The solution of one point.
+/// The solution of one operating point.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
 pub(crate) struct Solution {
     case: Py<Case>,

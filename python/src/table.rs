@@ -1,4 +1,4 @@
-//! Columns that Python and Arrow share.
+//! Table columns whose memory Python and Arrow share.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -123,7 +123,7 @@ impl KeptColumn {
         self.0.len()
     }
 
-    /// Returns the values for NumPy.
+    /// Returns the values of the column as a NumPy buffer or list.
     fn values(&self) -> Result<Values> {
         let column = &self.0;
         let is_full = column.null_count() == 0;

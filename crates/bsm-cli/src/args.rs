@@ -424,7 +424,7 @@ pub(crate) struct ViewArgs {
     pub(crate) model: ModelArgs,
 }
 
-/// Tables that `bsm nut` can write.
+/// Tables that `bsm nut --show` can write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NutTable {
     Balls,

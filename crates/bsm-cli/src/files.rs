@@ -119,7 +119,7 @@ pub(crate) fn ending_of(
 pub(crate) enum Output {
     /// Standard output, a pipe or a device. Pipes and devices must not be replaced by a file.
     Stream {
-        /// The stream, opened for writing.
+        /// The standard output, pipe or device, opened for writing.
         stream: Box<dyn Write + Send>,
         /// Path of the stream; `-` for standard output.
         path: PathBuf,
@@ -128,7 +128,7 @@ pub(crate) enum Output {
     File {
         /// The temporary file with the contents written so far.
         file: BufWriter<NamedTempFile>,
-        /// Path of the finished file.
+        /// Path of the file after it has been completed.
         path: PathBuf,
     },
 }

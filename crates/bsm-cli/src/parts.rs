@@ -21,7 +21,7 @@ use crate::unfinished;
 /// terabyte from files takes longer than calculating the results again.
 const MANY_ROWS: u64 = 10_000_000_000;
 
-/// Opens the dataset in a folder.
+/// Opens the dataset that is stored in a folder.
 pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
     Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
 }

@@ -156,7 +156,7 @@ pub(crate) struct Cells {
     values: [Vec<f64>; 2],
     /// Number of values of the second axis that are drawn.
     rows: usize,
-    /// Values of the plotted output.
+    /// Value of the plotted output in each cell.
     found: Vec<f64>,
     regions: Vec<usize>,
     models: Vec<&'static str>,

@@ -1,4 +1,4 @@
-//! Progress bars on a terminal.
+//! Progress bars and spinners that are shown on a terminal.
 
 use std::io::{self, IsTerminal};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -39,7 +39,7 @@ pub(crate) struct Waiting {
 
 /// Shows a spinner with the elapsed time on a terminal if a calculation takes longer than a second.
 ///
-/// * `what`: description of the calculation.
+/// * `what`: description of the calculation, which is shown next to the spinner.
 pub(crate) fn waiting(what: &'static str) -> Waiting {
     if !io::stderr().is_terminal() {
         return Waiting { end: None, shown: None };

@@ -122,7 +122,7 @@ const OBJECTS: [(&str, &str); 8] = [
     ),
 ];
 
-/// Returns the names of all schemas.
+/// Returns the names of all JSON Schemas.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     ["input", "output", "units"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
 }

@@ -156,11 +156,11 @@ const ENDINGS: [&str; 11] = [
 /// Requested output files, with at most one file of each kind.
 #[derive(Default)]
 struct Files<'a> {
-    /// Table of results.
+    /// File to which the table of results is written.
     table: Option<&'a Path>,
     /// JSON file that describes the origin of the table.
     about: Option<&'a Path>,
-    /// Lookup table for a drive model.
+    /// File to which a lookup table for a drive model is written.
     lookup: Option<&'a Path>,
     lines: Option<&'a Path>,
     map: Option<&'a Path>,

@@ -231,7 +231,7 @@ struct Changes<'a> {
     axis: &'a Axis,
     /// Row, value and model of the previous point.
     before: Option<(u64, f64, ModelChoice)>,
-    /// Descriptions of the first few changes.
+    /// Descriptions of the first few changes of the model.
     first: Vec<String>,
     /// Changes of the model: index of each point on the axis, with the names of both models.
     found: HashSet<(u64, [&'static str; 2])>,

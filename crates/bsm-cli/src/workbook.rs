@@ -67,7 +67,7 @@ impl Workbook {
         Ok(Self { columns, units, outputs: outputs.to_vec(), ..this })
     }
 
-    /// Writes one row of cells.
+    /// Writes one row of cells to the sheet.
     pub(crate) fn row<'a>(
         &mut self,
         entries: impl Iterator<Item = Cell<'a>>,

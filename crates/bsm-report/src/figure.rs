@@ -72,7 +72,7 @@ impl Curve {
 pub struct Axis {
     /// Quantity and unit, separated by a comma.
     pub label: String,
-    /// True for a logarithmic axis.
+    /// True if the axis has a logarithmic scale.
     pub log: bool,
     /// True if both axes must have the same scale, as in a drawing.
     pub equal: bool,
@@ -182,7 +182,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Picture`] if the figure cannot be drawn.
+    /// Returns [`ReportError::Picture`] if the figure cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         png_of(&self.titled())
     }
@@ -326,7 +326,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Table`] if the table cannot be written.
+    /// Returns [`ReportError::Table`] if the table cannot be written.
     pub fn csv(&self) -> Result<String, ReportError> {
         let mut table = csv::Writer::from_writer(Vec::new());
         table.write_record(["curve", "mark", &self.x.label, &self.y.label])?;
@@ -497,7 +497,7 @@ fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     drawing.elements.extend(drawn);
 }
 
-/// Draws a marker in the legend.
+/// Draws the sample of a marker in the legend.
 fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
     let (s, m) = (SHAPE_SIZE, 1.3 * SHAPE_SIZE);
     let d = match shape {

@@ -16,7 +16,7 @@ const SIZE: (f64, f64) = (640.0, 400.0);
 /// a pixel.
 pub const MAX_CELLS: usize = 400;
 
-/// Approximate number of color bands.
+/// Approximate number of color bands of a map.
 const BANDS: f64 = 9.0;
 
 /// Minimum ratio of the largest to the smallest value for which a quantity is shown on a
@@ -38,9 +38,9 @@ const PNG_SCALE: f32 = 2.0;
 pub struct Map {
     /// Title of the map.
     pub title: String,
-    /// Horizontal axis and its values.
+    /// Horizontal axis, and the values of its quantity.
     pub x: (Axis, Vec<f64>),
-    /// Vertical axis and its values.
+    /// Vertical axis, and the values of its quantity.
     pub y: (Axis, Vec<f64>),
     /// Label of the quantity that the colors show.
     pub label: String,
@@ -49,7 +49,7 @@ pub struct Map {
     /// Region of each cell, as an index into `names`. Lines are drawn at the boundaries between
     /// regions.
     pub regions: Vec<usize>,
-    /// Names of the regions.
+    /// Names of the regions, which are shown in the legend.
     pub names: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Picture`] if the map cannot be drawn.
+    /// Returns [`ReportError::Picture`] if the map cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         png_of(&self.drawing())
     }

@@ -64,7 +64,7 @@ impl Request {
         Ok(Self { case: self.case.with_groove()?, ..self })
     }
 
-    /// Parses the body of a request.
+    /// Parses the JSON body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
         let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
         let case =

@@ -49,7 +49,7 @@ impl<'a> Connection<'a> {
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(left) }
     }
 
-    /// Reads the request line and headers.
+    /// Reads the request line and the headers of a request.
     pub(crate) fn head(&mut self) -> Result<Head, HttpRefusal> {
         let mut bytes = Vec::new();
         loop {
@@ -76,7 +76,7 @@ impl<'a> Connection<'a> {
         }
     }
 
-    /// Reads the request body.
+    /// Reads the body of a request.
     pub(crate) fn body(&mut self, head: &Head) -> Result<Vec<u8>, HttpRefusal> {
         if head.line("Transfer-Encoding").is_some() {
             return Err((

@@ -11,7 +11,7 @@ use crate::answer::{Request, answer, axis, compare, nut, or_message, point, solv
 use crate::form::schema;
 use crate::page;
 
-/// Number of positions of each slider.
+/// Number of positions of each slider on a saved page.
 const STOPS: u32 = 9;
 
 /// Number of cells of the map in each direction.
@@ -42,7 +42,7 @@ const COLUMNS: [&str; 8] = [
 ///
 /// # Errors
 ///
-/// [`Refusal::Input`] if the case cannot be solved.
+/// Returns [`Refusal::Input`] if the case cannot be solved.
 pub fn saved(
     case: &Case,
     beside: &[Case],

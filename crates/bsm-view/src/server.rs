@@ -47,18 +47,18 @@ pub type Save = Box<dyn Fn(&str) -> Result<(), String> + Send + Sync>;
 /// The reason why the server cannot be started.
 #[derive(Debug, Error)]
 pub enum ViewError {
-    /// The port is not available.
+    /// The server cannot listen on the requested port.
     #[error("cannot listen on 127.0.0.1:{port}: {source}")]
     Listen {
         /// The requested port; 0 means any free port.
         port: u16,
-        /// Error of the operating system.
+        /// The error that the operating system reported.
         source: io::Error,
     },
     /// The operating system provides no random numbers for the token.
     #[error("cannot create a random token: {0}")]
     Random(String),
-    /// Threads cannot be started.
+    /// The threads of the server cannot be started.
     #[error("cannot start a thread: {0}")]
     Thread(#[from] io::Error),
 }
@@ -71,7 +71,7 @@ pub struct Server {
     shared: Arc<ServerState>,
 }
 
-/// Data that all requests share.
+/// Data of the server that all requests share.
 struct ServerState {
     token: String,
     hosts: [String; 2],
@@ -97,8 +97,8 @@ impl Server {
     ///
     /// # Errors
     ///
-    /// [`ViewError`] if the port is not available, or if the operating system provides no random
-    /// numbers or threads.
+    /// Returns [`ViewError`] if the port is not available, or if the operating system provides no
+    /// random numbers or threads.
     pub fn start(
         port: u16,
         case: &Case,
@@ -151,7 +151,7 @@ impl Server {
         }
     }
 
-    /// Ends the loop in [`serve`](Self::serve).
+    /// Ends the loop in [`serve`](Self::serve), so that this function returns.
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
         // This connection wakes the loop, which is waiting for connections.

@@ -75,7 +75,7 @@ pub(crate) fn fenced(text: &str) -> String {
     format!("\n```text\n{}\n```\n", text.trim_end())
 }
 
-/// Formats a Markdown table.
+/// Formats a header and rows as a Markdown table.
 pub(crate) fn table(header: &str, rows: &[String]) -> String {
     let columns = header.matches('|').count() - 1;
     format!("\n{header}\n{}|\n{}\n", "|---".repeat(columns), rows.join("\n"))

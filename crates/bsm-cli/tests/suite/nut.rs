@@ -836,7 +836,7 @@ fn friction_torque_of_oversize_balls_matches_the_reference() {
     let limit = number(&at(3000.0), "limit_load_N");
     for (part, torque) in [(0.0, 0.557), (0.9, 0.747), (0.995, 0.805), (1.2, 0.917)] {
         let found = number(&at(part * limit), "friction_torque_Nm");
-        // The reference values have three digits.
+        // The reference values are rounded to three digits.
         assert!((found - torque).abs() < 6e-4, "{part}: {found} {torque}");
     }
 }

@@ -36,7 +36,7 @@ struct Drawing {
 /// sweeps, each sweep has its own color, and its label precedes the label of the curve.
 type PlotLine = (String, String, usize, Stroke, OutputName);
 
-/// Returns the definitions of all figures.
+/// Reads the definitions of all figures from `jam.json`.
 fn drawings() -> Vec<Drawing> {
     serde_json::from_str(include_str!("jam.json")).expect("valid figure definitions")
 }
@@ -121,7 +121,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Case`] if the case is incomplete.
+    /// Returns [`ReportError::Case`] if the case is incomplete.
     pub fn jam(case: &Case, settings: &Settings, solution: &Solution) -> Result<Self, ReportError> {
         let sweeps = sweeps(case, &Settings { model: solution.model.into(), ..*settings })?;
         let mut study = Self::default();

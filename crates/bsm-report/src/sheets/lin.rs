@@ -28,7 +28,7 @@ pub type Read = fn(&Solution) -> Option<f64>;
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if the case is incomplete or a value is not permitted.
+/// Returns [`ReportError::Case`] if the case is incomplete or a value is not permitted.
 pub fn points(
     case: &Case,
     settings: &Settings,
@@ -53,7 +53,7 @@ pub fn points(
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of the case is not permitted.
+/// Returns [`ReportError::Case`] if a value of the case is not permitted.
 pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     let units = case.display_units();
     Ok(around_cases(case, case)?.into_iter().map(|figure| figure.in_units(units)).collect())
@@ -64,7 +64,7 @@ pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of a case is not permitted.
+/// Returns [`ReportError::Case`] if a value of a case is not permitted.
 pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
     let case = &forward(case);
     let mut figures = Vec::new();

@@ -19,7 +19,7 @@ const TABLES: [(&str, &str); 3] =
 ///
 /// # Errors
 ///
-/// [`ReportError::Page`] if the template is invalid.
+/// Returns [`ReportError::Page`] if the template is invalid.
 pub fn offers_page(
     answer: &Answer,
     names: [&str; 2],

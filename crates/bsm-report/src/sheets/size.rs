@@ -96,7 +96,7 @@ pub fn size_results(report: &AxisReport) -> Value {
 ///
 /// # Errors
 ///
-/// [`ReportError::Table`] if the table cannot be written.
+/// Returns [`ReportError::Table`] if the table cannot be written.
 pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     let report = &report.displayed();
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
@@ -130,7 +130,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
 ///
 /// # Errors
 ///
-/// [`ReportError::Page`] if the template is invalid.
+/// Returns [`ReportError::Page`] if the template is invalid.
 pub fn size_page(
     report: &AxisReport,
     figures: &[Figure],

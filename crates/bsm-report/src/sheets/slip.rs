@@ -177,7 +177,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Case`] if the case is incomplete.
+    /// Returns [`ReportError::Case`] if the case is incomplete.
     pub fn slip(
         case: &Case,
         settings: &Settings,
@@ -228,7 +228,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Plots the slips at the contacts.
+    /// Plots the slip speeds at one contact as a function of the varied quantity.
     fn draw(
         &mut self,
         case: &Case,

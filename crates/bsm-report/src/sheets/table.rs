@@ -1,4 +1,4 @@
-//! Figures of a table of nuts.
+//! Figures for a table of nuts: ratings, stiffness, mass, life and torque as functions of the size.
 
 use bsm_case::{ManufacturerRow, trimmed};
 
