@@ -609,7 +609,7 @@ pub(crate) struct SweepArgs {
     pub(crate) keep: Vec<String>,
     #[command(flatten)]
     pub(crate) table: NamedTableArgs,
-    /// Format of CSV output: standard, or same (the format of the --points table).
+    /// CSV format of the output: standard, or same (as the --points table).
     #[arg(
         long,
         value_name = "FORMAT",

@@ -416,7 +416,8 @@ fn sweep_columns_and_plots_use_display_units() {
     sweep(columns, &map);
     let map = fs::read_to_string(dir.path().join("a.map.svg")).expect("a map");
     assert!(map.contains("axial load, lbf") && map.contains("screw torque, lbf in"), "{map}");
-    // Parts of a folder and lookup tables are read by other programs with the units of their names.
+    // Other programs read parts of a folder and lookup tables in the units that the column names
+    // state.
     let folder =
         ["sweep", &case, "--vary", "axial_load_N=1000,2000", "--units", "inch", "-o", "parts/"];
     let (_, message) = run(dir.path(), &folder, 2);
