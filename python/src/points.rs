@@ -483,9 +483,7 @@ where
                     // The channel is disconnected, so the worker thread has panicked.
                     Err(RecvTimeoutError::Disconnected) => match running.join() {
                         Err(panic) => resume_unwind(panic),
-                        Ok(()) => {
-                            break Err(io::Error::other("the worker thread returned no result"));
-                        }
+                        Ok(()) => break Err(io::Error::other("the threads returned no result")),
                     },
                     Err(RecvTimeoutError::Timeout) if interrupted.is_none() => {
                         let count = done.load(Ordering::Relaxed);
