@@ -55,7 +55,7 @@ def read_types(wheel: Path) -> None:
 
 
 def write_types(built: str | Path) -> None:
-    """Write `_vocabulary.pyi` beside the sources. It describes everything that `_vocabulary.py` creates at run time.
+    """Write `_vocabulary.pyi` beside the sources. This file describes all names that `_vocabulary.py` creates at run time.
 
     * `built`: folder that contains the built package.
     """

@@ -125,7 +125,7 @@ class Quantity(NamedTuple):
     rule : str or None
         Rule that the value of an input must satisfy.
     values : tuple of str
-        Permitted values of a text.
+        Permitted values of a quantity that is a text.
     kind : str
         JSON type: number, integer, boolean, string or array.
     analysis : str or None
@@ -324,8 +324,8 @@ class Solution(SolutionFields):
     def intervals(self) -> dict[str, Any]:
         """Ends of the 90 % interval of each number that depends on an estimated groove, by name.
 
-        To calculate the intervals, the point is solved again for 128 possible grooves, or for 16 in a warm state. The dict is empty if the groove
-        is given.
+        To calculate the intervals, the point is solved again for 128 possible grooves, or for 16 in a warm state. The
+        dict is empty if the case contains the groove geometry.
         """
         return _intervals(self.to_dict())
 
@@ -541,17 +541,17 @@ class Table:
             return self._part(columns, np.arange(self._length))
         places = key if isinstance(key, slice) else np.asarray(key) if isinstance(key, (list, np.ndarray)) else None
         if places is None or (not isinstance(places, slice) and (places.ndim != 1 or places.dtype.kind not in "biu")):
-            raise TypeError(f"a table takes the name of a column, a list of names, a slice or a mask of rows, not {key!r}; "
+            raise TypeError(f"a table is indexed with a column name, a list of names, a slice or a mask of rows, not with {key!r}; "
                             "to_pandas() returns a frame, which selects rows with .iloc and .query")
         rows = np.arange(self._length)[places]
         return self._part({name: _rows_of(name, column, rows) for name, column in self._columns.items()}, rows)
 
     def _part(self, columns: Mapping[str, Any], rows: NDArray[np.int_]) -> Table:
-        """Return a table with the given columns, whose rows are the rows `rows` of this table."""
+        """Return a table with the given columns. `rows` contains the indices of its rows in this table."""
         return Table(columns, {name: unit for name, unit in self._units.items() if name in columns}, len(rows))
 
     def head(self, rows: int = 5) -> Table:
-        """Return the first rows."""
+        """Return the first rows as a new table."""
         return self[: max(rows, 0)]
 
     def _ipython_key_completions_(self) -> list[str]:
@@ -690,7 +690,7 @@ class Table:
 
 
 def _rows_of(name: str, column: Any, rows: NDArray[np.int_]) -> Any:
-    """Return some rows of a column."""
+    """Return the rows of a column that have the given indices."""
     if isinstance(column, TextColumn):
         return _text_column(column.codes[rows], column.categories)
     if isinstance(column, MessageColumn):
@@ -805,7 +805,7 @@ class Nuts(Table):
         super().__init__(columns, units, length)
         self._nuts = nuts
         self.warnings = list(warnings)
-        # Row indices in the core, if this table contains only selected rows.
+        # Indices of the rows in the compiled module, if this table contains only selected rows.
         self._places = places
 
     if TYPE_CHECKING:
@@ -886,8 +886,8 @@ class Section(Mapping[str, Any]):
     def intervals(self) -> dict[str, Any]:
         """Ends of the 90 % interval of each number that depends on an estimated groove, by name.
 
-        The intervals of tables and rules have the same layout as the tables and rules. The dict is empty if the groove
-        is given.
+        The intervals of tables and rules have the same layout as the tables and rules. The dict is empty if the case
+        contains the groove geometry.
         """
         return _intervals(self._entries)
 
@@ -959,7 +959,10 @@ def _not_given(report: Report) -> list[NotGiven]:
 
 
 class MotionReport(Report):
-    """Analysis of a steady motion. If there is no motion, it contains `status` and ``message`` instead of numbers."""
+    """Analysis of a steady motion.
+
+    If there is no steady motion, the report contains `status` and ``message`` instead of numbers.
+    """
 
     __slots__ = ()
 
@@ -971,24 +974,24 @@ class MotionReport(Report):
 
     @property
     def status(self) -> str:
-        """`converged`, or the reason why there is no motion."""
+        """`converged`, or the reason why there is no steady motion."""
         status: str = self.get("status", "converged")
         return status
 
     @property
     def message(self) -> str | None:
-        """Reason why there is no motion."""
+        """Reason why there is no steady motion."""
         message: str | None = self.get("message")
         return message
 
     @property
     def verdicts(self) -> dict[str, bool]:
-        """Answers to the questions of the analysis, such as `jams`."""
+        """Yes-or-no results of the analysis, by name, such as `jams`."""
         return {name: verdict["answer"] for name, verdict in self.get("verdicts", {}).items()}
 
     @property
     def lacks(self) -> list[str]:
-        """Numbers that were not calculated, each with the missing inputs."""
+        """Numbers that were not calculated, each with the inputs that are missing for it."""
         lacks: list[str] = self.get("lacks", [])
         return lacks
 
@@ -1220,13 +1223,13 @@ class Rule(NamedTuple):
 
 
 class AxisScrew(ScrewFields, Section):
-    """Data of the screw that the calculation of an axis used."""
+    """Data of the screw that were used to calculate an axis."""
 
     __slots__ = ()
 
 
 class Phase(PhaseFields, Section):
-    """A phase in the cycle of an axis."""
+    """A phase in the load cycle of an axis."""
 
     __slots__ = ()
 
@@ -1252,17 +1255,17 @@ class AxisReport(AxisFields, Report):
 
     @property
     def phases(self) -> list[Phase]:
-        """Phases of the cycle."""
+        """Phases of the load cycle."""
         return [Phase(phase) for phase in self["phases"]]
 
     @property
     def screw(self) -> AxisScrew:
-        """Data of the screw that the calculation used."""
+        """Data of the screw that were used to calculate the axis."""
         return AxisScrew(self["screw"])
 
     @property
     def case(self) -> Case:
-        """The calculated case."""
+        """The case from which the axis was calculated."""
         return Case(self["inputs"])
 
     @property
@@ -1302,7 +1305,10 @@ class Step(NamedTuple):
 
 
 class SelectReport(Report):
-    """Result of a selection. If no screw meets the requirement, `found` is false and `reasons` lists broken limits."""
+    """Result of a selection.
+
+    If no screw meets the requirement, `found` is false, and `reasons` lists the violated limits.
+    """
 
     __slots__ = ()
 
@@ -1346,7 +1352,7 @@ class FitReport(Report):
 
     @property
     def message(self) -> str:
-        """Description of the result."""
+        """Text that describes the result."""
         message: str = self["message"]
         return message
 
@@ -1413,7 +1419,7 @@ class Solver(TypedDict, total=False):
 _SOLVER: Mapping[str, Any] = {
     "model": "auto", "tolerance": 1e-2, "accuracy": 1e-8, "creep": 1e-4, "control": None, "friction": "local",
 }
-"""Defaults of the solver settings, in the order in which the core expects them."""
+"""Defaults of the solver settings, in the order in which the compiled module expects them."""
 
 
 class Question(Inputs, Solver, total=False):
@@ -1466,7 +1472,7 @@ def _laws(draw: Mapping[str, Uniform | Normal]) -> list[tuple[str, Uniform | Nor
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
-    """Draw random points for `solve_many`. On every machine, the points equal the points of `bsm sweep --draw`.
+    """Draw random points for `solve_many`. The points are identical to those of `bsm sweep --draw` on every machine.
 
     Parameters
     ----------
@@ -1542,7 +1548,7 @@ def _how(solver: Solver) -> _core.How:
     Raises
     ------
     TypeError
-        If there is any other keyword.
+        If a keyword is not a solver setting.
     """
     keywords: dict[str, Any] = {**solver}
     how = _taken(keywords)
@@ -1586,8 +1592,8 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     case : Case or mapping, optional
         Screw and operating point.
     check : bool
-        If true, raise an exception if there is no result. Missing inputs and inputs that violate a rule always raise an
-        exception.
+        Whether to raise an exception if there is no result. Missing inputs and inputs that violate a rule always raise
+        an exception.
     **question
         Inputs that replace inputs of `case`, each in the unit at the end of its name, and solver settings:
 
@@ -1681,7 +1687,7 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     Raises
     ------
     InputError
-        If the case does not contain all inputs of any model.
+        If the case lacks inputs for every model.
 
     Examples
     --------
@@ -1760,7 +1766,7 @@ def solve_many(
         raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
     case, keep = _case(base, {}), _list("keep", keep)
     if isinstance(points, Table):
-        # Results of an earlier run are ignored.
+        # Output columns of an earlier run are ignored.
         points = {n: column if isinstance(column, _core.KeptColumn) else points[n]
                   for n, column in points._columns.items() if n in INPUTS or n in keep}
     numbers: list[tuple[str, Floats, list[int]]] = []
@@ -1796,7 +1802,7 @@ def solve_many(
     length = max(lengths.values(), default=1 if fixed else 0)
     for column_name, rows_of_it in lengths.items():
         if rows_of_it != length:
-            message = f"column `{column_name}` has {rows_of_it} rows, another one {length}"
+            message = f"column `{column_name}` has {rows_of_it} rows, but another column has {length}"
             raise InputError(message, key=column_name)
     rows = _core.solve_many(
         case, numbers, kept, length, _how(solver), _columns(columns), threads, _shown(progress), text
@@ -1807,7 +1813,8 @@ def solve_many(
 
 
 def _kept(values: Any) -> _core.KeptColumn:
-    """Convert a column of `keep` for the core. Numbers and times keep their types; other values become text."""
+    """Convert a column of `keep` for the compiled module. Numbers and times keep their types; other values become text.
+    """
     import numpy as np
 
     if isinstance(values, _core.KeptColumn):
@@ -1973,7 +1980,7 @@ def gradient(
     case = _case(base, {})
     if method == "exact":
         if output not in ("efficiency", "ball_torque_Nm"):
-            hint = "; take method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
+            hint = "; use method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
             raise InputError(f"exact derivatives are available for efficiency and ball_torque_Nm{hint}", key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
         found = _core.gradient(case, whole, length, wrt, output != "efficiency", _how(solver), threads)
@@ -2002,7 +2009,8 @@ def gradient(
         return values, slopes
     if np.isnan([values[0], *slopes[0]]).any():
         point = case.replace(**cast("Inputs", {name: column[0] for name, column in columns.items()}))
-        raise NotConvergedError(f"no {output} and derivatives at this point", solve(point, **solver))
+        words = f"{output} and its derivatives cannot be calculated at this point"
+        raise NotConvergedError(words, solve(point, **solver))
     return values[0], slopes[0]
 
 
@@ -2084,8 +2092,8 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
     Parameters
     ----------
     case, **question
-        As in `solve`. `apex_half_angle_deg`, `return_angle_deg` and the inputs whose meaning contains "used to calculate jamming" (see
-        `INPUTS`) describe the ball return.
+        As in `solve`. `apex_half_angle_deg`, `return_angle_deg` and the other inputs for jamming (see `INPUTS`)
+        describe the ball return.
 
     Returns
     -------
@@ -2240,7 +2248,7 @@ def axis(
     Returns
     -------
     AxisReport
-        `found` is true if every rule passes.
+        `found` is true if no rule fails.
 
     Raises
     ------
@@ -2293,7 +2301,7 @@ def select_nuts(
     columns_from : mapping, optional
         Maps the column names of `manufacturers` to names of this package. None ignores a column.
     pareto : bool
-        If true, list only the Pareto front of dynamic load rating, stiffness and mass.
+        If true, list only nuts that are Pareto-optimal in dynamic load rating, stiffness and mass.
     sort : str, optional
         Column by which the nuts are sorted.
     descending : bool
@@ -2444,9 +2452,9 @@ def fit(
             raise InputError("with points, measured must be the name of the output, which is a column of points")
         return CalibrationReport(*_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
-        raise InputError("errors applies only to the measured values of points")
+        raise InputError("errors can be given only together with points")
     if len(sought) != 1:
-        raise InputError("one measured value or one limit determines only one input; several inputs need points")
+        raise InputError("one measured value or one limit determines only one input; several inputs require points")
     if limit is not None:
         if measured is not None:
             raise InputError("give measured or limit, not both")
@@ -2458,7 +2466,7 @@ def fit(
 
 
 def _sought(inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None]) -> list[_core.Sought]:
-    """Return the inputs to fit with their ranges."""
+    """Return the inputs to fit, each with its search range."""
     if isinstance(inputs, str):
         return [(inputs, None)]
     if not isinstance(inputs, Mapping):
@@ -2496,7 +2504,7 @@ def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps
     length = max((column.size for column in columns.values()), default=0)
     for name, column in columns.items():
         if column.ndim and len(column) != length:
-            raise InputError(f"column `{name}` has {len(column)} rows, another one {length}", key=name)
+            raise InputError(f"column `{name}` has {len(column)} rows, but another column has {length}", key=name)
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     lines.writerow(columns)
@@ -2548,7 +2556,7 @@ def select(
 
 
 def _sizes(lists: Mapping[str, Any] | str | None) -> str | dict[str, Any] | None:
-    """Return the list of sizes as an argument for the core."""
+    """Return the list of sizes as an argument for the compiled module."""
     return lists if lists is None or isinstance(lists, str) else dict(lists)
 
 
@@ -2596,7 +2604,7 @@ def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[s
 
 
 def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:
-    """Create a table from rows."""
+    """Create a table from rows of values."""
     import numpy as np
 
     columns = {}
@@ -2614,7 +2622,7 @@ def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[
 
 
 def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
-    """Create the table of solved rows."""
+    """Create the table of inputs and results of solved rows."""
     import numpy as np
 
     columns: dict[str, Any] = dict(inputs)
@@ -2651,7 +2659,7 @@ def _number(name: str, value: Any) -> float:
 def _converted(name: str, value: Any) -> Any:
     """Return the magnitude of a quantity with a unit (pint)."""
     if name not in INPUTS:
-        raise InputError(f"`{name}` takes a plain number; give a quantity under the name of an input", key=name)
+        raise InputError(f"`{name}` must be a plain number; only inputs accept quantities with units", key=name)
     try:
         return value.to(_pint_unit(INPUTS[name].unit)).magnitude
     except Exception as error:

@@ -1,4 +1,4 @@
-"""The private core."""
+"""The private compiled module of the package."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -22,7 +22,7 @@ class BallscrewError(Exception):
 
 
 class InputError(BallscrewError, ValueError):
-    """An input, a column or a setting that cannot be used.
+    """An input, a column or a setting cannot be used.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class InputError(BallscrewError, ValueError):
 
 
 class SolveError(BallscrewError, ArithmeticError):
-    """A point without a result.
+    """A point has no result.
 
     Attributes
     ----------

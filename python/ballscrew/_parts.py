@@ -50,7 +50,7 @@ class SolvedPart(TypedDict):
 
 
 class Summary(NamedTuple):
-    """Result of a run.
+    """Result of solving parts of a plan.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Summary(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Nominal cost of a plan: core-hours, and an upper bound for the size in bytes."""
+    """Estimated cost of a plan: core-hours, and an upper bound of the size in bytes."""
 
     core_hours: float
     bytes: float
@@ -123,7 +123,7 @@ class Plan(_core.Plan):
     folder : path
         Folder of the plan and its parts.
     points : path or None
-        Path of the table of points. Defaults to the file beside the folder.
+        Path of the table of points. Defaults to the file that the plan names, next to the folder.
     """
 
     folder: Path
@@ -147,7 +147,7 @@ class Plan(_core.Plan):
         return [f"part-{part:06}.parquet" for part in range(self.parts)]
 
     def estimate(self) -> Estimate:
-        """Return the expected core-hours (nominal times for rolling balls) and the maximum size in bytes."""
+        """Return the estimated core-hours (assuming that the balls roll) and the maximum size in bytes."""
         seconds, size = self._cost()
         return Estimate(seconds / 3600, size)
 
@@ -159,7 +159,7 @@ class Plan(_core.Plan):
         threads: int | None = None,
         progress: bool | Progress | None = None,
     ) -> Summary:
-        """Solve parts on this machine. Existing parts are kept.
+        """Solve parts of the plan on this machine. Existing parts are kept.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ def plan(
     (Summary(parts=1, skipped=0, rows=1000, failed=0), True)
     """
     if sum(given is not None for given in (vary, draw, points)) != 1:
-        raise InputError("give one of vary, draw and points for the points of a plan")
+        raise InputError("the points of a plan require exactly one of vary, draw and points")
     if (draw is None) != (samples is None):
         raise InputError("give both draw (the distributions) and samples (the number of rows)")
     random = None
@@ -293,7 +293,7 @@ def run_part(
     folder : path
         Folder of the parts. The folder is created if it does not exist.
     points : path, optional
-        Path of the table of points of the plan. Defaults to the file beside the folder.
+        Path of the table of points. Defaults to the file that the plan names, next to the folder.
     threads : int
         Number of threads.
     """

@@ -105,7 +105,7 @@ def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
         If the grid does not have two axes.
     """
     if len(grid.axes) != 2:
-        raise ValueError(f"a heatmap has two axes, this grid {len(grid.axes)}")
+        raise ValueError(f"a heatmap requires a grid with two axes, but this grid has {len(grid.axes)}")
     axes = _axes(ax)
     (x, xs), (y, ys) = grid.axes.items()
     drawn = axes.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")
@@ -156,7 +156,7 @@ def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] 
     axes : matplotlib axes
         Axes that a function of this module returned.
     path : path
-        Path of the file. Its ending determines the format.
+        Path of the file. The file extension determines the format.
     size_mm : tuple of float, optional
         Width and height of the figure in millimeters.
     title : str, optional
@@ -193,7 +193,7 @@ def _unit(name: str) -> str:
 
 
 def _quantity(name: str) -> str:
-    """Return the words of a name without its unit."""
+    """Return the name of a quantity as words, without its unit."""
     unit = _unit(name)
     ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
     bare = name.removesuffix(f"_{ending}") if ending else name

@@ -25,8 +25,8 @@ ROWS = 1_000_000
 ROUNDS = 9
 SLACK = 3.0
 KEPT = {"MALLOC_MMAP_THRESHOLD_": "1073741824", "MALLOC_TRIM_THRESHOLD_": "8589934592"}
-"""Setting with which glibc keeps memory. Four new columns take as long as a closed form, and chance would decide
-which side of a comparison allocates new memory."""
+"""Environment variables with which glibc keeps freed memory. Without them, chance would decide which side of a
+comparison allocates new memory. Allocating four columns takes as long as solving the closed form."""
 
 SCREW = bs.Case(
     ball_diameter_mm=6.35,
@@ -45,7 +45,7 @@ ONE: list[Output] = ["efficiency"]
 
 
 class Row:
-    """Line of the table: label, value as text, target, and ratio of value to target."""
+    """A row of the table: label, value as text, target, and ratio of value to target."""
 
     def __init__(self, what: str, value: str, promised: str, times: float) -> None:
         self.what = what
@@ -61,8 +61,8 @@ def points(rows: int) -> dict[str, np.ndarray]:
 
 
 def alternating(*works: Callable[[], float]) -> list[float]:
-    """Return the shortest times of functions that take turns, so that a busy moment of the machine affects all of
-    them."""
+    """Return the shortest time of each function. The functions take turns, so that a busy moment of the machine affects
+    all of them."""
     times: list[list[float]] = [[] for _ in works]
     for _ in range(ROUNDS):
         for work, found in zip(works, times, strict=True):
@@ -71,7 +71,7 @@ def alternating(*works: Callable[[], float]) -> list[float]:
 
 
 def timed(work: Callable[[], object]) -> Callable[[], float]:
-    """Return the seconds of a call. Its result is freed within the measured time."""
+    """Return a function that measures the time of a call [s]. Freeing the result is included in the time."""
 
     def run() -> float:
         start = time.perf_counter()
@@ -121,7 +121,7 @@ def fixed() -> list[Row]:
     table = bs.solve_many(given, SCREW, model="closed-form", columns=ONE, threads=1)
     assert table._rows is not None
     answers = alternating(timed(lambda: table._rows and (table._rows.statuses(), table._rows.models())))[0]
-    # Only the overhead of the package counts, because the batch also creates its columns.
+    # The time of the batch is subtracted, because the batch also creates its columns.
     bare_one, one, bare_four, four = alternating(
         batch(given, "closed-form", ONE), many(given, "closed-form", ONE),
         batch(given, "closed-form", FOUR), many(given, "closed-form", FOUR),
@@ -167,7 +167,7 @@ def one_point() -> list[Row]:
 
 
 def frames() -> list[Row]:
-    """Measure row 6: frames of other libraries."""
+    """Measure row 6: data frames of other libraries."""
     given = points(ROWS)
     forms: dict[str, object] = {"NumPy": given}
     try:
@@ -230,7 +230,7 @@ def measured() -> list[Row]:
 
 
 def main() -> None:
-    """Print the table. With `--check`, fail if targets are exceeded too far."""
+    """Print the table. With `--check`, fail if a target is exceeded by more than a factor of three."""
     if not KEPT.keys() <= os.environ.keys():
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **KEPT})
     rows = measured()
@@ -247,7 +247,7 @@ def main() -> None:
     for _ in range(2 if "--check" in sys.argv and missed else 0):
         missed &= {row.what for row in measured() if row.times > SLACK}
     if "--check" in sys.argv and missed:
-        sys.exit(f"more than {SLACK} times what is to be reached: {'; '.join(sorted(missed))}")
+        sys.exit(f"more than {SLACK} times the target: {'; '.join(sorted(missed))}")
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
-"""An efficiency map over speed and load, with the regime of the balls and a lookup table for a drive model.
+"""Draw an efficiency map over speed and load, and write a lookup table for a drive model.
 
 The file runs as a script, and opens as a notebook in editors that support `# %%` cells. It writes its files to the
 current folder.
 """
 
-# %% The screw. Names end with their units.
+# %% Describe the screw. The name of each input ends with its unit.
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -21,7 +21,7 @@ screw = bs.Case(
     loaded_balls=70,
 )
 
-# %% A full grid on all cores. The last axis varies fastest.
+# %% Solve a full grid on all cores. The last input varies fastest.
 grid = bs.sweep(
     screw,
     vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(20, 2000, 40)},
@@ -34,7 +34,7 @@ print(grid, grid.grid("efficiency").shape)
 rolls = grid.grid("onset_number") < 1.0
 print(f"the balls roll at {rolls.mean():.0%} of the points")
 
-# %% The map. Failed points leave gaps.
+# %% Draw the map. Points without a result leave gaps.
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
 bs.plot.heatmap(grid, "efficiency", ax=left)
 bs.plot.curves(
@@ -50,7 +50,7 @@ bs.plot.curves(
 )
 figure.savefig("efficiency_map.svg")
 
-# %% For a drive model: torque over speed and load, as any frame or file.
+# %% Write the torque as a table over load and speed, for a drive model.
 table = grid.to_pandas().pivot(index="axial_load_N", columns="screw_speed_rpm", values="ball_torque_Nm")
 table.to_csv("torque.csv")
 assert np.isfinite(table.to_numpy()).all()

@@ -1,7 +1,7 @@
 """A ball screw as a functional mock-up unit (FMI 2.0, co-simulation) for drive simulators.
 
-`python -m pythonfmu build -f fmu.py` builds BallScrew.fmu. The unit needs Python with `ballscrew` at run time. As a
-script, this file builds the unit and, if FMPy is installed, simulates a start from standstill.
+`python -m pythonfmu build -f fmu.py` builds BallScrew.fmu. The unit needs Python with `ballscrew` at run time. If
+this file is run as a script, it builds the unit and, if FMPy is installed, simulates a start from standstill.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SCREW = bs.Case(
     loaded_balls=70,
 )
 SLOWEST = 1.0
-"""Smallest speed [rpm]. Lower speeds give the result of this speed, because the model needs moving balls."""
+"""Smallest calculated speed [rpm]. The model needs moving balls, so this speed is used at lower speeds."""
 
 
 class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]

@@ -1,9 +1,9 @@
-"""From a requirement to a screw, and the axis around it.
+"""Select a screw for a requirement, and calculate the feed axis.
 
 The file runs as a script, and opens as a notebook in editors that support `# %%` cells.
 """
 
-# %% Requirements of the axis.
+# %% The requirements of the feed axis.
 import ballscrew as bs
 
 requirement = {
@@ -19,22 +19,22 @@ requirement = {
     "objective": "mass",
 }
 
-# %% The best screw of standard sizes, with its active limits.
+# %% Select the best screw from the sizes of manufacturers.
 design = bs.select(requirement)
 assert design.found, design.reasons
 screw = design.case
 print(screw)
 
-# %% Every nut in the catalog that meets all limits, with the lightest first.
+# %% List nuts of the catalog that meet all limits. The lightest nut comes first.
 nuts = bs.select_nuts(requirement=requirement, sort="mass_kg", first=5)
 print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
 
-# %% The axis around the screw, with limit and margin of each rule.
+# %% Calculate the feed axis. Each rule has a value and a limit.
 axis = bs.axis(screw)
 for rule in axis.rules:
     print(rule.name, rule.value, rule.limit, rule.passes)
 
-# %% All balls of the nut.
+# %% Calculate the loads of all balls of the nut.
 nut = bs.nut(screw)
 print(nut)
 print(nut.balls.to_pandas().head())

@@ -79,7 +79,7 @@ for name in names:
 # %% [markdown]
 # ## Are other sizes better?
 #
-# Manufacturers' catalogs contain few sizes. The list of standard sizes combines all usual diameters, leads, ball
+# Manufacturers' catalogs contain few sizes. The list of standard sizes combines all standard diameters, leads, ball
 # diameters and turns, so it shows the trade-off between mass and heat. Each point is a screw that satisfies all rules.
 
 # %%
@@ -120,10 +120,10 @@ nuts[best[::2]][names]
 #
 # ## Limits
 #
-# * A standard size is a combination of usual dimensions. Ask a manufacturer whether a nut of this size is available.
+# * A standard size is a combination of standard dimensions. Ask a manufacturer whether a nut of this size is available.
 # * Life, stiffness and critical speed are calculated with rules of ISO 3408 and of manufacturers, which are
 #   conservative to different degrees. The temperature rise is calculated from estimated conductances; its uncertainty
 #   is several tens of percent.
-# * The calculation does not include wear, shocks, the control of the axis, and the bending of the screw due to its
+# * The calculation does not include wear, shocks, the control of the axis, or the bending of the screw due to its
 #   weight. `axis.not_modeled` lists these effects.
 # * [Choose and size a feed axis](../../docs/guide/axis.md) explains the sheet and all rules.

@@ -1,4 +1,4 @@
-//! The Python class of cases.
+//! The class `Case` of the Python package.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -14,7 +14,7 @@ pub(crate) struct Case(pub(crate) bsm_case::Case);
 
 #[pymethods]
 impl Case {
-    /// * `base`: source of the inputs that are not given.
+    /// * `base`: case that provides the inputs that `inputs` does not contain.
     /// * `inputs`: inputs by name. `None` removes an input of `base`.
     #[new]
     fn new(base: Option<&Bound<'_, Self>>, inputs: Entries) -> Result<Self> {
@@ -33,12 +33,12 @@ impl Case {
         Self::checked(bsm_case::Case::from_json(text.as_bytes())?)
     }
 
-    /// Returns the value of an input by its index, if it is given.
+    /// Returns the input with the given index, or `None` if the case does not contain it.
     fn number(&self, place: usize) -> Option<f64> {
         self.0[*InputKey::ALL.get(place)?]
     }
 
-    /// Returns an input that is not a number, if it is given.
+    /// Returns an input that is not a number, or `None` if the case does not contain it.
     fn entry(&self, name: &str) -> Result<Object> {
         let unknown = || Error::from(format!("no input is named `{name}`"));
         self.0.nut.get(name).map(Object).ok_or_else(unknown)
@@ -71,7 +71,7 @@ impl Case {
 }
 
 impl Case {
-    /// Returns the case with a groove, which is estimated if it is not given in full.
+    /// Returns the case with a complete groove. Missing groove inputs are estimated.
     pub(crate) fn with_groove(&self) -> Result<bsm_case::Case, CaseError> {
         self.0.with_groove()
     }
@@ -86,7 +86,7 @@ impl Case {
 /// lubricant, as passed from Python.
 pub(crate) type Keywords = (String, f64, f64, f64, Option<String>, String);
 
-/// Solver settings that have been checked.
+/// Checked solver settings, converted from Python.
 pub(crate) struct How(pub(crate) Settings);
 
 impl<'py> FromPyObject<'_, 'py> for How {

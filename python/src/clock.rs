@@ -14,8 +14,8 @@ use crate::errors::Result;
 use crate::points::table_of;
 use crate::table::NumberArray;
 
-/// Returns the seconds that the batch alone takes for the rows on one thread, keeping all answers
-/// in memory.
+/// Returns the time \[s\] in which the batch solver solves the rows on one thread and keeps all
+/// results in memory.
 #[pyfunction]
 pub(crate) fn batch_seconds(
     py: Python<'_>,
@@ -40,7 +40,7 @@ pub(crate) fn batch_seconds(
     })
 }
 
-/// Returns the seconds that a model takes to solve a case a number of times.
+/// Returns the time \[s\] in which a model solves a case `times` times.
 #[pyfunction]
 pub(crate) fn solve_seconds(case: &Bound<'_, Case>, how: How, times: u64) -> Result<f64> {
     let case = &case.get().0;

@@ -14,10 +14,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pyo3_arrow::error::PyArrowError;
 
-/// A Python exception. Every error of the program is converted to one.
+/// A Python exception. All errors of the program are converted to this type.
 pub(crate) struct Error(PyErr);
 
-/// Return type of the functions of the core.
+/// Return type of the functions that Python calls.
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl From<Error> for PyErr {
@@ -54,7 +54,7 @@ fn of_text(error: impl Display) -> PyErr {
     Error::from(error.to_string()).into()
 }
 
-/// Creates the exception for an error of a folder.
+/// Creates the exception for an error in a folder of parts.
 fn folder(error: DatasetError) -> PyErr {
     match error {
         DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
@@ -121,11 +121,11 @@ struct About<'a> {
     value: Option<f64>,
     rule: Option<&'a str>,
     nearest: Option<&'a str>,
-    /// Row, counted from 0.
+    /// Index of the invalid row, counted from 0.
     row: Option<usize>,
 }
 
-/// Creates an `InputError` with its attributes.
+/// Creates an `InputError` with the given message and attributes.
 fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
     made("InputError", |py, kind| {
         let named = PyDict::new(py);

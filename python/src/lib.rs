@@ -1,5 +1,5 @@
-//! The private core of the Python package `ballscrew`. It contains conversions only and no formula.
-//! The public functions are in `ballscrew/_api.py`.
+//! The private core of the Python package `ballscrew`. It contains only conversions and no
+//! formulas. The public functions are in `ballscrew/_api.py`.
 
 #![expect(
     clippy::needless_pass_by_value,
@@ -35,7 +35,7 @@ fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, Strin
     INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
 }
 
-/// Names of the inputs in other units than the units of the vocabulary.
+/// Returns the input names that end with a unit other than the unit of the program.
 #[pyfunction]
 fn names_in_other_units() -> Vec<String> {
     let of_input = |name: &'static str| {
@@ -109,7 +109,7 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Reads the members of a JSON object from text.
+/// Parses a JSON object and returns its members.
 #[pyfunction]
 fn entries(text: &str) -> Result<Object> {
     let entries = bsm_case::entries(text.as_bytes())?;
@@ -141,8 +141,8 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        // The models with `auto` first, the raceways that may control, and the locations of the
-        // friction of a lubricant.
+        // Names of the models (`auto` first), of the raceways that can control the ball, and of the
+        // methods for calculating the friction of a lubricant film.
         module.add("MODELS", ModelChoice::names().collect::<Vec<_>>())?;
         module.add("RACEWAYS", Control::ALL.map(Control::name))?;
         module.add("FRICTIONS", RacewayFriction::ALL.map(RacewayFriction::name))

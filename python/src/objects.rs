@@ -38,7 +38,8 @@ impl<'py> FromPyObject<'_, 'py> for Entries {
     }
 }
 
-/// Reads the value of a key. Arrays and scalars of NumPy are converted to lists and numbers.
+/// Converts the value of a key to JSON. NumPy arrays and scalars are converted to lists and
+/// numbers.
 pub(crate) fn value_of(key: &str, value: &Bound<'_, PyAny>) -> Result<Value> {
     let plain =
         if value.hasattr("tolist")? { value.call_method0("tolist")? } else { value.clone() };
@@ -52,6 +53,6 @@ pub(crate) fn value_of(key: &str, value: &Bound<'_, PyAny>) -> Result<Value> {
 pub(crate) fn case_of(json: Value) -> Result<Case, CaseError> {
     match json {
         Value::Object(entries) => Case::from_entries(entries),
-        other => Err(CaseError::Invalid(format!("{other} is no case"))),
+        other => Err(CaseError::Invalid(format!("{other} is not a case"))),
     }
 }

@@ -19,8 +19,8 @@ use crate::errors::{Error, Result};
 use crate::points::{AxisRange, Law, draws_of, format_of, grid_of, selected, watched};
 use crate::table::Arrow;
 
-/// Creates a temporary file. Files are removed when their owners are dropped, because Python stops
-/// a run without ending the process.
+/// Creates a temporary file, which is removed as soon as its owner is dropped. Python may interrupt
+/// a run and continue, so files must not remain until the end of the process.
 fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
     file()
 }
@@ -44,19 +44,19 @@ type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<Path
 /// Random points: seed, number, and distributions of the inputs.
 type Random = (u64, u64, Vec<(String, Law)>);
 
-/// A plan.
+/// The plan of a dataset.
 #[pyclass(frozen, subclass, name = "Plan", module = "ballscrew._core")]
 pub(crate) struct PyPlan(Plan);
 
-// The class of the package inherits from this class. Methods that begin with an underscore are
-// private.
+// The public Python class `Plan` inherits from this class. Methods whose names begin with an
+// underscore are private.
 #[pymethods]
 impl PyPlan {
     /// * `axes`, `random`, `table`: exactly one source of points: axes of a grid, random points, or
     ///   a table with columns to copy.
     #[staticmethod]
     #[pyo3(name = "_of")]
-    #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+    #[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
     fn of(
         py: Python<'_>,
         base: &Bound<'_, Case>,
@@ -98,7 +98,7 @@ impl PyPlan {
         Plan::from_text(text).map(Self).map_err(planned)
     }
 
-    /// Reads the plan of a folder.
+    /// Reads the plan that is stored in a folder.
     #[staticmethod]
     #[pyo3(name = "_within")]
     fn within(folder: PathBuf) -> Result<Self> {
@@ -111,37 +111,38 @@ impl PyPlan {
         Ok(Dataset::resume(&folder, self.0.clone(), make).map(drop)?)
     }
 
-    /// Text of `plan.json`.
+    /// Returns the text of the file `plan.json`.
     #[getter]
     fn text(&self) -> &str {
         self.0.text()
     }
 
-    /// SHA-256 of the text.
+    /// Returns the SHA-256 hash of the text of `plan.json`.
     #[getter]
     fn id(&self) -> &str {
         self.0.id()
     }
 
-    /// Number of rows.
+    /// Returns the number of rows of all parts.
     #[getter]
     fn rows(&self) -> u64 {
         self.0.rows()
     }
 
-    /// Number of parts.
+    /// Returns the number of parts of the plan.
     #[getter]
     fn parts(&self) -> u64 {
         self.0.parts()
     }
 
-    /// Number of rows of a part. The last part may have fewer.
+    /// Returns the number of rows of each part. The last part may have fewer rows.
     #[getter]
     fn rows_per_part(&self) -> u64 {
         self.0.rows_per_part()
     }
 
-    /// Returns the nominal seconds on one core, and an upper bound of the size in bytes.
+    /// Returns the estimated computing time on one core \[s\], and an upper bound of the size
+    /// \[B\].
     #[pyo3(name = "_cost")]
     fn cost(&self) -> Result<(f64, f64)> {
         let estimate = self.0.estimate().map_err(planned)?;
@@ -153,9 +154,9 @@ impl PyPlan {
     ///
     /// * `numbers`: numbers of the parts in ascending order. `None` solves all parts and then
     ///   writes the list of parts.
-    /// * `table`: path of the table of the plan.
+    /// * `table`: path of the table that contains the points of the plan.
     #[pyo3(name = "_solve_into")]
-    #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+    #[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
     fn solve_into(
         &self,
         py: Python<'_>,
@@ -194,13 +195,13 @@ impl PyPlan {
             }
             Ok::<_, DatasetError>((found.values().map(told).collect(), there))
         };
-        // Python handles signals while other threads solve.
+        // The calling thread handles the signals of Python while other threads solve the parts.
         watched(py, false, len, Some(NonZeroUsize::MIN), progress, solve)
     }
 
-    /// Solves a part in memory.
+    /// Solves one part of the plan and returns its rows in memory.
     ///
-    /// * `table`: path of the table of the plan.
+    /// * `table`: path of the table that contains the points of the plan.
     #[pyo3(name = "_solve")]
     fn solve(
         &self,
@@ -222,7 +223,7 @@ impl PyPlan {
     /// Returns the state of a folder: parts, missing ranges, damaged files with the reason, and
     /// foreign files.
     ///
-    /// * `finish`: also writes the list of parts if all parts exist.
+    /// * `finish`: true to write the list of parts if all parts exist.
     #[pyo3(name = "_survey")]
     fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool, finish: bool) -> Result<Survey> {
         let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {

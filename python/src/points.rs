@@ -1,4 +1,4 @@
-//! Many points in memory.
+//! Solves many points and keeps the results in memory.
 
 use std::cell::OnceCell;
 use std::io;
@@ -27,7 +27,7 @@ use crate::case::{Case, How};
 use crate::errors::{Error, Result};
 use crate::table::{KeptColumn, NumberArray, shared};
 
-/// Interval at which the calling thread handles signals and shows progress.
+/// Interval at which the calling thread checks for signals and shows the progress.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Source of the rows of a table in memory.
@@ -67,7 +67,7 @@ impl Source for Memory {
     }
 }
 
-/// Origin of the rows, from which they can be read again.
+/// Source of the input rows. The rows can be read from it more than once.
 #[derive(Clone)]
 enum Origin {
     Grid(Grid),
@@ -83,7 +83,7 @@ impl Origin {
     }
 }
 
-/// Rows and their results.
+/// Input rows together with their results.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Rows {
     origin: Origin,
@@ -102,7 +102,7 @@ impl Rows {
         self.verdicts.len()
     }
 
-    /// Returns the names of the inputs that are columns, as in the table.
+    /// Returns the input names of the columns, as they are spelled in the table.
     fn inputs(&self) -> Vec<String> {
         match &self.origin {
             Origin::Grid(_) => Vec::new(),
@@ -110,7 +110,7 @@ impl Rows {
         }
     }
 
-    /// Returns the models as indices into the list of their names.
+    /// Returns the model of each row as an index, together with the list of model names.
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
         let place = |verdict: &Verdict| match verdict.model {
@@ -120,7 +120,7 @@ impl Rows {
         (codes(self.verdicts.iter().map(place).collect()), names)
     }
 
-    /// Returns the statuses as indices into the list of their names.
+    /// Returns the status of each row as an index, together with the list of status names.
     fn statuses(&self) -> Words {
         let names = Status::ALL.map(Status::name).to_vec();
         (codes(self.verdicts.iter().map(|verdict| verdict.status as u8).collect()), names)
@@ -131,13 +131,13 @@ impl Rows {
         self.messages.iter().map(|(row, text)| (*row, text.as_str())).collect()
     }
 
-    /// Returns name and values of the outputs.
+    /// Returns the names and values of the output columns.
     fn outputs(&self) -> Vec<(&'static str, PyArrowBuffer)> {
         let buffer = |values: &ScalarBuffer<f64>| PyArrowBuffer::new(values.inner().clone());
         self.outputs.iter().zip(&self.columns).map(|(o, values)| (o.name, buffer(values))).collect()
     }
 
-    /// Writes the table like the program, in the format of the file ending.
+    /// Writes the table in the same form as the program. The file extension determines the format.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<()> {
         let format = format_of(&path)?;
         Ok(py.detach(|| self.write_to(&path, format))?)
@@ -172,13 +172,13 @@ impl Rows {
     }
 }
 
-/// Returns the format for the file ending of a path.
+/// Returns the table format that corresponds to the file extension.
 pub(crate) fn format_of(path: &Path) -> Result<Format> {
     let words = || format!("{}: the name must end with .csv, .jsonl or .parquet", path.display());
     Format::of(path).ok_or_else(|| words().into())
 }
 
-/// Creates a temporary file in the folder of a path. It replaces the path when it is complete.
+/// Creates a temporary file in the folder of `path`. The complete file later replaces `path`.
 pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))
@@ -224,15 +224,16 @@ pub(crate) fn table_of(
     Ok(Memory { columns: named, names, inputs, kept, len, at: 0 })
 }
 
-/// Solves the rows given by columns in memory.
+/// Solves rows whose inputs are given as columns, and keeps the results in memory.
 ///
-/// * `columns`: name, values, and rows without a value.
-/// * `kept`: columns that are copied.
-/// * `progress`: is called with the number of finished rows and the number of all rows.
-/// * `text`: keeps the reasons for the choice of `auto` in addition to the reasons for missing
-///   results.
+/// * `columns`: name and values of each column, and the rows in which it has no value.
+/// * `kept`: columns that are copied to the results.
+/// * `progress`: function that is called with the number of finished rows and the total number of
+///   rows.
+/// * `text`: true to keep the reasons why `auto` chose a model, in addition to the reasons for
+///   missing results.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn solve_many(
     py: Python<'_>,
     base: &Bound<'_, Case>,
@@ -294,8 +295,7 @@ pub(crate) fn draws_of(seed: u64, count: u64, of: Vec<(String, Law)>) -> Result<
     Draws::new(seed, count, of.into_iter().map(draw).collect::<Result<_, _>>()?)
 }
 
-/// Returns the values of random points for each drawn input, which equal those of
-/// `bsm sweep --draw`.
+/// Returns the values of each drawn input. The values are identical to those of `bsm sweep --draw`.
 #[pyfunction]
 pub(crate) fn draws(
     seed: u64,
@@ -308,10 +308,10 @@ pub(crate) fn draws(
 
 /// Solves a grid. The last axis varies fastest.
 ///
-/// * `axes`: names and values.
+/// * `axes`: names and values of the varied inputs.
 /// * `text`: see [`solve_many`].
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn sweep(
     py: Python<'_>,
     base: &Bound<'_, Case>,
@@ -335,14 +335,14 @@ pub(crate) fn sweep(
 /// A set of threads, with the process id and the requested number of threads.
 type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 
-/// Threads of this process by their number. A forked process has none of the threads that its
-/// parent started.
+/// The sets of threads of this process, one for each requested number of threads. A forked process
+/// has none of the threads that its parent started.
 static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 
-/// Stop flag of these threads, which is never set, because each run has its own flag.
+/// Stop flag of the worker threads, which is never set, because each run has its own flag.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// Returns the threads of this process, which are started once for each number of threads.
+/// Returns the set with the requested number of threads. The set is started on first use.
 fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
     let process = std::process::id();
@@ -357,7 +357,7 @@ fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     Ok(workers)
 }
 
-/// Solves a task.
+/// Solves a batch task and collects the results of all rows.
 ///
 /// * `how`: number of threads, progress function, and whether rows with a result keep their
 ///   messages.
@@ -382,14 +382,14 @@ fn drive(
     Ok(Rows { origin, outputs: task.outputs.clone(), verdicts, messages, columns })
 }
 
-/// Results of all rows.
+/// Results of all rows of a table.
 struct RowAnswers {
     verdicts: Vec<Verdict>,
     messages: Vec<(usize, String)>,
-    /// Outputs. A column is `None` as long as no row has a value.
+    /// Output columns. A column is `None` as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
     len: usize,
-    /// True to keep messages of rows that have a result, too.
+    /// True to keep also the messages of rows that have a result.
     text: bool,
 }
 
@@ -405,7 +405,7 @@ impl RowAnswers {
         Self { verdicts, messages, columns, len, text }
     }
 
-    /// Solves all rows of the source.
+    /// Solves all rows of a source and stores their results.
     fn fill(
         &mut self,
         task: &Task,
@@ -430,7 +430,8 @@ impl RowAnswers {
             self.messages.extend(words.map(|(row, text)| (first + row, text)));
             for (place, row, values) in values {
                 let column = self.columns[place].get_or_insert_with(|| {
-                    // Memory that the system has zeroed is not occupied before it is written.
+                    // The operating system provides zeroed memory only when it is written, so
+                    // unused rows occupy no memory.
                     let mut column = vec![0.0; self.len];
                     column[..rows.end].fill(f64::NAN);
                     column
@@ -446,8 +447,8 @@ impl RowAnswers {
 /// Runs `work` on the threads, while the calling thread handles signals and shows progress. Quick
 /// work is done by the calling thread itself.
 ///
-/// * `work`: must end when its first argument becomes true, and counts finished rows in the second
-///   argument.
+/// * `work`: function that must end when its first argument becomes true, and that counts finished
+///   rows in its second argument.
 pub(crate) fn watched<R: Send, E: Send>(
     py: Python<'_>,
     quick: bool,
@@ -479,10 +480,10 @@ where
             loop {
                 match told.recv_timeout(LOOK) {
                     Ok(result) => break Ok(result),
-                    // The thread has panicked.
+                    // The channel is disconnected, so the worker thread has panicked.
                     Err(RecvTimeoutError::Disconnected) => match running.join() {
                         Err(panic) => resume_unwind(panic),
-                        Ok(()) => break Err(io::Error::other("the threads returned no answer")),
+                        Ok(()) => break Err(io::Error::other("the threads returned no result")),
                     },
                     Err(RecvTimeoutError::Timeout) if interrupted.is_none() => {
                         let count = done.load(Ordering::Relaxed);
@@ -501,7 +502,7 @@ where
     Ok(result??)
 }
 
-/// Handles signals and shows progress.
+/// Checks for signals and shows the progress.
 fn look(progress: Option<&Py<PyAny>>, done: u64, len: usize) -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;

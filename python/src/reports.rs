@@ -1,4 +1,5 @@
-//! Reports, with the names of the program.
+//! Functions that return reports. The entries of a report have the names of the program's JSON
+//! output.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -26,10 +27,10 @@ use crate::objects::{Entries, Object, case_of};
 use crate::points::{beside, format_of, watched};
 use crate::table::{NumberArray, shared};
 
-/// The entries of a report, true if it has a result, and its warnings.
+/// A report: its entries, whether it has a result, and its warnings.
 type Report = (Object, bool, Vec<String>);
 
-/// Converts an answer to a report.
+/// Converts an answer of the program to a report for Python.
 fn told(answer: &Answer) -> Report {
     (Object(answer.to_json()), !answer.fails, answer.warnings.clone())
 }
@@ -43,13 +44,13 @@ fn on_threads<R: Send>(
     watched(py, false, 0, None, None, |_, _| work())
 }
 
-/// Calculates the slip of the balls.
+/// Calculates the slip at the contacts of a ball.
 #[pyfunction]
 pub(crate) fn slip(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
     of_motion(py, case, &how, bsm_case::slip)
 }
 
-/// Analyzes jamming of the balls.
+/// Analyzes whether the balls jam in the nut or at the ball return.
 #[pyfunction]
 pub(crate) fn jam(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
     of_motion(py, case, &how, |case, _, solution| bsm_case::jam(case, solution))
@@ -57,7 +58,7 @@ pub(crate) fn jam(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Re
 
 /// Calculates pressure, slip and friction over the contact ellipses.
 ///
-/// * `points`: number of points on each semi-axis.
+/// * `points`: number of grid points on each semi-axis.
 #[pyfunction]
 pub(crate) fn ellipses(
     py: Python<'_>,
@@ -95,25 +96,25 @@ fn of_motion(
     })
 }
 
-/// Compares all models for which a case has inputs.
+/// Compares all models whose inputs the case contains.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().with_groove()?;
     on_threads(py, || Ok(told(&bsm_case::comparison(case)?)))
 }
 
-/// Calculates the ratings of a nut.
+/// Calculates the load ratings of a nut.
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().with_groove()?;
     on_threads(py, || Ok(told(&over_grooves(case, DRAWS, bsm_case::ratings)?)))
 }
 
-/// Rows of a table.
+/// Rows of a table of numbers.
 type Lines = Vec<Vec<f64>>;
 
-/// Calculates all balls of a nut, and returns the report, the rows of its balls, and the rows of
-/// its curve.
+/// Solves all balls of a nut. Returns the report, the rows of the table of balls, and the rows of
+/// the load-displacement curve.
 #[pyfunction]
 pub(crate) fn nut(
     py: Python<'_>,
@@ -134,17 +135,17 @@ pub(crate) fn nut(
     })
 }
 
-/// Names and units of columns.
+/// Names and units of the columns of a table.
 type NamesAndUnits = Vec<(&'static str, &'static str)>;
 
-/// Returns the columns of the balls and of the curve of a nut.
+/// Returns the columns of two tables of a nut: its balls and its load-displacement curve.
 #[pyfunction]
 pub(crate) fn nut_columns() -> (NamesAndUnits, NamesAndUnits) {
     let named = |columns: Vec<&'static Output>| columns.iter().map(|c| (c.name, c.unit)).collect();
     (named(NutReport::ball_columns()), named(NutReport::curve_columns()))
 }
 
-/// Calculates quantiles over random balls.
+/// Calculates quantiles of the results of nuts with random ball diameters.
 #[pyfunction]
 pub(crate) fn nut_samples(
     py: Python<'_>,
@@ -200,9 +201,9 @@ pub(crate) fn fit(
 
 /// Fits inputs to a table of measured points.
 ///
-/// * `measured`: name of the output.
-/// * `errors`: relative or absolute.
-/// * `table`: CSV text.
+/// * `measured`: name of the measured output.
+/// * `errors`: kind of measurement errors, relative or absolute.
+/// * `table`: measured points as CSV text.
 #[pyfunction]
 pub(crate) fn fit_table(
     py: Python<'_>,
@@ -236,7 +237,7 @@ pub(crate) fn fit_table(
 
 /// Selects a screw for a requirement.
 ///
-/// * `free`: treats the sizes as continuous.
+/// * `free`: true to treat the sizes as continuous.
 /// * `lists`: see [`sizes`].
 #[pyfunction]
 pub(crate) fn select(
@@ -274,12 +275,12 @@ pub(crate) fn optimum(
     on_threads(py, || Ok(told(&over_grooves(case, DRAWS, answer)?)))
 }
 
-/// Files of a report by their paths in its folder.
+/// Files of a report: path in the folder of the report, and contents.
 type Files = Vec<(String, String)>;
 
-/// Calculates the axis around a screw.
+/// Calculates a feed axis: rules, torque, heat and life.
 ///
-/// * `sheet`: also creates the files of the axis sheet.
+/// * `sheet`: true to create also the files of the axis sheet.
 #[pyfunction]
 pub(crate) fn axis(
     py: Python<'_>,
@@ -298,7 +299,8 @@ pub(crate) fn axis(
     Ok((told(&report.answer), files))
 }
 
-/// Returns the checks of published results, and the files of their report on request.
+/// Compares the program with published results. Returns the checks and, if requested, the files of
+/// their report.
 ///
 /// * `data`: folder with published data. Defaults to the built-in data.
 #[pyfunction]
@@ -325,8 +327,8 @@ pub(crate) fn validate(
 /// Number of rows in memory while a table is written, as in the program.
 const PART: usize = 1 << 14;
 
-/// Writes columns of a catalog, of the balls of a nut or of its curve, in the format of the
-/// program.
+/// Writes columns of a nut list, of the balls of a nut or of its load-displacement curve, in the
+/// format of the program.
 #[pyfunction]
 pub(crate) fn write_numbers(
     py: Python<'_>,
@@ -366,7 +368,7 @@ pub(crate) fn write_numbers(
 /// Name, unit and values of the columns of a table.
 type Table = Vec<(String, &'static str, PyArrowBuffer)>;
 
-/// Nuts of a list, which can be converted to cases.
+/// Nuts of a list. Each nut can be converted to a case.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
@@ -412,7 +414,7 @@ fn sizes(lists: Option<Lists>) -> Result<Catalog, CaseError> {
     }
 }
 
-/// Reads a requirement.
+/// Reads a requirement from the keys of a Python dict.
 fn requirement_of(
     entries: Option<Entries>,
     catalog: &Catalog,
@@ -422,15 +424,16 @@ fn requirement_of(
     entries.map(read).transpose()
 }
 
-/// Nuts of a manufacturer.
+/// Results for the nuts of a manufacturer's table, as returned by [`manufacturers`].
 type ManufacturerTable =
     (Table, Vec<String>, Vec<Option<bool>>, Vec<Option<String>>, Vec<String>, Nuts);
 
-/// Compares nuts of a manufacturer with the calculation. Returns numeric columns, the names of the
-/// nuts, whether they pass the rules of a requirement (`None` if undecided), how their grooves are known, and warnings.
+/// Compares the nuts of a manufacturer's table with the calculation. Returns numeric columns, the
+/// names of the nuts, whether each nut passes the rules of a requirement (`None` if undecided), how
+/// its groove is known, warnings, and the nuts as cases.
 ///
-/// * `table`: CSV text.
-/// * `names`: maps its column names.
+/// * `table`: manufacturer's table as CSV text.
+/// * `names`: map from the column names of the table to names of the program.
 /// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
 pub(crate) fn manufacturers(
@@ -465,7 +468,7 @@ pub(crate) fn manufacturers(
 /// * `lists`: see [`sizes`].
 /// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn select_nuts(
     py: Python<'_>,
     lists: Option<Lists>,

@@ -1,4 +1,4 @@
-//! The Python class of solutions.
+//! The class `Solution` of the Python package.
 
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
@@ -22,19 +22,20 @@ use crate::points::watched;
 use crate::table::{NumberArray, shared};
 
 thread_local! {
-    /// Memory of the models.
+    /// Reusable memory of the models, one instance per thread.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
-/// The solution of one point.
+/// The solution of one operating point.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
 pub(crate) struct Solution {
     case: Py<Case>,
-    /// The case with a groove, which may be estimated.
+    /// The case with a complete groove. Missing groove inputs are estimated.
     solved: bsm_case::Case,
     settings: Settings,
     record: Record,
-    /// Screw torque, solved on first access, or the message that explains why there is none.
+    /// Torque of the whole screw, calculated on first access, or the message that explains why it
+    /// cannot be calculated.
     screw_torque: OnceLock<Result<f64, String>>,
 }
 
@@ -102,17 +103,17 @@ impl Solution {
         self.record.all_warnings(&self.solved)
     }
 
-    /// Returns a number by the index of its output, or NaN if it is missing.
+    /// Returns the numeric output with the given index, or NaN if it is missing.
     fn number(&self, place: usize) -> f64 {
         self.value(place).unwrap_or(f64::NAN)
     }
 
-    /// Returns a boolean output by its index.
+    /// Returns the boolean output with the given index.
     fn flag(&self, place: usize) -> Option<bool> {
         self.value(place).map(|flag| flag > 0.5)
     }
 
-    /// Returns a text output by its index.
+    /// Returns the text output with the given index.
     fn word(&self, place: usize) -> Option<&'static str> {
         OUTPUTS.get(place)?.word(self.number(place))
     }
@@ -177,16 +178,16 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
     Ok(answer.ok().map(|(_, rows)| rows.into_iter().map(row).collect()))
 }
 
-/// Inputs that follow from other inputs if they are not given.
+/// Inputs that are calculated from other inputs if they are not given.
 const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
 /// Returns the values of an output at many points, and its derivatives with respect to each input
 /// of `wrt`, point by point. They are NaN at a point without a solution.
 ///
-/// * `columns`: name, and one value per point.
+/// * `columns`: name of each column, and its value at each point.
 /// * `torque`: true for the screw torque, false for the efficiency.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
+#[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
 pub(crate) fn gradient(
     py: Python<'_>,
     base: &Bound<'_, Case>,

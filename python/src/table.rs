@@ -1,4 +1,4 @@
-//! Columns that Python and Arrow share.
+//! Table columns whose memory Python and Arrow share.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use serde_json::Value;
 
 use crate::errors::{Error, Result};
 
-/// Numbers of Python that are read without a copy.
+/// An array of numbers from Python, which is read without a copy.
 #[derive(Clone)]
 pub(crate) struct NumberArray(pub(crate) ScalarBuffer<f64>);
 
@@ -37,7 +37,7 @@ impl<'py> FromPyObject<'_, 'py> for NumberArray {
     }
 }
 
-/// Converts numbers to a buffer for Python without a copy.
+/// Converts numbers to a buffer that Python uses without a copy.
 pub(crate) fn shared(values: Vec<f64>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(values))
 }
@@ -123,7 +123,7 @@ impl KeptColumn {
         self.0.len()
     }
 
-    /// Returns the values for NumPy.
+    /// Returns the values of the column as a NumPy buffer or list.
     fn values(&self) -> Result<Values> {
         let column = &self.0;
         let is_full = column.null_count() == 0;
@@ -194,17 +194,17 @@ impl KeptColumn {
     }
 }
 
-/// A column of a frame, either numbers with missing values or a copied column.
+/// A column of a data frame: either numbers with missing values, or a copied column.
 #[derive(IntoPyObject)]
 pub(crate) enum Read {
-    /// Values, with NaN for missing ones, and the rows without a value.
+    /// Values (NaN if missing), and the indices of the rows without a value.
     Numbers(PyArrowBuffer, Vec<usize>),
     Kept(KeptColumn),
 }
 
 /// Reads the columns of any object that exports an Arrow stream. Numbers become doubles.
 ///
-/// * `kept`: columns that are copied.
+/// * `kept`: names of the columns that are copied.
 #[pyfunction]
 pub(crate) fn read_arrow(frame: AnyRecordBatch, kept: Vec<String>) -> Result<Vec<(String, Read)>> {
     let reader = frame.into_reader()?;
@@ -292,7 +292,7 @@ pub(crate) fn to_arrow<'py>(
     Ok(stream(py, schema, vec![batch])?)
 }
 
-/// Returns the memory of an array without a copy.
+/// Returns the memory of a NumPy array without a copy.
 fn buffer(array: &Bound<'_, PyAny>) -> Result<Buffer> {
     Ok(array.extract::<AnyBufferProtocol>()?.into_arrow_buffer()?)
 }

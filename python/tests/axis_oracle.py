@@ -35,7 +35,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of the cycle with linear speed, and a process force that is linear in the travel."""
+    """A part of the cycle in which the speed changes linearly with time and the process force changes linearly."""
 
     time: float
     feeds: tuple[float, float]
@@ -125,7 +125,7 @@ def roots(function: Callable[[float], float]) -> list[float]:
 
 
 class Axis:
-    """All numbers of an axis with a catalog screw, in SI units inside and in the units of the names outside."""
+    """Calculation of an axis with a catalog screw. Internal values have SI units; results have the units in their names."""
 
     def __init__(self, case: dict[str, Any]) -> None:
         self.case = case

@@ -11,8 +11,8 @@ from axis_oracle import Axis
 
 import ballscrew as bs
 
-# Numbers that the oracle does not calculate: uncertainty bands, and results of single moments or of the fall of an
-# axis.
+# Numbers that the oracle does not calculate: uncertainty bands, results that apply to a single moment, and results for
+# the fall of a vertical axis.
 ELSEWHERE = {
     "back_driving_torque_Nm",
     "back_driving_torque_high_Nm",
@@ -30,8 +30,8 @@ ELSEWHERE = {
     "stop_energy_J",
 }
 
-# Numbers of the thermal network, and numbers that depend on the force of hindered growth. The program evaluates the
-# film coefficient of a ramp at four speeds and the oracle at twelve, which differ by less than 1 %.
+# Numbers of the thermal network, and numbers that depend on the force of restrained thermal expansion. The program
+# evaluates the film coefficient of a ramp at four speeds and the oracle at twelve. The results differ by less than 1 %.
 THERMAL = {
     "buckling_safety",
     "buckling_safety_of_support",
@@ -56,7 +56,7 @@ TOLERANCE = 1e-9
 
 
 def drawn(random: np.random.Generator) -> dict[str, Any]:
-    """Draw an axis with a catalog screw of usual proportions."""
+    """Draw a random axis with a catalog screw of typical proportions."""
 
     def log(low: float, high: float) -> float:
         return float(np.exp(random.uniform(math.log(low), math.log(high))))
@@ -70,7 +70,7 @@ def drawn(random: np.random.Generator) -> dict[str, Any]:
     nut_length = 3 * diameter
     dynamic = 30 * diameter**1.9 * float(random.uniform(0.5, 1.5))
     case: dict[str, Any] = {
-        # The oracle has no grooves.
+        # The oracle does not use the groove geometry.
         "estimate_groove": False,
         "nominal_diameter_mm": diameter,
         "pitch_circle_diameter_mm": diameter * 1.04,

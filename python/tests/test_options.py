@@ -16,10 +16,10 @@ import ballscrew as bs
 from ballscrew._api import _SOLVER, Question, Solver
 from ballscrew._vocabulary import Inputs
 
-# Keywords that are described by a dictionary type, by the name of the parameter.
+# Types that describe the keywords of a `**` parameter, by the name of the parameter.
 KEYWORDS: dict[str, Any] = {"inputs": Inputs, "changes": Inputs, "solver": Solver, "question": Question}
 
-# Functions for each command.
+# Functions that correspond to each command.
 FUNCTIONS: dict[str, list[Callable[..., Any]]] = {
     "solve": [bs.solve, bs.sensitivities, bs.compare, bs.slip, bs.ellipses, bs.jam, bs.optimum, bs.ratings],
     "nut": [bs.nut],
@@ -34,33 +34,33 @@ FUNCTIONS: dict[str, list[Callable[..., Any]]] = {
 
 WITHOUT = {
     "tradeoff": "measures the program on a machine",
-    "view": "a page of its own; a notebook shows cases, answers and tables",
-    "schema": "INPUTS, OUTPUTS and the types of the package say it",
+    "view": "a separate page; notebooks show cases, answers and tables",
+    "schema": "INPUTS, OUTPUTS and the types of the package contain this information",
 }
 
-# Reasons by option, or by command and option if the reason applies to a single command.
+# Reasons why an option has no keyword, by option, or by command and option if the reason applies to one command.
 LEFT_OUT = {
     "help": "help()",
     "set": "keywords",
-    "json": "reports are mappings, to_json() is of the solution",
+    "json": "reports are mappings, and a solution has to_json()",
     "quiet": "nothing is shown without progress=True",
     "keep-going": "a row has a status",
-    "output": "Table.write(), Nuts.case(), figures= of what has a page, and what a Report holds",
+    "output": "Table.write(), Nuts.case(), figures= for pages, and the entries of a Report",
     "delimiter": "pandas.read_csv(sep=) reads such a table",
     "decimal": "pandas.read_csv(decimal=) reads such a table",
     "names": "columns are named in the call",
     "csv-format": "pandas.DataFrame.to_csv(sep=, decimal=) writes such a table",
     "figures": "ballscrew.plot, or any other library, draws the numbers",
-    "show": "a function, or an entry of a Report, for each",
-    "sweep plan": "a function of its own",
-    "sweep resume": "Plan.run() goes on",
+    "show": "each value has its own function or entry of a Report",
+    "sweep plan": "a separate function",
+    "sweep resume": "Plan.run() continues an interrupted run",
     "parts run only": "run(range(index, plan.parts, of))",
-    "fit input": "inputs=, a plural that shadows no function of Python",
+    "fit input": "inputs=, which does not hide the Python function input()",
     "select from": "lists= and manufacturers=",
     "select columns": "Nuts is a mapping of columns",
-    "units": "results have the units of their names; a sheet has those of the input display_units",
+    "units": "results have the units in their names; the input display_units determines the units of a sheet",
     "validate from": "data=",
-    "validate only": "a row a check",
+    "validate only": "each check is a row of the table",
 }
 
 
@@ -85,7 +85,7 @@ def options(command: str) -> dict[str, str]:
 
 
 def parameters(command: str) -> dict[str, inspect.Parameter]:
-    """Return the parameters of the functions of a command. The first function with a parameter counts."""
+    """Return the parameters of the functions of a command. If several functions have a parameter, the first one counts."""
     found: dict[str, inspect.Parameter] = {}
     for function in FUNCTIONS[command]:
         found = {**inspect.signature(function).parameters, **found}

@@ -72,7 +72,7 @@ def test_screw_torque_equals_the_torque_of_the_program(screw: bs.Case) -> None:
     assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
     assert solution.screw_torque_Nm > solution.ball_torque_Nm
     table = bs.solve_many({"axial_load_N": [loaded.axial_load_N]}, loaded, columns=["screw_torque_Nm"])
-    # A row and a single solve agree to 1e-10.
+    # A table row and a single solve agree to within 1e-10.
     assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
 
 
@@ -116,7 +116,7 @@ def test_inputs_may_be_arrays_and_scalars_of_numpy(screw: bs.Case) -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, np.float64("nan")])
 def test_numbers_that_are_not_finite_are_rejected_at_any_depth(value: float) -> None:
-    """JSON has no such numbers. As null, they would count as missing."""
+    """JSON cannot represent these numbers. Converted to null, they would be treated as missing."""
     for inputs in ({"axial_load_N": value}, {"axial_load_kN": value}, {"ball_deviation_um": [0.0, value]},
                    {"cycle": [{"distance_mm": 100, "force_N": value}]}):
         with pytest.raises(bs.InputError, match="finite") as caught:
@@ -221,7 +221,7 @@ def reports() -> list[bs.Report]:
 
 
 def properties(section: bs.Section) -> dict[str, property]:
-    """Return the properties that are generated from the vocabulary."""
+    """Return the properties that are generated from the tables of the program."""
     of_vocabulary = [base for base in type(section).__mro__ if base in SECTIONS]
     return {name: value for base in of_vocabulary for name, value in vars(base).items() if isinstance(value, property)}
 
@@ -631,7 +631,7 @@ def test_tables_select_columns_and_rows_as_frames_do(screw: bs.Case) -> None:
     assert grid[grid["axial_load_N"] > 5e3]["efficiency"].tolist() == [grid["efficiency"][1]]
     wrong: Any
     for wrong in (0, None, ("efficiency",), 1.5, np.array([0.5])):
-        with pytest.raises(TypeError, match="name of a column, a list of names, a slice or a mask"):
+        with pytest.raises(TypeError, match="column name, a list of names, a slice or a mask"):
             table[wrong]
     with pytest.raises(KeyError, match="did you mean `efficiency`"):
         table[["efficency"]]
@@ -738,7 +738,7 @@ def test_a_gradient_without_solution_is_an_error_or_a_row_of_nan(screw: bs.Case)
 
 
 def test_optimum_rejects_an_unknown_model() -> None:
-    """It used to be ignored."""
+    """Regression test: an unknown model used to be ignored."""
     with pytest.raises(bs.InputError, match="unknown model `rigd`"):
         bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06, model="rigd")  # type: ignore[arg-type]
 
@@ -827,7 +827,7 @@ def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     run.send_signal(signal.SIGINT)
     told, words = run.communicate(timeout=30)
     assert b"KeyboardInterrupt" in words
-    # Signals are handled every 0.05 s, and the end takes 0.02 s. The limit is ten times longer for a busy machine.
+    # Signals are handled every 0.05 s, and ending the run takes 0.02 s. The limit is ten times longer for a busy machine.
     assert float(told) - start < 0.7
 
 

@@ -1,5 +1,5 @@
-"""Tests that folders of parts have the bytes of the program in any order and with any number of threads, and that any
-reader opens them."""
+"""Tests that parts are bit-identical to the parts of the program, in any order and with any number of threads, and that
+all readers can open them."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def test_statistics_need_no_rows_on_disk(tmp_path: Path) -> None:
     assert merged["len"].to_list() == whole["len"].to_list() == [40, 40, 40]
     assert merged["least"].to_list() == whole["least"].to_list()
     assert merged["count"].to_list() == [40, 40, 0]
-    # The forty additions have a different order.
+    # The forty numbers are added in a different order, so the sums differ by rounding errors.
     assert merged["sum"].to_numpy() == pytest.approx(whole["sum"].to_numpy(), rel=1e-14)
 
 

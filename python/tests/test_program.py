@@ -1,4 +1,4 @@
-"""Tests that every function gives the same bits as its command."""
+"""Tests that the results of every function are bit-identical to the results of the corresponding command."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ import ballscrew as bs
 
 
 def told(*words: str | Path) -> Any:
-    """Return the JSON output of the program. Exit code 3 is a valid answer, too."""
+    """Return the JSON output of the program. Exit code 3 is also accepted."""
     run = subprocess.run([program(), *words, "--json"], capture_output=True, cwd=EXAMPLES.parent)
     assert run.returncode in (0, 3), run.stderr
     return json.loads(run.stdout)
@@ -152,7 +152,7 @@ def test_the_warm_state_of_an_axis_matches_the_command() -> None:
     axis = bs.Case.read(path)
     sheet = bs.axis(axis, model="raceway-control", control="nut")["warm"]
     nut = bs.nut(axis, model="raceway-control", control="nut")
-    # The nut is solved once more in the same state.
+    # `nut` solves the nut again at the temperatures of the axis.
     assert nut["warm_preload_N"] == pytest.approx(sheet["warm_preload_N"], rel=1e-9)
     vary = {"nut_conductance_W_K": [3.0, 20.0]}
     grid = bs.sweep(axis, vary=vary, columns=["nut_temperature_C"], model="raceway-control", control="nut")
@@ -209,7 +209,7 @@ def test_reports_in_folders_match_the_commands(tmp_path: Path) -> None:
         assert run.returncode == 0, run.stderr
     files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
     assert len(files) > 50
-    # The program reads a file, whose name and hash are in the foot of the sheet.
+    # The program reads a file, whose name and hash are in the footer of the sheet.
     foot = f" From axis.json, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}.".encode()
     for name in files:
         theirs = (tmp_path / "theirs" / name).read_bytes()

@@ -360,7 +360,7 @@ class Pair:
         inverse = np.linalg.inv(matrix)
         rises: Floats = np.zeros(5)
         change: Floats = np.ones(5)
-        # The heat falls as the preload is lost: whole steps would overshoot.
+        # The heat decreases as the preload is lost, so full steps would overshoot.
         while np.abs(change).max() > 0.1:
             change = inverse @ self.heat(rises, limited=limited) - rises
             rises = rises + 0.5 * change

@@ -14,21 +14,21 @@ use crate::table;
 /// A function that writes the table of an answer to a file.
 pub(crate) type WriteTable<'a> = Box<dyn Fn(&Path) -> Result<(), Failure> + 'a>;
 
-/// The reply of a command.
+/// The output of a command: its answers and their forms on the screen and in files.
 #[derive(Default)]
 pub(crate) struct Reply<'a> {
-    /// Heading above the answer.
+    /// Heading that is printed above the answer.
     pub(crate) title: Option<String>,
     /// Named answers. If there are several, each answer becomes a member of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// Contents of the JSON file for commands that write a case instead of the answer; null if no
-    /// case was found.
+    /// For commands whose JSON file contains a case instead of the answer: this case, or null if
+    /// the command found no case.
     pub(crate) case: Option<Value>,
     /// Function that writes the table of the answer; `None` if the answer has no table.
     pub(crate) table: Option<WriteTable<'a>>,
     /// Units in which numbers are displayed on the screen.
     pub(crate) units: DisplayUnits,
-    /// Answer to print on the screen instead of `parts`.
+    /// Answer that is printed on the screen instead of `parts`.
     pub(crate) shown: Option<Answer>,
 }
 
@@ -39,13 +39,13 @@ pub(crate) struct Destination<'a> {
     inputs: InputFiles,
 }
 
-/// Pictures that belong to an answer, in displayed units.
+/// Figures, page and drawing of an answer, in display units.
 #[derive(Debug, Default)]
 pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
-    /// HTML page that contains the figures.
+    /// HTML page that contains the figures of the answer.
     pub(crate) page: Option<String>,
-    /// Drawing in DXF format.
+    /// Drawing of the groove profiles in DXF format.
     pub(crate) drawing: Option<String>,
 }
 
@@ -71,12 +71,13 @@ impl OutArgs {
 }
 
 impl Reply<'_> {
-    /// Creates a reply with one answer.
+    /// Creates a reply that consists of one answer.
     pub(crate) fn of(answer: Answer) -> Self {
         Self { parts: vec![("", answer)], ..Self::default() }
     }
 
-    /// Creates a reply with one answer about a case. The heading is the description of the case.
+    /// Creates a reply that consists of one answer about a case. The heading of the reply is the
+    /// description of the case.
     pub(crate) fn about(case: &Case, answer: Answer) -> Self {
         let title = case.description.as_deref().map(printable);
         Self { title, units: case.display_units(), ..Self::of(answer) }

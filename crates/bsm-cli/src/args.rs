@@ -26,23 +26,23 @@ const EXIT_CODES: &str = "Exit codes: 0 success; 1 error with files, disk, threa
 const FILES: [(&str, &str, &str); 4] = [
     (
         "select",
-        ".json: case of the screw or of the first nut; .csv, .xlsx or `-`: the steps; for a list of nuts \
-         .csv, .xlsx, `-`, .jsonl or .parquet",
+        "Output file: .json for the case of the screw or of the first nut; .csv, .xlsx or `-` for the steps; \
+         .csv, .xlsx, `-`, .jsonl or .parquet for a list of nuts",
         "Folder for figures (SVG and CSV) of the listed nuts: the figures of Sobolewski (2002), or ratings, stiffness and mass of the nuts of a TABLE.csv",
     ),
     (
         "solve",
-        ".json: the output of --json; .csv, .xlsx: ratings and intermediate results",
+        "Output file: .json for the output of --json; .csv or .xlsx for ratings and intermediate results",
         "Folder for figures (SVG and CSV) of sweeps around the case: slip, jamming, optimum",
     ),
     (
         "nut",
-        ".csv, .jsonl, .parquet, .xlsx or `-`: the table of --show; .json: the output of --json",
+        "Output file: .csv, .jsonl, .parquet, .xlsx or `-` for the table of --show; .json for the output of --json",
         "Folder for figures (SVG and CSV): loads and angles along the helix, displacement, preload",
     ),
     (
         "fit",
-        ".json: the output of --json; with --points also .svg, .png: measured and fitted values",
+        "Output file: .json for the output of --json; with --points also .svg or .png for a plot of measured and fitted values",
         "Folder for the figure of --points (SVG and CSV)",
     ),
 ];
@@ -87,8 +87,8 @@ pub(crate) enum Command {
     /// Solve all balls of a nut: load sharing, stiffness, preload, life, torque. The case needs the
     /// inputs of `bsm solve --show ratings` and a load or a preload (see docs/guide/nut.md).
     Nut(NutArgs),
-    /// Calculate the axis around a screw: critical speed, buckling, speed number, static safety,
-    /// life, stiffness, torque and heat over a cycle, with limits, margins and sources. The exit
+    /// Calculate a feed axis: critical speed, buckling, speed number, static safety, life,
+    /// stiffness, torque and heat over a load cycle, with limits, margins and sources. The exit
     /// code is 3 if a rule fails. Example: bsm axis examples/axis.json
     Axis(AxisArgs),
     /// Choose the best screw for a requirement and print all steps of the choice, or filter and
@@ -110,13 +110,13 @@ pub(crate) enum Command {
     View(ViewArgs),
     /// Check the program against published results.
     Validate(ValidateArgs),
-    /// Measure time and accuracy of every model and setting on this machine.
+    /// Measure the computing time and accuracy of every model and setting on this machine.
     Tradeoff(TradeoffArgs),
     /// Print the JSON Schema of cases (`input`), of results of a point (`output`), or of the --json
     /// output of a command. `units` prints the units of each quantity. Without a name, print all
     /// names.
     Schema {
-        /// Name of the schema.
+        /// Name of the schema to print.
         #[arg(value_parser = PossibleValuesParser::new(schema::names()))]
         name: Option<String>,
     },
@@ -124,16 +124,16 @@ pub(crate) enum Command {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PartsCommand {
-    /// Solve parts. Any number of processes on any machine may run, in any order and repeatedly;
-    /// finished parts are kept. Example for 100 tasks of a scheduler: bsm parts run map/ --only
-    /// $TASK/100
+    /// Solve the parts of a plan. Any number of processes can share the work on one or more
+    /// machines, in any order and repeatedly; finished parts are kept. Example for 100 tasks of a
+    /// job scheduler: bsm parts run map/ --only $TASK/100
     Run(RunArgs),
     /// Check the footers of all parts, or all bytes with --deep. The exit code is 3 if a part is
     /// missing or damaged. If all parts exist, write parts.parquet and remove unfinished files.
     Check(CheckArgs),
 }
 
-/// Arguments for a case file and for changes of its inputs.
+/// Arguments that specify a case file and changes to its inputs.
 #[derive(Debug, Args)]
 pub(crate) struct CaseArgs {
     /// Case file in JSON; `-` reads standard input.
@@ -142,13 +142,12 @@ pub(crate) struct CaseArgs {
     /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
-    /// Units of the screen output, the sheet, the figures and columns. JSON always has metric
-    /// units.
+    /// Units of screen output, sheets, figures and table columns. JSON always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     units: Option<String>,
 }
 
-/// Appends the option `--units` to the settings.
+/// Appends the value of the option `--units` to the settings of the case.
 pub(crate) fn with_units(settings: &[String], units: Option<&String>) -> Vec<String> {
     let units = units.map(|units| format!("display_units={units}"));
     settings.iter().cloned().chain(units).collect()
@@ -189,11 +188,11 @@ impl CaseArgs {
     }
 }
 
-/// Options for the model and the solver settings.
+/// Options that select the model and its solver settings.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub(crate) struct ModelArgs {
-    /// Model to use; auto chooses the fastest model within the tolerance.
+    /// Model to use; auto chooses the fastest model whose error is within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
@@ -238,7 +237,7 @@ impl ModelArgs {
     }
 }
 
-/// Returns a parser for numbers within the limits of a rule.
+/// Returns a parser that accepts only numbers within the limits of a rule.
 fn number_of(rule: Rule) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| rule.holds::<f64>(*number));
@@ -276,7 +275,7 @@ pub(crate) enum CsvFormat {
     Same,
 }
 
-/// Column separator.
+/// Column separator of a CSV table.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Delimiter {
     Comma,
@@ -285,7 +284,7 @@ enum Delimiter {
     Bar,
 }
 
-/// Decimal sign of numbers.
+/// Decimal sign of numbers in a CSV table.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Decimal {
     Point,
@@ -360,18 +359,18 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
-    /// .html: the page; .json: the output of --json. May be repeated.
+    /// Output file: .html for the page, .json for the output of --json. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
-    /// Folder for the page report.html, results.json and figures/ (SVG and CSV).
+    /// Folder for report.html, results.json and the subfolder figures (SVG and CSV).
     #[arg(long, value_name = "DIR")]
     pub(crate) figures: Option<PathBuf>,
-    /// Print JSON; bsm schema describes it.
+    /// Print JSON. `bsm schema` describes its structure.
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Values of `bsm solve --show`.
+/// Results that `bsm solve --show` can print.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Show {
     Motion,
@@ -389,10 +388,10 @@ pub(crate) enum Show {
 pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// motion (the default); band: motion with the 90 % interval of friction from oil;
-    /// sensitivities: motion with derivatives with respect to each input; slip; ellipses: pressure,
-    /// slip and friction at each point (a table with -o); jam; optimum contact angle; ratings of
-    /// the nut; steps: ratings with intermediate results.
+    /// Results to print. motion: the default; band: motion with the 90 % interval of friction from
+    /// oil; sensitivities: motion with derivatives with respect to each input; slip; ellipses:
+    /// pressure, slip and friction at each point (a table with -o); jam; optimum: contact angle
+    /// with the highest efficiency; ratings of the nut; steps: ratings with intermediate results.
     #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_enum)]
     pub(crate) show: Vec<Show>,
     /// Number of points per semi-axis for --show ellipses. Defaults to 20.
@@ -408,7 +407,7 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Further cases to compare with the first case. --set applies to all cases.
+    /// Additional cases to compare with the first case. --set applies to all cases.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
     /// Port of the server on 127.0.0.1. Defaults to a free port.
@@ -425,7 +424,7 @@ pub(crate) struct ViewArgs {
     pub(crate) model: ModelArgs,
 }
 
-/// Tables that `bsm nut` can write.
+/// Tables that `bsm nut --show` can write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NutTable {
     Balls,
@@ -436,12 +435,12 @@ pub(crate) enum NutTable {
 pub(crate) struct NutArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Table of -o: one row per ball, or the curve of displacement, stiffness and remaining preload
-    /// as functions of the axial load, up to loads above the given load and the limit load.
+    /// Table that -o writes. balls: one row per ball; curve: displacement, stiffness and remaining
+    /// preload as functions of the axial load, up to loads above the given load and the limit load.
     #[arg(long, value_enum, default_value = "balls", requires_if("curve", "output"))]
     pub(crate) show: NutTable,
-    /// Solve N nuts with random ball diameters (ball_deviation_sd_um) and phases of lead_error, and print
-    /// quantiles.
+    /// Solve N nuts with random ball diameters (ball_deviation_sd_um) and phases of lead_error, and
+    /// print quantiles of the results.
     #[arg(long, value_name = "N", conflicts_with = "figures")]
     pub(crate) samples: Option<u64>,
     /// Seed of the samples. Defaults to the seed of the case.
@@ -455,7 +454,7 @@ pub(crate) struct NutArgs {
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |arg| arg.help(
-    ".html: the page; .json: the output of --json; .csv: the rules; .dxf: the grooves. May be repeated"
+    "Output file: .html for the page, .json for the output of --json, .csv for the rules, .dxf for the groove profiles. May be repeated"
 )))]
 pub(crate) struct AxisArgs {
     #[command(flatten)]
@@ -502,8 +501,8 @@ pub(crate) struct SelectArgs {
     /// Units of the screen output and of columns. JSON always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     units: Option<String>,
-    /// Optimize continuous sizes and contact angles, with standard balls and the limits of Lin,
-    /// Velinsky and Ravani (1994).
+    /// Optimize sizes and contact angles as continuous variables, with standard balls and the
+    /// limits of Lin, Velinsky and Ravani (1994).
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "columns", "figures"])]
     pub(crate) free: bool,
     /// Print the keys of a requirement, the standard lists or the manufacturers' sizes (to copy and
@@ -516,19 +515,20 @@ pub(crate) struct SelectArgs {
     /// core_diameter_mm or pitch_circle_diameter_mm, ratings.
     #[arg(long, value_name = "SIZES")]
     pub(crate) from: Option<PathBuf>,
-    /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE, where the name may have any unit. May be repeated.
+    /// List only nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE. NAME may end with any unit. May
+    /// be repeated.
     #[arg(long = "where", value_name = "CONDITION", help_heading = "List of nuts")]
     pub(crate) conditions: Vec<String>,
-    /// Keep the Pareto front of dynamic load rating, stiffness and mass.
+    /// List only nuts that are Pareto-optimal in dynamic load rating, stiffness and mass.
     #[arg(long, help_heading = "List of nuts")]
     pub(crate) pareto: bool,
     /// Sort by a column in ascending order, or in descending order with -NAME.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = "List of nuts")]
     pub(crate) sort: Option<String>,
-    /// Keep only the first N rows. By default, the screen shows 20 rows.
+    /// List only the first N nuts. By default, the screen shows 20 nuts.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
-    /// Comma-separated columns of the list, in any unit, for example lead_in.
+    /// Comma-separated columns of the list. Their names may end with any unit, for example lead_in.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "List of nuts")]
     pub(crate) columns: Option<Vec<String>>,
     #[command(flatten)]
@@ -554,8 +554,8 @@ impl SelectArgs {
         with_units(&self.settings, self.units.as_ref())
     }
 
-    /// Returns the display units: the units of `--units` or, without this option, the units of the
-    /// nut in the axis of the requirement.
+    /// Returns the display units. Without the option `--units`, these are the display units of the
+    /// case `nut`, or metric units if there is no such case.
     pub(crate) fn display(&self, nut: Option<&Case>) -> DisplayUnits {
         let named = |name: &String| DisplayUnits::NAMES.iter().find(|(own, _)| own == name);
         let own = self.units.as_ref().and_then(named).map(|(_, units)| *units);
@@ -574,7 +574,7 @@ pub(crate) struct SweepArgs {
     /// Units of plots and table columns. A folder of parts always has metric units.
     #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
     pub(crate) units: Option<String>,
-    /// Input of a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,.. May be
+    /// Varied input: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,.. May be
     /// repeated; the last input varies fastest.
     #[arg(long, value_name = "NAME=VALUES", required_unless_present_any = ["draw", "points"], allow_hyphen_values = true, help_heading = "Points")]
     pub(crate) vary: Vec<String>,
@@ -594,8 +594,8 @@ pub(crate) struct SweepArgs {
     /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0, help_heading = "Points")]
     pub(crate) seed: u64,
-    /// Table of points (.csv, .jsonl, .parquet or `-`) whose columns are inputs in any unit. The
-    /// case fills empty cells.
+    /// Table of points (.csv, .jsonl, .parquet or `-`) whose columns are inputs in any unit. Empty
+    /// cells are filled with the values of the case.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["vary", "draw"], help_heading = "Points")]
     pub(crate) points: Option<PathBuf>,
     /// Columns of the table to copy to the output.
@@ -609,7 +609,7 @@ pub(crate) struct SweepArgs {
     pub(crate) keep: Vec<String>,
     #[command(flatten)]
     pub(crate) table: NamedTableArgs,
-    /// Format of CSV output: standard, or the same as the table of --points.
+    /// CSV format of the output: standard, or same (as the --points table).
     #[arg(
         long,
         value_name = "FORMAT",
@@ -622,25 +622,25 @@ pub(crate) struct SweepArgs {
     pub(crate) csv_format: CsvFormat,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// .csv, .jsonl, .parquet, .xlsx or `-`: a table; DIR/: its parts; .svg, .png: curves;
-    /// .map.svg, .map.png: a map; .grid.csv: a matrix of one output; .txt: Modelica; .json: origin
-    /// of the table. May be repeated.
+    /// Output file. .csv, .jsonl, .parquet, .xlsx, `-`: table; DIR/: its parts; .svg, .png: curves;
+    /// .map.svg, .map.png: map; .grid.csv: matrix of one output; .txt: Modelica; .json: origin of
+    /// the table. May be repeated.
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
     /// Comma-separated outputs to write (see `bsm schema output`), in any unit, for example
-    /// screw_torque_lbf_in. Defaults to all outputs of a solve. Plots show the first one.
+    /// screw_torque_lbf_in. Defaults to all outputs of a solve. Plots show the first output.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "Output")]
     pub(crate) columns: Option<Vec<String>>,
     /// Exit with 0 even if some rows have no result.
     #[arg(long, help_heading = "Run")]
     pub(crate) keep_going: bool,
-    /// Continue an interrupted run in its folder.
+    /// Continue an interrupted run whose results are in a folder.
     #[arg(long, help_heading = "Run")]
     pub(crate) resume: bool,
-    /// Only write the plan of a folder, for `bsm parts run`.
+    /// Write only the plan of a folder; `bsm parts run` solves the plan.
     #[arg(long, help_heading = "Run")]
     pub(crate) plan: bool,
-    /// Rows in each part of a folder.
+    /// Number of rows in each part of a folder.
     #[arg(long, value_name = "N", value_parser = rows, help_heading = "Run")]
     pub(crate) rows_per_part: Option<NonZeroU64>,
     #[command(flatten, next_help_heading = "Run")]
@@ -660,14 +660,14 @@ pub(crate) struct WorkArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Folder with a plan.
+    /// Folder that contains the plan.
     #[arg(value_name = "FOLDER")]
     pub(crate) folder: PathBuf,
     /// Parts to solve: I/N for every Nth part starting with I, so that N processes share all parts,
     /// or A:B for the parts A to B - 1. Defaults to all missing parts.
     #[arg(long, value_name = "PARTS", value_parser = only)]
     pub(crate) only: Option<Only>,
-    /// Verify all bytes of existing parts, solve damaged parts again and renew parts.parquet.
+    /// Verify all bytes of existing parts, solve damaged parts again and rewrite parts.parquet.
     #[arg(long)]
     pub(crate) repair: bool,
     /// Table of points. Defaults to the file that the plan names, next to the folder of the plan.
@@ -718,13 +718,13 @@ fn only(text: &str) -> Result<Only, String> {
 
 #[derive(Debug, Args)]
 pub(crate) struct CheckArgs {
-    /// Folder with a plan.
+    /// Folder that contains the plan.
     #[arg(value_name = "FOLDER")]
     pub(crate) folder: PathBuf,
     /// Verify all bytes of the parts, not only the footers.
     #[arg(long)]
     pub(crate) deep: bool,
-    /// Print JSON; bsm schema describes it.
+    /// Print JSON. `bsm schema` describes its structure.
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -733,8 +733,8 @@ pub(crate) struct CheckArgs {
 pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Measured output of solve, nut or axis and its value in any unit. With --points, only the
-    /// name of the output.
+    /// Measured output of solve, nut or axis and its value in any unit. With --points, give only
+    /// the name of the output.
     #[arg(
         long,
         value_name = "OUTPUT[=VALUE]",
@@ -742,7 +742,8 @@ pub(crate) struct FitArgs {
         required_unless_present = "limit"
     )]
     pub(crate) measured: Option<String>,
-    /// Title of a rule of `bsm axis`, such as "critical speed". Find the input values at its limit.
+    /// Find the input values at which a rule of `bsm axis` reaches its limit. RULE is the title of
+    /// the rule, such as "critical speed".
     #[arg(long, value_name = "RULE", conflicts_with_all = ["measured", "points"])]
     pub(crate) limit: Option<String>,
     /// Input to find, and its range. The range defaults to 1e-4 to 0.5 for friction, and to 0.01 to
@@ -755,14 +756,14 @@ pub(crate) struct FitArgs {
         allow_hyphen_values = true
     )]
     pub(crate) input: Vec<String>,
-    /// CSV table of measured points, with a column of the output and columns of inputs such as
-    /// screw_speed_rpm, axial_load_kN and lubricant_temperature_C. The case contains the other
-    /// inputs.
+    /// CSV table of measured points, with a column for the measured output and columns for inputs
+    /// such as screw_speed_rpm, axial_load_kN and lubricant_temperature_C. The case contains the
+    /// other inputs.
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) points: Option<PathBuf>,
     /// Errors of the measured values: proportional to the values (relative, the default) or equal
-    /// at all points (absolute). The table may instead contain their standard deviations in a
-    /// column such as screw_torque_Nm_error.
+    /// at all points (absolute). Alternatively, the table may contain the standard deviations of
+    /// the measured values in a column such as screw_torque_Nm_error.
     #[arg(long, requires = "points", value_parser = PossibleValuesParser::new(MeasurementError::ALL.map(MeasurementError::name)))]
     pub(crate) errors: Option<String>,
     #[command(flatten)]
@@ -788,8 +789,8 @@ pub(crate) struct ValidateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TradeoffArgs {
-    /// Table of operating points (see `bsm sweep`) with all inputs of traction. Defaults to 300
-    /// built-in points from rolling to gross skid.
+    /// Table of operating points (see `bsm sweep`) with all inputs of model traction. Defaults to
+    /// 300 built-in points from rolling to gross skid.
     #[arg(long, value_name = "TABLE")]
     pub(crate) points: Option<PathBuf>,
     /// Hide the progress bar.

@@ -1,4 +1,4 @@
-//! `bsm axis`: calculates the axis around a screw.
+//! `bsm axis`: calculates a feed axis.
 
 use std::path::Path;
 
@@ -48,8 +48,8 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     reply.give(&to, draw)
 }
 
-/// Calculates the axis sheet of a case. A load cycle from a table, if given, replaces the cycle of
-/// the case.
+/// Calculates the feed axis of a case. If `--cycle` names a table, its load cycle replaces the
+/// cycle of the case.
 ///
 /// * `path`: path of the case file, for messages.
 fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {

@@ -15,7 +15,7 @@ use crate::files::Output;
 
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
-    /// Invalid input or usage.
+    /// The input or the command line is invalid.
     #[error("{0}")]
     Input(String),
     /// A file or disk operation failed.
@@ -25,7 +25,8 @@ pub(crate) enum Failure {
     /// already been printed.
     #[error("unsolved")]
     Unsolved,
-    /// Existing output differs from the expected output, or an axis has no warm steady state.
+    /// Existing output differs from the expected output, a fit failed, or an axis has no warm
+    /// steady state.
     #[error("{0}")]
     Check(String),
     /// A table of points contains an error.
@@ -48,7 +49,8 @@ impl Failure {
         Self::in_case(path, &of_input(error))
     }
 
-    /// Reports an error in the option or file `of`.
+    /// Reports an error in an option or a file. The message begins with the name `of` this option
+    /// or file.
     pub(crate) fn input(of: impl Display, error: &CaseError) -> Self {
         Self::Input(format!("{of}: {}", of_input(error)))
     }
@@ -84,7 +86,7 @@ impl Failure {
     /// Reports that the operating system refused to start another thread.
     pub(crate) fn no_thread(error: &io::Error) -> Self {
         Self::Files(format!(
-            "cannot start a thread: {error}; raise the limits of processes and memory (ulimit -u, \
+            "cannot start a thread: {error}; raise the limits on processes and memory (ulimit -u, \
              ulimit -v), or use --threads 1"
         ))
     }
@@ -103,7 +105,7 @@ impl Failure {
     }
 }
 
-/// Returns the message for an input error, followed by a command or option that helps.
+/// Returns the message for an input error, followed by advice on a command or option.
 pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
@@ -126,7 +128,7 @@ pub(crate) fn of_input(error: &CaseError) -> String {
     with_help(&error.to_string(), help(error))
 }
 
-/// Returns the options that read a table with another separator.
+/// Returns advice on the options for reading a table with a different separator.
 fn delimiter_help(other: OtherSeparator) -> &'static str {
     match other.found {
         ';' => "add --delimiter semicolon, and --decimal comma if numbers are written as 1,5",
@@ -148,7 +150,7 @@ fn with_help(error: &str, help: &str) -> String {
     }
 }
 
-/// Returns the message for a table error, followed by a command or option that helps.
+/// Returns the message for a table error, followed by advice on a command or option.
 pub(crate) fn of_table(error: &TableError) -> String {
     let help = match error {
         TableError::UnknownColumns { names } => {
@@ -200,14 +202,14 @@ pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     }
 }
 
-/// Prints a note about given inputs that no ball model uses.
+/// Prints a note about inputs of the case that no ball model uses.
 pub(crate) fn note_unused(given: InputSet) {
     for note in given.unused_by_models() {
         warn("note", &note);
     }
 }
 
-/// Prints one paragraph to standard error. A failed write is ignored because it cannot be reported.
+/// Prints one message to standard error. A failed write is ignored because it cannot be reported.
 pub(crate) fn warn(kind: &str, text: &str) {
     let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

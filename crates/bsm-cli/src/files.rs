@@ -36,12 +36,12 @@ pub(crate) const MAX_TABLE_BYTES: u64 = 16 << 20;
 /// True after a write has failed because the file would exceed the size limit (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
-/// Prints to standard output.
+/// Prints a text and a newline to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write(Path::new("-"), &format!("{}\n", text.trim_end()))
 }
 
-/// Formats JSON with indentation.
+/// Formats a JSON value as indented text.
 pub(crate) fn pretty_json(value: &Value) -> String {
     format!("{value:#}")
 }
@@ -119,7 +119,7 @@ pub(crate) fn ending_of(
 pub(crate) enum Output {
     /// Standard output, a pipe or a device. Pipes and devices must not be replaced by a file.
     Stream {
-        /// The open stream.
+        /// The standard output, pipe or device, opened for writing.
         stream: Box<dyn Write + Send>,
         /// Path of the stream; `-` for standard output.
         path: PathBuf,
@@ -128,7 +128,7 @@ pub(crate) enum Output {
     File {
         /// The temporary file with the contents written so far.
         file: BufWriter<NamedTempFile>,
-        /// Path of the finished file.
+        /// Path of the file after it has been completed.
         path: PathBuf,
     },
 }
@@ -332,12 +332,12 @@ fn real_output(path: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Writes a text file.
+/// Writes a text to a file or stream.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(Output::create(path)?, path, text.as_bytes())
 }
 
-/// Writes bytes to an open output and completes the output.
+/// Writes bytes to an open output, and flushes or renames it.
 pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     out.write_all(bytes).map_err(|e| Output::failure(path, &e))?;
     out.complete()

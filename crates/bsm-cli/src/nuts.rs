@@ -19,7 +19,7 @@ use crate::select::{Source, check, requirement};
 use crate::table;
 use crate::table_job::{TABLES, write_columns};
 
-/// Default number of rows that are printed.
+/// Number of rows that are printed by default.
 const SHOWN: usize = 20;
 
 /// Number of rows that are held in memory at a time.

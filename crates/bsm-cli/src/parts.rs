@@ -17,16 +17,16 @@ use crate::progress::progress;
 use crate::table_job::{failed, mend};
 use crate::unfinished;
 
-/// Number of rows above which the program advises against storing them. Reading a terabyte from
-/// files takes longer than calculating the results again.
+/// Number of rows of a plan above which the program advises against storing the results. Reading a
+/// terabyte from files takes longer than calculating the results again.
 const MANY_ROWS: u64 = 10_000_000_000;
 
-/// Opens the dataset in a folder.
+/// Opens the dataset that is stored in a folder.
 pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
     Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
 }
 
-/// Solves the parts that the command line requests.
+/// Solves the parts of a dataset that the command line requests.
 pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
     let parts = open(folder)?;
@@ -70,7 +70,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     Ok(())
 }
 
-/// Prints a plan and its estimated cost.
+/// Prints a plan together with its estimated computing time and size.
 pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why))?;
     let hours = estimate.core_seconds / 3600.0;

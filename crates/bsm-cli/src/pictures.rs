@@ -1,4 +1,4 @@
-//! Plots of a grid: curves and maps.
+//! Plots of results over a grid: curves and maps.
 
 use bsm_batch::{Answers, Chunk, ColumnUnits};
 use bsm_case::units::label;
@@ -14,20 +14,20 @@ const MAX_POINTS: usize = 100_000;
 /// logarithmic.
 const DECADES: f64 = 100.0;
 
-/// Returns the plot axis of an input, with its displayed unit.
+/// Returns the plot axis of an input, labeled with its display unit.
 fn axis_of(axis: &GridAxis, units: &ColumnUnits) -> Axis {
     let unit = units.of_input(axis.key);
     let label = label(&unit.name(axis.key.name()), unit.text);
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
-/// Returns the label of an output with its displayed unit.
+/// Returns the label of an output with its display unit.
 fn label_of(output: &OutputColumn, units: &ColumnUnits) -> String {
     let (name, unit) = units.of_output(output);
     label(&name, unit.text)
 }
 
-/// A plot that is built from the chunks of a grid.
+/// A plot to which the results of a grid are added chunk by chunk.
 pub(crate) trait Picture {
     /// Adds the points of a chunk. `values` contains the plotted output. The second axis of the
     /// grid varies fastest.
@@ -110,7 +110,7 @@ impl Picture for Curves {
     /// Adds points to the curves. A point without a result leaves a gap in its curve.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let count = self.lines.len();
-        // The first row of a chunk may belong to any curve.
+        // The curves alternate from row to row, so a chunk may begin at any curve.
         let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
         for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
             let line = (first + row) % count;
@@ -145,8 +145,8 @@ impl Picture for Curves {
     }
 }
 
-/// The cells of a map. If an axis has more values than can be distinguished in the plot, evenly
-/// spaced values are drawn.
+/// The cells of a map. If an axis has more values than a map can show, only evenly spaced values
+/// are drawn.
 pub(crate) struct Cells {
     output: &'static OutputColumn,
     units: ColumnUnits,
@@ -156,7 +156,7 @@ pub(crate) struct Cells {
     values: [Vec<f64>; 2],
     /// Number of values of the second axis that are drawn.
     rows: usize,
-    /// Values of the plotted output.
+    /// Value of the plotted output in each cell.
     found: Vec<f64>,
     regions: Vec<usize>,
     models: Vec<&'static str>,

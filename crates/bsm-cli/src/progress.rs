@@ -1,4 +1,4 @@
-//! Progress bars on a terminal.
+//! Progress bars and spinners that are shown on a terminal.
 
 use std::io::{self, IsTerminal};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -28,11 +28,10 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     bar.with_style(style)
 }
 
-/// Time after which a calculation shows that it is working.
+/// Time after which a running calculation shows a spinner.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// A running calculation for which a spinner is shown. Its end is announced when the value is
-/// dropped.
+/// Handle of the spinner of a running calculation. Dropping the handle removes the spinner.
 pub(crate) struct Waiting {
     end: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,
@@ -40,7 +39,7 @@ pub(crate) struct Waiting {
 
 /// Shows a spinner with the elapsed time on a terminal if a calculation takes longer than a second.
 ///
-/// * `what`: description of the calculation.
+/// * `what`: description of the calculation, which is shown next to the spinner.
 pub(crate) fn waiting(what: &'static str) -> Waiting {
     if !io::stderr().is_terminal() {
         return Waiting { end: None, shown: None };
@@ -53,12 +52,12 @@ pub(crate) fn waiting(what: &'static str) -> Waiting {
             let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
             let bar = bar.with_elapsed(PATIENCE);
             bar.enable_steady_tick(Duration::from_millis(100));
-            // An error means that the calculation ended.
+            // `recv` returns an error when the calculation ends and its sender is dropped.
             let _ = ended.recv();
             bar.finish_and_clear();
         }
     };
-    // Without another thread, the calculation runs without a spinner.
+    // If no thread can be started, the calculation runs without a spinner.
     Waiting { end: Some(end), shown: thread::Builder::new().spawn(show).ok() }
 }
 
@@ -66,7 +65,7 @@ impl Drop for Waiting {
     fn drop(&mut self) {
         self.end.take();
         if let Some(shown) = self.shown.take() {
-            // The spinner has cleared its line when the thread ends.
+            // The thread removes the spinner from the terminal before it ends.
             let _ = shown.join();
         }
     }

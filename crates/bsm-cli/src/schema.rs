@@ -114,7 +114,7 @@ const OBJECTS: [(&str, &str); 8] = [
         "@input?, relative_response number?, groove_interval numbers?, result? output, result_intervals? any",
     ),
     ("damage", "file string, reason string"),
-    // The object `intervals` contains the members of the answer that depend on the groove.
+    // The object `intervals` contains those members of the answer that depend on the groove.
     (
         "groove",
         "ln_evidence number, balls [numbers], ball_set_90 numbers, loaded_balls numbers, draws integer, without_result integer, \
@@ -122,7 +122,7 @@ const OBJECTS: [(&str, &str); 8] = [
     ),
 ];
 
-/// Returns the names of all schemas.
+/// Returns the names of all JSON Schemas.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     ["input", "output", "units"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
 }

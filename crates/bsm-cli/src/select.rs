@@ -23,9 +23,9 @@ pub(crate) const MANUFACTURERS: &str = "manufacturers";
 /// Hint that suggests another source of sizes.
 const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
-/// The source named by `--from`: sizes (by default the sizes of manufacturers), or nuts from a
-/// manufacturer's table.
-#[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
+/// Sizes or nuts that `--from` specifies: a list of sizes (by default the sizes of manufacturers),
+/// or nuts from a manufacturer's table.
+#[expect(clippy::large_enum_variant, reason = "a run creates only one value of this type")]
 pub(crate) enum Source {
     Sizes(Catalog),
     Nuts(Vec<ManufacturerNut>),

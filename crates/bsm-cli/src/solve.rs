@@ -1,4 +1,5 @@
-//! `bsm solve`: solves one operating point and performs its analyses.
+//! `bsm solve`: solves one operating point and calculates slip, jamming, optimum contact angle and
+//! ratings.
 
 use std::path::Path;
 
@@ -62,7 +63,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     }
     if args.model.model == ALL {
         if !args.show.is_empty() || args.model.has_settings() {
-            let text = "--model all compares the motion in all models and cannot be combined with --show or with settings of a model";
+            let text = "--model all compares the motion in all models and cannot be combined with --show or with model settings";
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = comparison(&case).map_err(args.case.failure())?;
@@ -128,7 +129,7 @@ fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Opti
     }
 }
 
-/// Solves the motion and adds the band or the sensitivities if they are requested.
+/// Solves the motion and adds the 90 % interval or the sensitivities if they are requested.
 fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let in_file = args.case.failure();
     let mut work = ModelWorkspace::default();
@@ -192,8 +193,8 @@ fn analysis(
     })
 }
 
-/// Calculates an analysis that depends on the motion of the ball. If there is no motion, returns
-/// the reason.
+/// Calculates an analysis that depends on the motion of the ball. If the motion has no solution,
+/// returns the reason.
 fn of_motion(
     args: &SolveArgs,
     case: &Case,

@@ -29,7 +29,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Combinations of options, fixed inputs, model and outputs are checked before the work starts.
+    // Combinations of options, fixed inputs, model and outputs are checked before the first point
+    // is solved.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
         let text = "plots and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
@@ -81,7 +82,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     solved
 }
 
-/// Solves the rows of a table. The result has the same number of rows in the same order.
+/// Solves the rows of a table. The table of results has the same number of rows in the same order.
 fn of_table(
     args: &SweepArgs,
     path: &Path,
@@ -111,7 +112,9 @@ fn of_table(
     let mut source = open(path, &args.keep, &table_format)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
-        Failure::Input(format!("{path}: {error}; add columns, a case or --set"))
+        Failure::Input(format!(
+            "{path}: {error}; give the inputs as columns, in a case or with --set"
+        ))
     })?;
     note_unread(&task, source.columns().set());
     if let Some(note) = source.columns().ignored_note() {
@@ -153,11 +156,11 @@ const ENDINGS: [&str; 11] = [
 /// Requested output files, with at most one file of each kind.
 #[derive(Default)]
 struct Files<'a> {
-    /// Table of results.
+    /// File to which the table of results is written.
     table: Option<&'a Path>,
     /// JSON file that describes the origin of the table.
     about: Option<&'a Path>,
-    /// Lookup table for a drive model.
+    /// File to which a lookup table for a drive model is written.
     lookup: Option<&'a Path>,
     lines: Option<&'a Path>,
     map: Option<&'a Path>,
@@ -223,7 +226,7 @@ impl<'a> Files<'a> {
             };
             return Err(Failure::Input(format!(
                 "--resume cannot continue {name}: a single table is only written when it is complete, so an \
-                 interrupted run leaves nothing; write a folder of parts with -o {}/, which --resume \
+                 interrupted run leaves no results; write a folder of parts with -o {}/, which --resume \
                  can continue",
                 folder.with_extension("").display()
             )));

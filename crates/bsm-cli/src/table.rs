@@ -41,7 +41,7 @@ fn aligned(header: Option<&[&str]>, rows: &[Vec<String>], right: impl Fn(usize) 
     table.trim_fmt()
 }
 
-/// Formats a value. A value without a unit may be a count.
+/// Formats a value. A value without a unit is formatted as a count if it is a whole number.
 fn shown(unit: &str, value: f64) -> String {
     if unit.is_empty() { count_or_number(value) } else { number(value) }
 }
@@ -67,7 +67,7 @@ pub(crate) fn answer(answer: &Answer) -> String {
             blocks.push(format!("remedies\n{}", remedies.join("\n")));
         }
     }
-    // Consecutive sections of text form one block.
+    // Consecutive text sections form one block.
     let mut lines = Vec::new();
     for section in &answer.sections {
         match &section.content {

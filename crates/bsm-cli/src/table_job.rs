@@ -44,7 +44,7 @@ pub(crate) struct Job<'a> {
     pub(crate) about: Option<&'a Path>,
     /// Format of CSV output: separators and decimal sign.
     pub(crate) table_format: TableFormat,
-    /// Units of the columns.
+    /// Units of the table columns.
     pub(crate) units: ColumnUnits,
 }
 
@@ -58,9 +58,9 @@ impl AnswerSink for Discard {
 }
 
 impl Job<'_> {
-    /// Solves all rows, writes them to a table or a dataset folder, and returns the number of rows
+    /// Solves all rows, writes them to a table or a dataset folder, and reports the number of rows
     /// without a result. The function `each` is called for every solved chunk, with the values of
-    /// the output that is plotted.
+    /// the plotted output.
     ///
     /// * `source`: source of the rows to solve.
     /// * `points`: description of the points, which is stored in the plan of a dataset.
@@ -112,9 +112,9 @@ impl Job<'_> {
         if several > 0 {
             let have = if several == 1 { "has" } else { "have" };
             let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
-            let hint = if is_written { "see the column" } else { "listed by --columns" };
+            let hint = if is_written { "see the column" } else { "list them with --columns" };
             let text =
-                format!("{several} of {rows} rows {have} other solutions, {hint} other_solutions");
+                format!("{several} of {rows} rows {have} other solutions; {hint} other_solutions");
             warn("note", &text);
         }
         if failed == 0 {
@@ -231,7 +231,7 @@ struct Changes<'a> {
     axis: &'a Axis,
     /// Row, value and model of the previous point.
     before: Option<(u64, f64, ModelChoice)>,
-    /// Descriptions of the first few changes.
+    /// Descriptions of the first few changes of the model.
     first: Vec<String>,
     /// Changes of the model: index of each point on the axis, with the names of both models.
     found: HashSet<(u64, [&'static str; 2])>,
@@ -272,7 +272,7 @@ impl<'a> Changes<'a> {
         let more = more.map_or_else(String::new, |more| format!(", and {more} more"));
         (!self.first.is_empty()).then(|| {
             format!(
-                "model auto changes the model between {} {}{more}; the results may have a step there, \
+                "model auto switches models between {} {}{more}; the results may have a step there, \
                  within their error bounds",
                 self.axis.key.name(),
                 self.first.join(", ")
@@ -281,7 +281,7 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// Returns the requested outputs. Their names may have any unit.
+/// Returns the requested outputs. The requested names may end with any unit.
 pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>, Failure> {
     let own = |name: &String| {
         Column::in_unit(name).map_or_else(|| name.clone(), |(output, _)| output.name.to_owned())
@@ -361,7 +361,7 @@ pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
     }
 }
 
-/// Reports a table that cannot be written.
+/// Reports that a table cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     match error {
         TableError::Io(e) => Output::failure(path, e),
@@ -373,7 +373,7 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
 /// Writes a table of numbers and text, one block of rows at a time.
 ///
 /// * `columns`: columns of the table in display units.
-/// * `parts`: blocks of rows, with the values of all columns.
+/// * `parts`: blocks of rows; each block contains the values of all columns.
 /// * `about`: description of the table's origin.
 pub(crate) fn write_columns<'a>(
     path: &Path,

@@ -26,7 +26,7 @@ pub(crate) fn on_threads(
         warn(
             "note",
             &format!(
-                "using {threads} of {wanted} threads, because the operating system does not start more"
+                "only {threads} of {wanted} threads are used, because the operating system did not start more"
             ),
         );
     }

@@ -35,8 +35,9 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     })?;
     bar.finish_and_clear();
     let unknown: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
-    let warning = (!unknown.is_empty())
-        .then(|| format!("rows without a reference are not counted: {}", unknown.join(", ")));
+    let warning = (!unknown.is_empty()).then(|| {
+        format!("rows without a reference solution are not counted: {}", unknown.join(", "))
+    });
     let warnings: Vec<_> = warning.into_iter().collect();
     let answer = Answer { fails: !warnings.is_empty(), warnings, ..Answer::default() }
         .with("program", Content::Json(PROGRAM.into()))
@@ -133,7 +134,7 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Formats the computing times of single solves and of tables.
+/// Formats the computing times of single solves and of batch tables.
 fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     let of = [single.mean, single.median, single.q90, single.q99, single.max];
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()

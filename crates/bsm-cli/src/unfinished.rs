@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-/// List of temporary files that are not complete.
+/// List of temporary files that are still being written.
 #[derive(Debug)]
 pub(crate) struct Unfinished {
     files: Vec<PathBuf>,
@@ -67,10 +67,11 @@ mod signals {
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Time within which a write that exceeds the file size limit has reported its error.
+    /// Time after the signal SIGXFSZ within which the failed write reports its error.
     const FAILS_WITHIN: Duration = Duration::from_millis(200);
 
-    /// Makes two kinds of abnormal termination end with exit code 1.
+    /// Ensures that memory exhaustion and files that exceed the size limit end the program with
+    /// exit code 1.
     pub(crate) fn prepare() -> io::Result<()> {
         // A write beyond the limit of `ulimit -f` now returns an error instead of terminating the
         // program.

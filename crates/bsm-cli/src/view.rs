@@ -16,10 +16,10 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
     let ending = args.output.as_deref().map(|path| ending_of("-o", path, &["html", "json"]));
     let is_page = ending.transpose()? == Some("html");
     if is_page && (args.open || args.port != 0) {
-        let text = "--open and --port apply to the server, which -o PAGE.html does not start";
+        let text = "--open and --port cannot be combined with -o PAGE.html, which starts no server";
         return Err(Failure::Input(text.to_owned()));
     }
-    // A case that cannot be solved is reported here instead of in the browser.
+    // An error in the case is reported here instead of in the browser.
     case.with_groove().and_then(|case| case.problem(&settings)).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();

@@ -19,7 +19,7 @@ pub(crate) const MAX_ROWS: u64 = 1_048_574;
 /// Minimum and maximum column width \[characters\].
 const WIDTHS: (u16, u16) = (10, 40);
 
-/// A workbook that is written row by row. Rows that have been written are not held in memory.
+/// A workbook that is written row by row. Written rows are not held in memory.
 pub(crate) struct Workbook {
     book: Book,
     row: u32,
@@ -54,7 +54,7 @@ impl Workbook {
         Ok(Self { book, row: 2, columns, units, outputs: Vec::new() })
     }
 
-    /// Starts a sheet for a results table.
+    /// Starts a sheet for a table of results.
     pub(crate) fn of_answers(
         units: &ColumnUnits,
         columns: &Columns,
@@ -67,7 +67,7 @@ impl Workbook {
         Ok(Self { columns, units, outputs: outputs.to_vec(), ..this })
     }
 
-    /// Writes one row of cells.
+    /// Writes one row of cells to the sheet.
     pub(crate) fn row<'a>(
         &mut self,
         entries: impl Iterator<Item = Cell<'a>>,

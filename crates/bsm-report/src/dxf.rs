@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use bsm_case::GrooveSection;
 
-/// Names and color numbers of the layers.
+/// Names and color numbers of the drawing layers.
 const LAYERS: [(&str, u8); 5] = [("SCREW", 5), ("NUT", 3), ("BALL", 7), ("CENTER", 1), ("DIM", 8)];
 
 /// The text of a DXF file, which consists of pairs of a code and a value, each on its own line.
@@ -83,7 +83,7 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
     dxf.pair(0, "SECTION");
     dxf.pair(2, "ENTITIES");
     for (place, layer, outline) in [(0, "NUT", &section.nut), (1, "SCREW", &section.screw)] {
-        // The nut is above the ball.
+        // The nut groove is drawn above the ball.
         let up = if place == 0 { 1.0 } else { -1.0 };
         let ((k, h), radius) = (section.centers[place], section.radii[place]);
         let [meet, edge] = section.flanks[place];
@@ -93,7 +93,7 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
         let left = [180.0 - right[1], 180.0 - right[0]];
         dxf.arc(layer, (-k, -up * h), radius, right);
         dxf.arc(layer, (k, -up * h), radius, left);
-        // The first and the last segment of the outline are the lands.
+        // The first and the last segment of the outline are the lands next to the groove.
         if let [from, to, .., before, last] = outline[..] {
             dxf.line(layer, [from, to]);
             dxf.line(layer, [before, last]);

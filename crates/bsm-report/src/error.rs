@@ -1,4 +1,4 @@
-//! Errors of figures and pages.
+//! Errors that occur when figures and pages are created.
 
 /// The reason why a figure or a page cannot be created.
 #[derive(Debug, thiserror::Error)]
@@ -10,7 +10,7 @@ pub enum ReportError {
     /// An image cannot be drawn.
     #[error("picture: {0}")]
     Picture(String),
-    /// A page cannot be created.
+    /// An HTML page cannot be created.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),
     /// A point of a figure is not a valid operating point.

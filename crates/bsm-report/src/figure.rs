@@ -46,7 +46,7 @@ pub struct Curve {
     pub label: Option<String>,
     /// Index of the color in the palette.
     pub color: usize,
-    /// Line or mark style.
+    /// Line or mark style of the curve.
     pub stroke: Stroke,
     /// Points (x, y) in the units of the axes.
     pub points: Vec<(f64, f64)>,
@@ -67,29 +67,29 @@ impl Curve {
     }
 }
 
-/// An axis of a figure.
+/// An axis of a figure: its label and its scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Quantity and unit, separated by a comma.
     pub label: String,
-    /// True for a logarithmic axis.
+    /// True if the axis has a logarithmic scale.
     pub log: bool,
     /// True if both axes must have the same scale, as in a drawing.
     pub equal: bool,
 }
 
 impl Axis {
-    /// Returns a linear axis.
+    /// Creates an axis with a linear scale.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), log: false, equal: false }
     }
 
-    /// Returns an axis for a drawing, in which both axes have the same scale.
+    /// Creates an axis for a drawing, in which both axes have the same scale.
     pub fn equal(label: &str) -> Self {
         Self { equal: true, ..Self::linear(label) }
     }
 
-    /// Returns a logarithmic axis.
+    /// Creates an axis with a logarithmic scale.
     pub fn log(label: &str) -> Self {
         Self { label: label.to_owned(), log: true, equal: false }
     }
@@ -113,7 +113,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Returns the figure with both axes in displayed units. The unit of an axis stands behind the last comma of its label.
+    /// Returns the figure with both axes in display units. The unit of an axis is the part of its
+    /// label after the last comma.
     #[must_use]
     pub fn in_units(mut self, units: DisplayUnits) -> Self {
         let (x, x_unit) = units.label(&self.x.label);
@@ -138,8 +139,8 @@ const TITLE_LINE: f64 = 20.0;
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
-/// Approximate number of points per curve that show their values when the pointer is on them. More
-/// points would be too close together.
+/// Approximate number of points per curve that show their values when the pointer is on them. If
+/// more points reacted to the pointer, they would be too close together.
 const MAX_POINT_LABELS: usize = 16;
 
 /// Markers that distinguish lines without color, in the order of the colors. The first color has no
@@ -156,7 +157,7 @@ const SHAPES: [MarkerShape; 5] = [
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// Meanings of the strokes, and meanings of the colors.
+/// Legend texts: the meaning of each stroke, and the meaning of each color.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
 /// Color of the stroke samples in a legend, if a stroke occurs in several colors.
@@ -181,7 +182,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Picture`] if the figure cannot be drawn.
+    /// Returns [`ReportError::Picture`] if the figure cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         png_of(&self.titled())
     }
@@ -211,7 +212,7 @@ impl Figure {
     fn plot_of(&self, curve: &Curve) -> Plot {
         let real: Vec<_> =
             curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
-        // The last point of the curve is always included.
+        // Every nth point is included, and so is the last point of the curve.
         let every = real.len().saturating_sub(1) / MAX_POINT_LABELS + 1;
         let picked = || real.iter().rev().step_by(every);
         let text = |(i, (x, y)): &(usize, &(f64, f64))| {
@@ -260,8 +261,8 @@ impl Figure {
             .with_width(SIZE.0);
         layout = with_axes(layout, &self.x, &self.y);
         if self.x.log {
-            // Otherwise, the plotting library would extend the axis to powers of ten, which may be
-            // far from the points.
+            // The ends of the axis are set explicitly, because the plotting library would extend
+            // the axis to powers of ten that may be far from the points.
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
             let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
             layout = layout.with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
@@ -297,7 +298,8 @@ impl Figure {
 
     /// * `color_first`: true if the first part of each label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
-        /// Maximum number of curves for which a single list is easier to read than two lists.
+        /// Maximum number of curves for which one legend list is easier to read than two lists of
+        /// strokes and colors.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -324,7 +326,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Table`] if the table cannot be written.
+    /// Returns [`ReportError::Table`] if the table cannot be written.
     pub fn csv(&self) -> Result<String, ReportError> {
         let mut table = csv::Writer::from_writer(Vec::new());
         table.write_record(["curve", "mark", &self.x.label, &self.y.label])?;
@@ -427,8 +429,8 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     let marks = |marker| {
         let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
         let marks = marks.with_marker(marker).with_size(4.0);
-        // Point names are drawn only if the segment contains all points of the curve, because the
-        // names belong to all points.
+        // A curve with gaps is drawn in segments. Its point names are drawn only if one segment
+        // contains all points, because the list of names covers the whole curve.
         Plot::Scatter(if curve.marks.len() == points.len() {
             marks.with_labels(curve.marks.clone()).with_repel_labels()
         } else {
@@ -462,7 +464,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    // With the dashes of the line itself, the short sample in the legend would show only one dash.
+    // With the dashes of the line itself, the short line sample in the legend would show only one
+    // dash.
     let dasharray = match stroke {
         Stroke::Dashed => Some("5 3".to_owned()),
         Stroke::Dotted => Some("2 3".to_owned()),
@@ -494,7 +497,7 @@ fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     drawing.elements.extend(drawn);
 }
 
-/// Draws a marker in the legend.
+/// Draws the sample of a marker in the legend.
 fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
     let (s, m) = (SHAPE_SIZE, 1.3 * SHAPE_SIZE);
     let d = match shape {

@@ -16,7 +16,7 @@ const SIZE: (f64, f64) = (640.0, 400.0);
 /// a pixel.
 pub const MAX_CELLS: usize = 400;
 
-/// Approximate number of color bands.
+/// Approximate number of color bands of a map.
 const BANDS: f64 = 9.0;
 
 /// Minimum ratio of the largest to the smallest value for which a quantity is shown on a
@@ -38,9 +38,9 @@ const PNG_SCALE: f32 = 2.0;
 pub struct Map {
     /// Title of the map.
     pub title: String,
-    /// Horizontal axis and its values.
+    /// Horizontal axis, and the values of its quantity.
     pub x: (Axis, Vec<f64>),
-    /// Vertical axis and its values.
+    /// Vertical axis, and the values of its quantity.
     pub y: (Axis, Vec<f64>),
     /// Label of the quantity that the colors show.
     pub label: String,
@@ -49,7 +49,7 @@ pub struct Map {
     /// Region of each cell, as an index into `names`. Lines are drawn at the boundaries between
     /// regions.
     pub regions: Vec<usize>,
-    /// Names of the regions.
+    /// Names of the regions, which are shown in the legend.
     pub names: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Picture`] if the map cannot be drawn.
+    /// Returns [`ReportError::Picture`] if the map cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         png_of(&self.drawing())
     }
@@ -145,7 +145,7 @@ impl Map {
         drawing
     }
 
-    /// Returns the index of the cell in a column and a row.
+    /// Returns the index of the cell in the given column and row.
     fn at(&self, column: usize, row: usize) -> usize {
         column * self.y.1.len() + row
     }
@@ -258,7 +258,8 @@ impl Bands {
         if low > 0.0 && high / low > DECADES {
             return Self::decades(low, high);
         }
-        // Differences caused by rounding errors are ignored.
+        // The range is at least 1e-9 times the largest value, so that rounding errors do not appear
+        // as color bands.
         let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let rough = span / BANDS;
         let power = 10_f64.powf(rough.log10().floor());
@@ -283,7 +284,8 @@ impl Bands {
             3..=4 => &[1.0, 3.0],
             _ => &[1.0],
         };
-        // This limits the number of bands to ten.
+        // If the range covers many powers of ten, several powers share a band, so that there are at
+        // most ten bands.
         let every = usize::try_from((to - from - 1) / 9).unwrap_or(0) + 1;
         let edges = (from..=to + 1).step_by(every).flat_map(|power| {
             digits.iter().map(move |digit| format!("{digit}e{power}").parse().unwrap_or(0.0))

@@ -13,16 +13,16 @@ pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 /// Style sheet for all pages, in light and dark mode.
 pub const STYLE: &str = include_str!("../templates/page.css");
 
-/// Templates that all pages share.
+/// Names and texts of the templates that all pages share.
 const PARTS: [(&str, &str); 2] =
     [("base.html", include_str!("../templates/base.html")), ("page.css", STYLE)];
 
-/// An HTML page.
+/// An HTML page that is created from a template.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
     /// Heading of the page.
     pub title: &'a str,
-    /// Command that created the page.
+    /// Command that created the page, which is stated in the footer.
     pub command: &'a str,
     /// Template for the contents, which fills the block `content` of `base.html`. It can use the
     /// filters `number` and `short`, the macro `figure`, and the list `figures`.
@@ -36,7 +36,7 @@ impl Page<'_> {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Page`] if the template is invalid or uses an unknown name.
+    /// Returns [`ReportError::Page`] if the template is invalid or uses an unknown name.
     pub fn html(&self, content: &impl Serialize) -> Result<String, ReportError> {
         let figure =
             |f: &Figure| context! { title => f.title, caption => f.caption, svg => f.inline_svg() };
@@ -103,7 +103,7 @@ fn symbol(text: &str) -> String {
 ///
 /// # Errors
 ///
-/// [`ReportError`] if a table of a figure cannot be written.
+/// Returns [`ReportError`] if a table of a figure cannot be written.
 pub fn figure_files(
     folder: &str,
     figures: &[Figure],
@@ -121,7 +121,7 @@ pub fn figure_files(
 ///
 /// # Errors
 ///
-/// [`ReportError`] if a table of a figure cannot be written.
+/// Returns [`ReportError`] if a table of a figure cannot be written.
 pub fn report_files(
     page: String,
     results: &serde_json::Value,

@@ -1,4 +1,4 @@
-//! Figures and pages for answers, each created from the report that it shows.
+//! Figures and pages that show the results of the commands.
 
 mod catalog;
 mod jam;

@@ -25,7 +25,7 @@ def table_of(case, *arguments) -> dict[str, str]:
     rows: dict[str, str] = {}
     for line in bsm("solve", case, *arguments).splitlines():
         if line.startswith(" "):
-            # Rows of the uncertainty band have the same labels and come later, so the first row counts.
+            # Rows of the uncertainty band have the same labels and come later, so the first row is used.
             rows.setdefault(re.split(r"\s{2,}", line.strip())[0], line.split()[-1])
     return rows
 
@@ -48,7 +48,7 @@ def test_the_page_loads_without_errors_or_foreign_requests(serve, sheet, name):
     page = sheet.open(served.address)
     host = served.address.split("/?")[0]
     assert all(url.startswith((host, "data:")) for url in sheet.requests), sheet.requests
-    # The server rejects requests for which the case has no inputs, and the browser reports this.
+    # The server rejects requests for which the case lacks inputs, and the browser logs this.
     refused = "the server responded with a status of 400"
     assert [error for error in sheet.errors if refused not in error] == []
     shown = solved(example(name))
@@ -259,7 +259,7 @@ def test_pictures_and_tables_are_saved(serve, sheet):
     for panel in ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"]:
         for name, data in saved(sheet, panel).items():
             if name.endswith(".svg"):
-                # The file has no style sheet, so it must contain no CSS variable, and it has its
+                # The file has no style sheet, so it must contain no CSS variable and must state its
                 # own size.
                 drawing = ElementTree.fromstring(data)
                 assert drawing.tag.endswith("svg") and float(drawing.get("width")) > 100, name
@@ -273,7 +273,7 @@ def test_pictures_and_tables_are_saved(serve, sheet):
     point = rows[len(rows) // 3]
     x, y = list(point)[:2]
     expected = solved(example("nut_double"), "--set", f"{x}={point[x]}", "--set", f"{y}={point[y]}")
-    # Kernels agree with the models to 1e-10.
+    # Batch kernels agree with the models to within 1e-10.
     assert float(point["efficiency"]) == pytest.approx(expected["efficiency"], rel=1e-9)
     assert sheet.errors == []
 
@@ -367,7 +367,7 @@ def test_cases_are_shown_side_by_side(serve, sheet, tmp_path):
     assert found["axial load"] == ["6000", "4000", "6000"] and found["lead"] == ["20", "10", "20"]
     sheet.again(lambda: page.locator("table.beside thead button", has_text="Show").first.click())
     assert case_of(page)["lead_mm"] == 10
-    # The comparison is the same in a file.
+    # A page saved as a file shows the same comparison.
     out = tmp_path / "page.html"
     bsm("view", FEED, other, "-o", out)
     page = sheet.open(out.as_uri())
@@ -386,7 +386,7 @@ def test_the_axis_shows_rules_and_sheet(serve, sheet, tmp_path):
     numbers.evaluate("(fold) => { fold.open = true; }")
     assert five_digits(report["results"]["cycle_life_h"]) in numbers.inner_text()
     assert all(note in page.inner_text("#axis") for note in report["notes"])
-    # The sheet equals the sheet of the command.
+    # The saved sheet is identical to the sheet that `bsm axis` writes.
     with page.expect_download() as download:
         page.click("text=Save the sheet")
     bsm("axis", axis, "-o", tmp_path / "sheet.html")
@@ -486,8 +486,8 @@ def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
     # The style sheet of pictures fills rectangles with the background color.
     assert figure.locator(".touch").first.evaluate("(mark) => getComputedStyle(mark).fill") == "rgb(138, 97, 0)"
     assert figure.locator(".push").count() == sum(ball["front_push_N"] > 0 for ball in balls)
-    # The marks and the line of the train use the scale of the axis. The speeds of two free balls
-    # determine the scale, which must give the rate at every other mark.
+    # The scale of the speed axis is determined from the marks of two free balls. On this scale, all
+    # other marks and the line of the ball train must be at the calculated speeds.
     heights = [float(mark.get_attribute("cy")) for mark in figure.locator(".free").all()]
     slow, fast = (pick(range(98), key=lambda i: balls[i]["free_rate"]) for pick in (min, max))
     scale = (heights[fast] - heights[slow]) / (balls[fast]["free_rate"] - balls[slow]["free_rate"])

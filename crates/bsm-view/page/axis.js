@@ -1,4 +1,4 @@
-// The axis around the screw: its rules, its numbers and its sheet.
+// The feed axis of the screw: its rules, its numbers and its sheet.
 
 import { html, number, interval, none, table, unitOf } from "bsm/draw";
 import { groups, remarks } from "bsm/nut";

@@ -1,4 +1,4 @@
-// Input fields, created from the vocabulary.
+// Input fields, created from the list of inputs that the program accepts.
 
 import { html, brief, parsed } from "bsm/draw";
 import { start } from "bsm/source";

@@ -87,7 +87,7 @@ export class ModelMap {
     if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("The map needs two different inputs that the case contains."); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, entries[name]);
       return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
-    // The map does not depend on the position of the point within it.
+    // The map does not depend on the position of the operating point within it.
     const key = JSON.stringify([{ ...entries, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
     if (key === this.key) return;
     const draw = async (count) => {

@@ -52,6 +52,6 @@ export function showNumbers(host, result) {
     contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(unloaded ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
       row(marked(label), unit, ...values.slice(0, unloaded ? 3 : 2)))) : null),
     ...(unbounded.length ? [html("p", { class: "small faint" },
-      `* The error bound does not cover this value, which is that of model ${result.model}. If you need it accurately, use model traction.`)]
+      `* The error bound does not cover this value, which was calculated by model ${result.model}. For an accurate value, use model traction.`)]
       : []));
 }

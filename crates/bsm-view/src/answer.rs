@@ -64,7 +64,7 @@ impl Request {
         Ok(Self { case: self.case.with_groove()?, ..self })
     }
 
-    /// Parses the body of a request.
+    /// Parses the JSON body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
         let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
         let case =
@@ -76,9 +76,9 @@ impl Request {
     }
 }
 
-/// Calculates the answer to a request.
+/// Calculates the answer to a request of the page.
 ///
-/// * `stop`: stops the calculation of a map when it becomes true.
+/// * `stop`: flag that stops the calculation of a map when it becomes true.
 pub(crate) fn answer(
     route: &str,
     body: &[u8],
@@ -200,8 +200,8 @@ pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> 
     Ok(comparison(case)?.to_json())
 }
 
-/// Returns the solution whose motion is analyzed. It is the solution that the page shows, so that
-/// all losses agree.
+/// Returns the solution whose motion is analyzed. The page shows the same solution, so that all
+/// losses agree.
 fn moving(case: &Case, settings: &Settings) -> Result<MotionAnswer, CaseError> {
     let solution = case.problem(settings)?.solve(&mut ModelWorkspace::default());
     Ok(MotionAnswer { settings: *settings, solution })
@@ -253,7 +253,7 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
     let mut answer = size_results(&report);
     let displayed = report.answer.clone().in_units(case.display_units());
     answer["shown"] = shown(&displayed);
-    // The page shows rules and their intervals in displayed units.
+    // The page shows rules and their intervals in display units.
     if let Some(rules) = displayed.to_json().get_mut("rules") {
         answer["rules"] = rules.take();
     }

@@ -42,7 +42,8 @@ pub(crate) fn schema() -> Value {
         let words = whole.rsplit_once(", ").map_or(&*whole, |(words, _)| words);
         json!({ "name": output.name, "label": words, "unit": output.unit, "about": output.about })
     });
-    // Displayed units by the name of the system: text, factor and zero of each unit that differs.
+    // For each unit system, the display units that differ from metric units: text, factor and zero
+    // point.
     let display = DisplayUnits::NAMES.iter().map(|(name, units)| {
         let unit = |(own, shown): (&str, DisplayUnit)| {
             let UnitChange { factor, zero } = shown.change();

@@ -14,7 +14,7 @@ const MAX_HEAD_LINES: usize = 64;
 /// Maximum size of a request body \[B\].
 const MAX_BODY: usize = 1 << 20;
 
-/// Time limits for a client to send its request, to receive the response, and to close the
+/// Time limits for a client: to send its request, to receive the response, and to close the
 /// connection.
 const TO_SEND: Duration = Duration::from_secs(5);
 const TO_TAKE: Duration = Duration::from_secs(30);
@@ -49,7 +49,7 @@ impl<'a> Connection<'a> {
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(left) }
     }
 
-    /// Reads the request line and headers.
+    /// Reads the request line and the headers of a request.
     pub(crate) fn head(&mut self) -> Result<Head, HttpRefusal> {
         let mut bytes = Vec::new();
         loop {
@@ -76,7 +76,7 @@ impl<'a> Connection<'a> {
         }
     }
 
-    /// Reads the request body.
+    /// Reads the body of a request.
     pub(crate) fn body(&mut self, head: &Head) -> Result<Vec<u8>, HttpRefusal> {
         if head.line("Transfer-Encoding").is_some() {
             return Err((
@@ -118,8 +118,8 @@ impl<'a> Connection<'a> {
         if self.write_all(answer.as_bytes()).is_ok()
             && self.stream.shutdown(Shutdown::Write).is_ok()
         {
-            // If the connection were closed before all received bytes are read, the operating
-            // system would discard data that have not been sent yet.
+            // All received bytes are read before the connection is closed. Otherwise, the operating
+            // system would discard response data that have not been sent yet.
             self.until = Instant::now() + TO_CLOSE;
             let _ = io::copy(&mut self, &mut io::sink());
         }
@@ -158,7 +158,7 @@ impl Head {
         }
     }
 
-    /// Returns the value of the first header with the given name.
+    /// Returns the value of the first header that has the given name.
     pub(crate) fn line(&self, name: &str) -> Option<&str> {
         let (_, value) = self.lines.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
         Some(value)

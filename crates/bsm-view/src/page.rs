@@ -31,17 +31,17 @@ const MODULES: [(&str, &str); 16] = [
 /// Characters that must be percent-encoded in a `data:` URL inside JSON inside HTML.
 const ESCAPED: &AsciiSet = &CONTROLS.add(b'%').add(b'#').add(b'"').add(b'\\').add(b'<').add(b'&');
 
-/// Returns the HTML page with its start data.
+/// Returns the HTML page together with its initial data.
 pub(crate) fn html(start: &Value) -> String {
     let address = |text: &str| {
         json!(format!("data:text/javascript;charset=utf-8,{}", utf8_percent_encode(text, ESCAPED)))
     };
     let imports: Map<_, _> =
         MODULES.iter().map(|(name, text)| ((*name).to_owned(), address(text))).collect();
-    // The data must not contain an end tag, because it would end the script element.
+    // The data must not contain an HTML end tag, because it would end the script element.
     let data = start.to_string().replace('<', "\\u003c");
-    // Each placeholder occurs once. The start data are inserted last, because they may contain text
-    // that looks like a placeholder.
+    // Each placeholder occurs once. The initial data are inserted last, because they may contain
+    // text that looks like a placeholder.
     HTML.replacen("@STYLE@", &format!("{STYLE}{CSS}"), 1)
         .replacen("@CONNECT@", if start["live"] == true { "'self'" } else { "'none'" }, 1)
         .replacen("@IMPORTS@", &json!({ "imports": imports }).to_string(), 1)

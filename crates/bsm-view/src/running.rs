@@ -21,7 +21,7 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// Parses the form `page/number`.
+    /// Parses the text `page/number`, which contains the page id and the request number.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let (page, number) = text.split_once('/')?;
         Some(Self { page: page.to_owned(), number: number.parse().ok()? })
@@ -33,7 +33,7 @@ impl Turn {
     }
 }
 
-/// A calculation that has been started.
+/// A calculation that has been started and has not ended yet.
 struct Entry {
     turn: Option<Turn>,
     stop: Arc<AtomicBool>,
@@ -69,7 +69,7 @@ impl Running {
     /// Registers a new calculation. Calculations for earlier requests of the same page are stopped,
     /// and these requests are answered immediately.
     ///
-    /// Returns the calculation and a receiver for its answer.
+    /// Returns the registered calculation and a receiver for its answer.
     pub(crate) fn begin(
         &self,
         turn: Option<Turn>,
@@ -82,7 +82,7 @@ impl Running {
             }
             for (entry, _) in others().filter(|(_, other)| other.is_before(turn)) {
                 entry.stop.store(true, Ordering::Relaxed);
-                // The client may already have disconnected.
+                // Sending fails if the client has already disconnected.
                 let _ = entry.give.send(Err(Refusal::Overtaken));
             }
         }
@@ -105,7 +105,7 @@ impl RunningAnswer {
     /// Ends the calculation and delivers its answer.
     pub(crate) fn end(self, found: AnswerResult) {
         if let Some(entry) = self.taken() {
-            // The client may already have disconnected.
+            // Sending fails if the client has already disconnected.
             let _ = entry.give.send(found);
         }
     }

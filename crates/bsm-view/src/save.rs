@@ -11,7 +11,7 @@ use crate::answer::{Request, answer, axis, compare, nut, or_message, point, solv
 use crate::form::schema;
 use crate::page;
 
-/// Number of positions of each slider.
+/// Number of positions of each slider on a saved page.
 const STOPS: u32 = 9;
 
 /// Number of cells of the map in each direction.
@@ -42,7 +42,7 @@ const COLUMNS: [&str; 8] = [
 ///
 /// # Errors
 ///
-/// [`Refusal::Input`] if the case cannot be solved.
+/// Returns [`Refusal::Input`] if the case cannot be solved.
 pub fn saved(
     case: &Case,
     beside: &[Case],
@@ -107,7 +107,7 @@ pub fn saved(
     })))
 }
 
-/// Removes data from the answer for a slider position that are the same at all positions.
+/// Removes those data from the answer for a slider position that are the same at all positions.
 fn stop(mut point: Value) -> Value {
     if let Some(solved) = point.get_mut("solve").and_then(Value::as_object_mut) {
         solved.remove("section");

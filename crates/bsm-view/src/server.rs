@@ -30,8 +30,9 @@ use crate::running::{Running, Turn};
 /// because no other panel of the page waits for them.
 const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
-/// Maximum number of running calculations, including stopped ones. Beyond this number, no
-/// calculation is started. A page waits for at most half as many answers.
+/// Maximum number of running calculations, including stopped calculations that have not ended yet.
+/// If this number is reached, no further calculation is started. A page waits for at most half as
+/// many answers.
 const MAX_RUNNING: usize = 16;
 
 /// Pause after the operating system could not accept a connection because of missing resources.
@@ -46,23 +47,23 @@ pub type Save = Box<dyn Fn(&str) -> Result<(), String> + Send + Sync>;
 /// The reason why the server cannot be started.
 #[derive(Debug, Error)]
 pub enum ViewError {
-    /// The port is not available.
+    /// The server cannot listen on the requested port.
     #[error("cannot listen on 127.0.0.1:{port}: {source}")]
     Listen {
         /// The requested port; 0 means any free port.
         port: u16,
-        /// Error of the operating system.
+        /// The error that the operating system reported.
         source: io::Error,
     },
     /// The operating system provides no random numbers for the token.
     #[error("cannot create a random token: {0}")]
     Random(String),
-    /// Threads cannot be started.
+    /// The threads of the server cannot be started.
     #[error("cannot start a thread: {0}")]
     Thread(#[from] io::Error),
 }
 
-/// A server that shows one case.
+/// A server that shows the page of one case.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -70,7 +71,7 @@ pub struct Server {
     shared: Arc<ServerState>,
 }
 
-/// Data that all requests use.
+/// Data of the server that all requests share.
 struct ServerState {
     token: String,
     hosts: [String; 2],
@@ -96,8 +97,8 @@ impl Server {
     ///
     /// # Errors
     ///
-    /// [`ViewError`] if the port is not available, or if the operating system provides no random
-    /// numbers or threads.
+    /// Returns [`ViewError`] if the port is not available, or if the operating system provides no
+    /// random numbers or threads.
     pub fn start(
         port: u16,
         case: &Case,
@@ -150,7 +151,7 @@ impl Server {
         }
     }
 
-    /// Ends the loop in [`serve`](Self::serve).
+    /// Ends the loop in [`serve`](Self::serve), so that this function returns.
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
         // This connection wakes the loop, which is waiting for connections.
@@ -161,7 +162,7 @@ impl Server {
 /// A response: status, content type and body.
 type Reply = (u16, &'static str, String);
 
-/// Returns a rejection as JSON, in the form that the page expects.
+/// Returns a rejection as JSON, in the form that the page expects for errors.
 fn refused(status: u16, text: &str) -> Reply {
     (status, "application/json", json!({ "error": text }).to_string())
 }
@@ -256,8 +257,8 @@ impl ServerState {
         }
     }
 
-    /// Calculates an answer. Fails if the calculation takes too long or a newer request replaces
-    /// this one.
+    /// Calculates an answer. Returns an error if the calculation takes too long or a newer request
+    /// replaces this one.
     fn answer(
         self: &Arc<Self>,
         turn: Option<Turn>,
@@ -301,8 +302,8 @@ impl ServerState {
     }
 }
 
-/// Returns true if two strings are equal. The time does not depend on where they differ, so that it
-/// reveals nothing about the token.
+/// Returns true if two strings are equal. The computing time does not depend on the position of the
+/// first difference, so that an attacker cannot guess the token by measuring times.
 fn same(one: &str, other: &str) -> bool {
     let differ = one.bytes().zip(other.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
     one.len() == other.len() && differ == 0

@@ -237,8 +237,8 @@ fn drawn_friction_matches_the_power_loss_of_the_model() {
         balls = number(&solved["inputs"]["loaded_balls"]);
     }
     let sliding = number(&solved["sliding_power_W"]);
-    // The integrand has a kink on the ellipse, so that a grid of 49 points per side has an error of
-    // a few percent.
+    // The integrand has a kink on the ellipse, so the integral over a grid of 49 points per side
+    // has an error of a few percent.
     assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
 }
 
@@ -259,7 +259,7 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     let (status, answer) = served.post("sweep", &long_map());
     let text = answer["error"].as_str().expect("words");
     assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
-    // The solver threads must be available again.
+    // After the map has been stopped, the solver threads must be available again.
     let (status, answer) = served.post("solve", &example_request());
     assert_eq!(status, 200, "{answer}");
 }

@@ -24,9 +24,9 @@ pub(crate) struct Block {
     pub(crate) body: Range<usize>,
 }
 
-/// A fenced block of a document.
+/// A fenced code block of a Markdown document.
 pub(crate) struct Fence<'a> {
-    /// Language, followed by any attributes.
+    /// Language of the code block, followed by any attributes.
     pub(crate) info: &'a str,
     pub(crate) body: &'a str,
     /// Position in the document at which the fence ends.
@@ -70,7 +70,7 @@ impl Document {
         Ok(blocks)
     }
 
-    /// Returns all fenced blocks in order.
+    /// Returns all fenced code blocks of the document in order.
     pub(crate) fn fences(&self) -> Vec<Fence<'_>> {
         let (mut fences, mut open, mut place) = (Vec::new(), None, 0);
         for line in self.text.split_inclusive('\n') {

@@ -75,7 +75,7 @@ pub(crate) fn fenced(text: &str) -> String {
     format!("\n```text\n{}\n```\n", text.trim_end())
 }
 
-/// Formats a Markdown table.
+/// Formats a header and rows as a Markdown table.
 pub(crate) fn table(header: &str, rows: &[String]) -> String {
     let columns = header.matches('|').count() - 1;
     format!("\n{header}\n{}|\n{}\n", "|---".repeat(columns), rows.join("\n"))
@@ -138,7 +138,7 @@ fn catalog(program: &Program) -> Blocks {
     let words = ["select", "--from", "standard", "--first", "1"].map(str::to_owned);
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());
-    Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
+    Ok(count.ok_or_else(|| format!("no number of nuts in the note: {note}"))?.to_string())
 }
 
 /// Calculates the effects that equal load sharing neglects, one at a time. Each nut is compared

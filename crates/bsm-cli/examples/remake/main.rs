@@ -104,7 +104,7 @@ fn main() -> Result<ExitCode> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
     // The program `bsm` is one folder above this program, which is target/release/examples/remake.
     let bsm = std::env::current_exe()?.ancestors().nth(2).map(|folder| folder.join("bsm"));
-    let bsm = bsm.filter(|path| path.exists()).ok_or("bsm is not built; call docs/remake")?;
+    let bsm = bsm.filter(|path| path.exists()).ok_or("bsm is not built; run docs/remake")?;
     let (mut quick, mut names) = (false, Vec::new());
     for word in std::env::args().skip(1) {
         match word.as_str() {
@@ -188,7 +188,7 @@ fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
         }
         save(site, &document.path, &document.text, &new)?;
     }
-    if written == 0 { Err(format!("no document has a block {name}").into()) } else { Ok(()) }
+    if written == 0 { Err(format!("no document has a block named {name}").into()) } else { Ok(()) }
 }
 
 /// Replaces a document atomically, unless it was edited in the meantime.

@@ -554,7 +554,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
     let (_, points, seed, edges) = *CAMPAIGNS
         .iter()
         .find(|(name, ..)| *name == model)
-        .ok_or("no campaign exists for this model")?;
+        .ok_or("no test campaign is defined for this model")?;
     let ask = |points: usize, more: &str| {
         let just = format!("just extremes {points} --model {model} --seed {seed}{more}");
         let words = format!(
@@ -628,11 +628,11 @@ impl Campaign {
         let slowest_ms = slowest.ok_or("no slowest point")?.parse()?;
         let others = printed.lines().find_map(|line| line.strip_prefix("other solutions: "));
         let others = others
-            .ok_or("no count of other solutions")?
+            .ok_or("the output contains no count of other solutions")?
             .split(", ")
             .map(|words| Ok(words.split(' ').next().unwrap_or_default().parse::<f64>()?));
         let others: Vec<_> = others.collect::<Result<_>>()?;
-        let others = others.try_into().map_err(|_| "not three counts of other solutions")?;
+        let others = others.try_into().map_err(|_| "expected three counts of other solutions")?;
         Ok(Self { points, kinds, others, slowest_ms })
     }
 
@@ -698,7 +698,7 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let size = megabytes(fs::metadata(program)?.len() as f64);
     fs::remove_dir_all(&folder)?;
     let text = format!(
-        "\nA cold release build takes {} min {} s with all dependencies, and the program is a file of {size}. ({})\n",
+        "\nA cold release build takes {} min {} s with all dependencies, and the size of the program file is {size}. ({})\n",
         time / 60,
         time % 60,
         site.machine()?

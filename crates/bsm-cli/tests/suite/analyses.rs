@@ -25,8 +25,8 @@ fn example_cases_match_the_published_cases() {
     }
 }
 
-/// A check must fail if its trend holds on more or fewer curves than recorded, or fails on a curve
-/// that is not recorded. This ensures that a recorded finding cannot be used to make a check pass.
+/// A check of a published trend must fail if the recorded number of curves with this trend is
+/// wrong, or if a trend that does not hold is not recorded.
 #[test]
 fn checks_fail_if_trends_differ_from_the_recorded_findings() {
     let dir = folder();
@@ -98,8 +98,8 @@ fn jam_output_contains_verdicts_and_margins() {
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     let text = bsm(folder().path(), &["solve", &example("jamming.json"), "--show", "jam"], "");
     let text = stdout(&text);
-    // Jamming is a result and not a failed check. Each title has one table for each kind of
-    // contact.
+    // Jamming is a result and not a failed check. The quantity appears twice, because each kind of
+    // contact has its own table.
     assert!(text.contains("self_locking_under_load  no ") && !text.contains("FAIL"), "{text}");
     assert_eq!(text.matches("wedge between the raceways").count(), 2, "{text}");
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
@@ -144,7 +144,7 @@ fn slip_plots_do_not_show_the_trends_of_a_paper() {
     }
 }
 
-/// Regression test: the slip sweeps used to assume a rolling ball, whichever model was chosen.
+/// Regression test: the slip sweeps assumed a rolling ball, regardless of the chosen model.
 #[test]
 fn slip_sweeps_use_the_chosen_model() {
     let dir = folder();
@@ -226,9 +226,9 @@ fn invalid_input_of_an_analysis_is_reported() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// Results of analyses are available as table columns and as curves. A misspelled name gets a
-/// suggestion, and a column that cannot be calculated in any row is rejected before any row is
-/// solved.
+/// Results of analyses are available as table columns and as curves. For a misspelled column name,
+/// the message suggests the correct name. A column that cannot be calculated in any row is rejected
+/// before any row is solved.
 #[test]
 fn sweep_columns_may_be_results_of_analyses() {
     let dir = folder();
@@ -271,7 +271,7 @@ fn sweep_columns_may_be_results_of_analyses() {
     assert!(!dir.path().join("u.csv").exists());
 }
 
-/// Regression test: a preload that the model does not use used to be ignored silently.
+/// Regression test: a given preload was silently ignored by models that do not use it.
 #[test]
 fn note_is_printed_for_an_unused_preload() {
     let dir = folder();

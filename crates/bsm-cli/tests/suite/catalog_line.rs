@@ -28,8 +28,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// Writes the example screw, which is described by its load ratings, without its cycle and
-/// lubricant.
+/// Writes the example case of a screw that is described by its load ratings, without its load cycle
+/// and lubricant.
 fn write_catalog_line(folder: &std::path::Path) {
     let text = fs::read_to_string(example("catalog_line.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&text).expect("JSON");
@@ -66,7 +66,7 @@ fn table_columns_contain_interval_bounds() {
     assert_eq!(rows[0]["nut_stiffness_N_um"], nut["nut_stiffness_N_um"]);
     assert_eq!(rows[0]["nut_stiffness_low_N_um"], interval[0]);
     assert_eq!(rows[0]["nut_stiffness_high_N_um"], interval[1]);
-    // In a grid over the load, the groove is the same at all points, and a kernel solves the
+    // If only the load varies, the groove is the same at all points, and a batch kernel solves the
     // points.
     let grid = [
         "sweep",
@@ -81,7 +81,7 @@ fn table_columns_contain_interval_bounds() {
     let output = bsm(dir.path(), &[&grid[..], &SETTINGS[2..]].concat(), "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("ball 6.35 mm"), "{}", stderr(&output));
-    // If the groove is given, there are no intervals.
+    // If the case contains the groove geometry, the results have no intervals.
     let given = [
         "sweep",
         &example("feed_drive.json"),
@@ -129,7 +129,7 @@ fn estimates_are_marked_in_every_output() {
 /// groove exit with code 2. `axis` still calculates the life and prints a warning. The HTML page
 /// and `fit` work with an estimated groove.
 #[test]
-fn commands_accept_a_catalog_line_or_state_why_not() {
+fn commands_accept_a_catalog_line_or_report_why_they_cannot() {
     let dir = folder();
     write_catalog_line(dir.path());
     let run = |args: &[&str]| {

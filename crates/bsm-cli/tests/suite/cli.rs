@@ -46,14 +46,15 @@ fn solve_prints_json_with_schema_field_names() {
 }
 
 #[test]
-fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
+fn sensitivities_are_printed_as_a_table_and_in_json() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin(), "--show", "sensitivities"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     let table = text.split("sensitivity to").nth(1).expect("a table below the results");
     assert!(table.lines().next().expect("header").contains("torque, N m/unit"), "{table}");
-    // Friction has the largest effect. The nut speed is zero, so it has no relative sensitivity.
+    // The friction coefficient has the largest effect. The nut speed is zero, so it has no relative
+    // sensitivity.
     let row =
         |i: usize| table.lines().nth(i).expect("a row").split_whitespace().collect::<Vec<_>>();
     assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
@@ -414,8 +415,8 @@ fn model_settings_are_used_or_rejected() {
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
         (["--tolerance", "0"], "must be a finite number > 0"),
-        // Regression test: with this accuracy, a loss was 20 % too large, although its stated error
-        // bound was 0.3 %.
+        // Regression test: with this accuracy, a power loss was 20 % too large, although its stated
+        // error bound was 0.3 %.
         (["--accuracy", "1e-2"], "must be from 0.0000000000001 to 0.0001"),
         (["--accuracy", "0"], "must be from 0.0000000000001 to 0.0001"),
         (["--control", "ball"], "nut, screw"),
@@ -508,7 +509,7 @@ fn sweep_rows_match_single_solves() {
     let solved =
         stdout(&bsm(dir.path(), &["solve", &lin(), "--set", "axial_load_N=200", "--json"], ""));
     let solved: Value = serde_json::from_str(&solved).expect("JSON");
-    // Kernels agree with the models to within 1e-10.
+    // Batch kernels agree with the models to within 1e-10.
     let solved = solved["efficiency"].as_f64().expect("a number");
     assert!((solved - swept).abs() <= 1e-10 * solved, "{solved} {swept}");
 }

@@ -196,8 +196,8 @@ fn figures_are_drawn_for_the_listed_sizes() {
         let table = path.extension().is_some_and(|extension| extension == "csv");
         assert!(!table || text.lines().count() > 1, "{}", path.display());
     }
-    // The lists contain only one diameter, so there is no figure over the diameter, and Fig 7 is
-    // drawn only once instead of separately for 50 and 63 mm.
+    // The lists contain only one diameter. Therefore, no figure has the diameter as its axis, and
+    // Fig 7 is drawn only once instead of separately for 50 and 63 mm.
     assert!(table("catalog-4.csv").is_err() && table("catalog-7b.csv").is_err());
     assert!(table("catalog-7a.csv").is_ok(), "{}", stderr(&output));
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");

@@ -74,8 +74,8 @@ fn are_equal_when_printed(old: &str, new: &str) -> bool {
     old == new
         || numbers.is_some_and(|(x, y)| {
             let last_digit = last_digit(old).max(last_digit(new));
-            // The tolerance includes half a unit more, because decimal fractions are not exact
-            // doubles.
+            // The tolerance is 1.5 units in the last place instead of 1, because decimal fractions
+            // are not exactly representable as doubles.
             (x - y).abs() <= 1.5 * last_digit || x.abs().max(y.abs()) < 1e-10
         })
 }
@@ -191,7 +191,8 @@ fn commands_print_the_documented_output() {
     }
 }
 
-/// Returns the command with three points per input (`sweep`) or three points in total.
+/// Returns the command with a reduced number of points: three per input for `sweep`, three in total
+/// for other commands.
 fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     match words[0].as_str() {
         "sweep" => {
@@ -223,7 +224,7 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     words
 }
 
-/// Checks that the parser finds the commands in the documents.
+/// Checks that the parser finds all commands in the documents.
 #[test]
 fn document_parser_finds_all_commands() {
     let count = |name: &str| {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::program::{bsm, folder, stderr, stdout};
 
-/// Regression test: row 1 was solved with the lead of the base case. The command is the one that
-/// revealed the error.
+/// Regression test: row 1 was solved with the lead of the base case. This test runs the command
+/// that revealed the error.
 #[test]
 fn rows_with_empty_lead_cells_match_single_solves() {
     let dir = folder();
@@ -35,7 +35,7 @@ fn rows_with_empty_lead_cells_match_single_solves() {
             let single = stdout(&bsm(dir.path(), &[&solve[..], &common].concat(), ""));
             let single: serde_json::Value = serde_json::from_str(&single).expect("JSON");
             let known = single["efficiency"].as_f64();
-            // A kernel has other rounding errors than its model.
+            // A batch kernel has different rounding errors than the model.
             let same = match (row[5].parse::<f64>(), known) {
                 (Ok(found), Some(known)) => (found - known).abs() <= 1e-10 * known.abs(),
                 (found, known) => found.is_err() && known.is_none(),

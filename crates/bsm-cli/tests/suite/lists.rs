@@ -152,7 +152,7 @@ fn answers_are_displayed_in_inch_units() {
     assert!(largest.contains(&"lbf".to_owned()), "{largest:?}");
     let value: f64 = largest.last().expect("a number").parse().expect("a number");
     let newtons = metric["results"]["largest_load_N"].as_f64().expect("a load");
-    // Numbers are printed with five digits.
+    // The tolerance applies to numbers that are printed with five digits.
     assert!((value * 4.448_221_615 / newtons - 1.0).abs() < 1e-4, "{value} {newtons}");
     assert!(shown.contains("peak motor torque") && !shown.contains("  N m  "), "{shown}");
     let sheet = fs::read_to_string(path.join("sheet.html")).expect("a sheet");
@@ -212,7 +212,7 @@ fn sheet_contains_process_force_and_signature_fields() {
     assert!(!sheet.contains(">thread 1"), "{sheet}");
 }
 
-/// A table of nuts has figures of its ratings, in displayed units.
+/// For a table of nuts, the program draws figures of the ratings in display units.
 #[test]
 fn figures_are_written_for_a_table_of_nuts() {
     let dir = folder();

@@ -129,9 +129,9 @@ fn nut_results_match_the_reference_cases() {
     }
 }
 
-/// Short inputs must be equivalent to complete objects. Bars and ring are calculated from anchors
-/// and diameters (chapter 16). The nut pair of case P06 is calculated from its preload; its results
-/// agree to within 1e-8, the tolerance of the preload search.
+/// Short inputs must be equivalent to complete objects. The axial stiffness of nut and screw is
+/// calculated from anchors and diameters (chapter 16). The nut pair of case P06 is calculated from
+/// its preload; its results agree to within 1e-8, the tolerance of the preload search.
 #[test]
 fn short_inputs_are_equivalent_to_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
@@ -248,7 +248,7 @@ fn contradictory_nut_inputs_are_rejected() {
 /// `--set` must accept text values for a nut, and a load of zero, which is not valid for a single
 /// ball.
 #[test]
-fn set_accepts_text_values() {
+fn set_option_accepts_text_values() {
     let (_, found, words) = answer(&single().to_string(), &["--set", "nut_guidance=free"]);
     assert!(found["nut_tilt_urad"].as_f64().expect("a tilt") > 1.0, "{words}");
     let pulled = ["--set", "axial_load_N=-6340"];
@@ -498,8 +498,8 @@ fn a_preload_force_applies_to_the_cold_nut() {
     }
 }
 
-/// Regression test: the axis sheet used temperature rises in its lives, but stated that the preload
-/// does not depend on them.
+/// Regression test: the axis sheet used temperature rises to calculate the lives, but stated that
+/// the preload does not depend on temperature.
 #[test]
 fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     let axis = json!({
@@ -836,7 +836,7 @@ fn friction_torque_of_oversize_balls_matches_the_reference() {
     let limit = number(&at(3000.0), "limit_load_N");
     for (part, torque) in [(0.0, 0.557), (0.9, 0.747), (0.995, 0.805), (1.2, 0.917)] {
         let found = number(&at(part * limit), "friction_torque_Nm");
-        // The reference values have three digits.
+        // The reference values are rounded to three digits.
         assert!((found - torque).abs() < 6e-4, "{part}: {found} {torque}");
     }
 }
@@ -855,13 +855,14 @@ fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank() {
     for rpm in [50.0, -50.0] {
         let [before, after] =
             [0.9999, 1.0001].map(|part| number(&at(part * limit, rpm), "friction_torque_Nm"));
-        // The relative change of the torque is at most proportional to the change of the load.
+        // The load changes by 2e-4, so a continuous torque changes by less than 5e-4 (both
+        // relative).
         assert!((after / before - 1.0).abs() < 5e-4, "{before} {after}");
     }
 }
 
 #[test]
-fn the_drag_of_a_pair_with_play_matches_the_reference() {
+fn drag_torque_of_a_pair_with_play_matches_the_reference() {
     let pair = json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 10,
         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
@@ -921,7 +922,7 @@ fn warm_nut_pairs_match_an_independent_solution() {
         for (key, expected) in reference["expect"].as_object().expect("numbers") {
             let (found, expected) = (number(&found, key), expected.as_f64().expect("a number"));
             // The reference temperatures and results have twelve digits. A temperature change of
-            // one degree changes the preload by several tens of percent.
+            // one degree would change the preload by several tens of percent.
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "{} {key}: {found} {expected}",

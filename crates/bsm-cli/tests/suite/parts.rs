@@ -810,13 +810,13 @@ fn scheduler_examples_solve_a_plan() {
 
 /// Compares the table in the guide with the plans that the program prints.
 #[test]
-fn guide_states_the_numbers_of_printed_plans() {
+fn guide_numbers_match_the_printed_plans() {
     let dir = folder();
     let drive = drive();
     let mut table = String::new();
     for model in ["closed-form", "traction"] {
         let what = format!("`{model}`");
-        // The guide uses 1000 times as many points.
+        // The guide uses 1000 times as many points as this test.
         for (rows, all) in [("1000000", "1e9"), ("1000000000", "1e12")] {
             let vary = format!("--vary=axial_load_N=2000:8000:{rows}");
             let model = format!("--model={model}");

@@ -223,7 +223,7 @@ fn an_option_that_is_given_twice_is_rejected() {
 }
 
 #[test]
-fn set_accepts_a_description() {
+fn set_option_accepts_a_description() {
     let dir = folder();
     let args = ["solve", &example("feed_drive.json"), "--set", "description=my screw", "--json"];
     let output = bsm(dir.path(), &args, "");

@@ -106,7 +106,7 @@ impl Points {
     }
 }
 
-/// Counts of a test campaign.
+/// Numbers of killed runs and leftover files in a test campaign.
 #[derive(Debug, Default)]
 struct Tally {
     kills: usize,
@@ -512,7 +512,7 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
 
 /// Regression test: `--resume` deleted the user's own `.bsm-*` files.
 #[test]
-fn files_of_the_user_are_kept() {
+fn resume_keeps_temporary_files_of_the_user() {
     let dir = folder();
     let args = Points::new(20).args("grid", "map/");
     assert_eq!(run(&args, dir.path()).status.code(), Some(3));
@@ -542,7 +542,7 @@ fn files_of_the_user_are_kept() {
 /// Regression test: the program waited forever if a pipe replaced the plan file or the table of
 /// points.
 #[test]
-fn the_program_does_not_wait_for_pipes() {
+fn program_does_not_wait_for_pipes_in_place_of_files() {
     let dir = folder();
     let fifo = |name: &str| {
         let made = Command::new("mkfifo").arg(dir.path().join(name)).status();
@@ -568,7 +568,7 @@ fn the_program_does_not_wait_for_pipes() {
 }
 
 #[test]
-fn a_run_that_cannot_be_resumed_says_what_to_do() {
+fn error_for_a_run_that_cannot_be_resumed_suggests_a_remedy() {
     let dir = folder();
     let points = Points::new(20);
     let resume = |output: &str| {

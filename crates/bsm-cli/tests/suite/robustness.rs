@@ -355,7 +355,7 @@ fn a_failed_thread_start_does_not_panic() {
         assert_exit_and_message(
             &output,
             0,
-            "of 1024 threads, because the operating system does not start more",
+            "of 1024 threads are used, because the operating system did not start more",
         );
     }
     let catalog = ["select", "--first=3", "--where=lead_mm=20"];
@@ -364,8 +364,9 @@ fn a_failed_thread_start_does_not_panic() {
     if let Some(output) = run_with_limits(limits, &catalog, dir.path()) {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
         assert!(
-            stderr(&output)
-                .contains("of 1024 threads, because the operating system does not start more")
+            stderr(&output).contains(
+                "of 1024 threads are used, because the operating system did not start more"
+            )
         );
     }
     // The root user may start any number of threads. Other users get an error.

@@ -55,9 +55,8 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
         close("unsupported_length_mm", length, 1e-9);
-        // The catalog factor 15.1 has three digits. The buckling load of the section that is
-        // clamped by bearing and nut is within 1.5 % of the load for the flexural rigidity E I on
-        // which the catalog factor is based.
+        // The catalog factor 15.1 has only three digits, and the catalog's buckling factor is based
+        // on a slightly different flexural rigidity E I (difference below 1.5 %).
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
         close("critical_speed_rpm", permitted / 0.8, 6e-3);
@@ -498,7 +497,7 @@ fn full_names_are_suggested_for_short_or_incomplete_names() {
 /// Regression test: other commands rejected nuts that were picked from the catalog and screws that
 /// were designed by `bsm select`.
 #[test]
-fn every_command_accepts_a_picked_nut() {
+fn every_command_accepts_a_selected_nut() {
     let dir = folder();
     let args =
         ["select", "--where", "nominal_diameter_mm=40", "--where", "lead_mm=20", "-o", "nut.json"];

@@ -200,7 +200,7 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
     run(dir.path(), &[&draw[..], &to].concat(), 0);
     let texts = sheet(&dir.path().join("out.xlsx"), "xl/sharedStrings.xml");
     assert!(texts.contains(seed), "{texts}");
-    // An id in an integer column of a Parquet table is not parsed from text.
+    // A Parquet table stores the id as an integer, so the id is not parsed from text.
     let (path, id) = (dir.path().join("ids.parquet"), 9_007_199_254_740_993);
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![id, 5]));
     let loads: ArrayRef = Arc::new(Float64Array::from(vec![1000.0, 2000.0]));
@@ -416,7 +416,8 @@ fn sweep_columns_and_plots_use_display_units() {
     sweep(columns, &map);
     let map = fs::read_to_string(dir.path().join("a.map.svg")).expect("a map");
     assert!(map.contains("axial load, lbf") && map.contains("screw torque, lbf in"), "{map}");
-    // Parts of a folder and lookup tables are read by other programs with the units of their names.
+    // Other programs read parts of a folder and lookup tables in the units that the column names
+    // state.
     let folder =
         ["sweep", &case, "--vary", "axial_load_N=1000,2000", "--units", "inch", "-o", "parts/"];
     let (_, message) = run(dir.path(), &folder, 2);

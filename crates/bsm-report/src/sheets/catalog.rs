@@ -9,7 +9,7 @@ use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
 /// Number of nuts that are calculated at a time.
 const PART: usize = 1 << 14;
 
-/// A dimension of a nut.
+/// A dimension in which the nuts of a figure differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
     Diameter,
@@ -20,7 +20,7 @@ enum Entry {
     ContactAngle,
 }
 
-/// Name, unit as text and in SI units, and function that returns the value of a dimension.
+/// For a dimension: its name, its unit (text and SI value), and a function that returns its value.
 type EntryRow = (&'static str, (&'static str, f64), fn(&Size) -> f64);
 
 use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
@@ -75,9 +75,9 @@ struct Drawing {
     near: Size,
 }
 
-/// Returns Figs 3 to 10 with the dimensions stated in the captions and the text. Figs 4 to 6 do not
-/// state the lead and the ball diameter. A lead of 10 mm and the ball of Figs 3, 7 and 9 are used
-/// for them, because this combination is possible for all diameters.
+/// Returns Figs 3 to 10 of the paper with the dimensions stated in its captions and text. Figs 4 to
+/// 6 do not state the lead and the ball diameter. A lead of 10 mm and the ball of Figs 3, 7 and 9
+/// are used for them, because this combination is possible for all diameters.
 fn drawings() -> [Drawing; 12] {
     let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
     let stiffness: Quantity = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
@@ -129,7 +129,7 @@ impl Drawing {
 
     /// Returns true if the fixed dimensions of a nut are equal to the dimensions of `size`.
     fn has(&self, size: &Size, nut: &Candidate) -> bool {
-        // Exact comparison is possible, because both values are copied from the same list entry.
+        // The values are compared exactly, because both are copied from the same list entry.
         self.fixed().all(|entry| entry.of(size).to_bits() == entry.of(&nut.size).to_bits())
     }
 

@@ -8,9 +8,9 @@ use serde::Deserialize;
 use super::study::{Rows, Study, analyzed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Factors by which the load and the speed of the case are multiplied. In the paper, loads of 8 to
-/// 24 kN surround 16 kN, and speeds of up to 5000 rpm surround 2500 rpm. A speed of zero is
-/// omitted.
+/// Factors by which the load and the speed of the case are multiplied. In the paper, the loads
+/// range from 8 to 24 kN around 16 kN, and the speeds range up to 5000 rpm around 2500 rpm. A speed
+/// of zero is omitted.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
 
@@ -36,12 +36,12 @@ struct Drawing {
 /// sweeps, each sweep has its own color, and its label precedes the label of the curve.
 type PlotLine = (String, String, usize, Stroke, OutputName);
 
-/// Returns the definitions of all figures.
+/// Reads the definitions of all figures from `jam.json`.
 fn drawings() -> Vec<Drawing> {
-    serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined")
+    serde_json::from_str(include_str!("jam.json")).expect("valid figure definitions")
 }
 
-/// Sweeps along the same axis, with their labels.
+/// Sweeps over the same quantity, with their labels.
 struct Sweeps {
     name: &'static str,
     axis: &'static str,
@@ -105,7 +105,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
             (part, Case { step_height_mm, ..case.clone() })
         };
-        let axis = "height of the step / ball diameter";
+        let axis = "step height / ball diameter";
         let [angles, heights] =
             [run((1..=80).map(angle).collect())?, run((1..=80).map(height).collect())?]
                 .map(|rows| vec![(String::new(), rows)]);
@@ -121,7 +121,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Case`] if the case is incomplete.
+    /// Returns [`ReportError::Case`] if the case is incomplete.
     pub fn jam(case: &Case, settings: &Settings, solution: &Solution) -> Result<Self, ReportError> {
         let sweeps = sweeps(case, &Settings { model: solution.model.into(), ..*settings })?;
         let mut study = Self::default();
@@ -133,7 +133,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Adds a figure and its named curves.
+    /// Adds a figure together with the curves that the trend checks use.
     fn add(&mut self, drawing: &Drawing, sweeps: &Sweeps) {
         let Drawing { key, title, caption, y, log, .. } = drawing;
         let single = sweeps.each.len() == 1;

@@ -28,7 +28,7 @@ pub type Read = fn(&Solution) -> Option<f64>;
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if the case is incomplete or a value is not permitted.
+/// Returns [`ReportError::Case`] if the case is incomplete or a value is not permitted.
 pub fn points(
     case: &Case,
     settings: &Settings,
@@ -48,12 +48,12 @@ pub fn points(
 
 /// Returns Figs 3 to 7 of Lin, Velinsky and Ravani (1994) around a case: efficiency against both
 /// angles, normal loads, efficiency against the direction of slip, optimum contact angle, and
-/// limits of self-locking, in the displayed units of the case. Figures for which the case lacks an
-/// input are omitted, and so are the exact equations.
+/// limits of self-locking, in the display units of the case. Figures and exact solutions for which
+/// the case lacks inputs are omitted.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of the case is not permitted.
+/// Returns [`ReportError::Case`] if a value of the case is not permitted.
 pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     let units = case.display_units();
     Ok(around_cases(case, case)?.into_iter().map(|figure| figure.in_units(units)).collect())
@@ -64,7 +64,7 @@ pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of a case is not permitted.
+/// Returns [`ReportError::Case`] if a value of a case is not permitted.
 pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
     let case = &forward(case);
     let mut figures = Vec::new();
@@ -103,11 +103,11 @@ fn operating_point(case: &Case) -> String {
             screw - nut,
             load / balls
         ),
-        _ => format!("f = {friction}; closed form."),
+        _ => format!("f = {friction}; closed-form solution."),
     }
 }
 
-/// Returns the whole degrees of a range.
+/// Returns all integer angles in a range \[deg\].
 fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
     range.map(f64::from).collect()
 }
@@ -163,7 +163,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
             "lin-efficiency-lead-angle",
             "Efficiency against lead angle",
             &format!(
-                "Fig 3 of Lin et al. (1994) has {own} deg. {} The exact equations have no root at small lead angles, where the \
+                "Fig 3 of Lin et al. (1994), drawn for a contact angle of {own} deg. {} The exact equations have no root at small lead angles, where the \
              ball would roll.",
                 operating_point(case)
             ),
@@ -184,7 +184,7 @@ fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
             "lin-efficiency-contact-angle",
             "Efficiency against contact angle",
             &format!(
-                "Fig 3 of Lin et al. (1994) has a lead angle of {own} deg. {} The best efficiency is the same for \
+                "Fig 3 of Lin et al. (1994), drawn for a lead angle of {own} deg. {} The best efficiency is the same for \
              all curves, {best:.1} %.",
                 operating_point(case)
             ),
@@ -331,7 +331,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
             "lin-optimum-angle",
             "Optimum contact angle against lead angle",
             &format!(
-                "Fig 6 of Lin et al. (1994) has f = {}. The lines are the closed form, and the marks are the maxima of the exact \
+                "Fig 6 of Lin et al. (1994), drawn for f = {}. The lines are the closed form, and the marks are the maxima of the exact \
              efficiency. Curves end where no contact angle reaches the optimum.",
                 short(own)
             ),
@@ -386,9 +386,9 @@ fn self_locking(own: f64) -> Figure {
     Figure::new(
         [
             "lin-self-locking",
-            "Limits of self-locking of the screw",
+            "Self-locking limits of the screw",
             &format!(
-                "Fig 7 of Lin et al. (1994) has f = {}. Below a solid line, the screw cannot be turned against the \
+                "Fig 7 of Lin et al. (1994), drawn for f = {}. Below a solid line, the screw cannot be turned against the \
              load (a); above a dashed line, the load cannot turn the screw (b).",
                 short(own)
             ),

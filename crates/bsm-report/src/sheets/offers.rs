@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::{Page, ReportError};
 
-/// Number of significant digits.
+/// Number of significant digits of the compared values.
 const DIGITS: u8 = 4;
 
 /// Sections of the comparison, with their titles.
@@ -19,7 +19,7 @@ const TABLES: [(&str, &str); 3] =
 ///
 /// # Errors
 ///
-/// [`ReportError::Page`] if the template is invalid.
+/// Returns [`ReportError::Page`] if the template is invalid.
 pub fn offers_page(
     answer: &Answer,
     names: [&str; 2],

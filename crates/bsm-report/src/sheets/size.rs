@@ -27,7 +27,8 @@ const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "cu
 /// Text inputs of the case that appear on the sheet without their names.
 const UNNAMED: [&str; 4] = ["description", "display_units", "manufacturer", "order_code"];
 
-/// Meaning of the letters in equation tags, which the sources of rules refer to.
+/// Topics of the theory chapters, by the first letter of their equation tags. The sources of rules
+/// contain equation tags.
 const EQUATIONS: [(char, &str); 5] = [
     ('D', "load ratings and life, ISO 3408-5"),
     ('G', "thread and groove"),
@@ -36,8 +37,8 @@ const EQUATIONS: [(char, &str); 5] = [
     ('Z', "axis: manufacturers' catalogs, Euler, ISO 3408"),
 ];
 
-/// Numbers of significant digits: for quantities that depend on friction, which is known only to
-/// within a factor; for quantities from catalog formulas; and for quantities from geometry and
+/// Numbers of significant digits: for quantities that depend on the friction coefficient, which is
+/// only roughly known; for quantities from catalog formulas; and for quantities from geometry and
 /// accuracy grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
@@ -74,7 +75,7 @@ const IN_FILES_ALONE: [&str; 28] = [
     "steady_temperature_time_s",
 ];
 
-/// Quantities in the table of phases.
+/// Columns of the table of load-cycle phases.
 const COLUMNS: [OutputName; 8] = [
     output!(time_share),
     output!(screw_load_N),
@@ -95,7 +96,7 @@ pub fn size_results(report: &AxisReport) -> Value {
 ///
 /// # Errors
 ///
-/// [`ReportError::Table`] if the table cannot be written.
+/// Returns [`ReportError::Table`] if the table cannot be written.
 pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     let report = &report.displayed();
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
@@ -129,7 +130,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
 ///
 /// # Errors
 ///
-/// [`ReportError::Page`] if the template is invalid.
+/// Returns [`ReportError::Page`] if the template is invalid.
 pub fn size_page(
     report: &AxisReport,
     figures: &[Figure],
@@ -144,7 +145,7 @@ pub fn size_page(
     page.html(&sheet(&report.displayed(), input))
 }
 
-/// Returns the data that the template needs.
+/// Returns the data for the template of the axis sheet.
 fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
     let rows = report.answer.to_json()["rules"].take();
@@ -268,8 +269,8 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     }
 }
 
-/// Returns a table row for a phase: its quantities, the torque contributions, and the share of each
-/// contribution except the load in the heat \[%\].
+/// Returns a table row for a phase of the cycle: its quantities, the torque contributions, and the
+/// percentage of the heat that each contribution causes. The load itself causes no heat.
 fn phase_row(report: &AxisReport, place: usize) -> Value {
     let phase = &report.phases[place];
     let parts = ScrewTorque::PARTS.map(|name| phase.number(name));
@@ -309,7 +310,7 @@ fn number_row(
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
 
-/// Formats an input as it was entered, or with five digits if it is displayed in another unit.
+/// Formats an input as it was entered, or with five digits if its unit is converted.
 fn number_text(value: f64, shown: DisplayUnit) -> String {
     let displayed = shown.value(value);
     if displayed.to_bits() == value.to_bits() { exact(value) } else { trimmed(displayed) }
@@ -350,13 +351,14 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     let ordered = ordered
         .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text, "lacks": null }))
         .collect();
-    let first = [("requirement and axis, as given", given), ("order", ordered)];
+    let first = [("given requirement and axis", given), ("order", ordered)];
     let all = first.into_iter().chain(titled);
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
-/// Returns the figures in the displayed units of the case: load and speed of the screw over the cycle, the cycle among its limits
-/// and, if requested, the warm states against the speed.
+/// Returns the figures in the display units of the case: load and speed of the screw over the
+/// cycle, a load-speed diagram with the phases of the cycle and their limits, and, if requested,
+/// the warm states against the speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // If there is only one phase, nothing varies over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
@@ -415,7 +417,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         let found = report.answer.rules.iter().find(|rule| rule.name == name);
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
-    // At these speeds and loads, a rule is just satisfied.
+    // At each of these speeds and loads, one rule is exactly at its limit.
     let speeds = [
         (rule("critical_speed_ratio"), "permitted fraction of the critical speed"),
         (rule("largest_speed_number_mm_min"), "speed number"),
@@ -436,7 +438,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     let known = |limits: &[(Option<f64>, &str)], least: f64| {
         limits.iter().filter_map(|(limit, _)| *limit).fold(least, f64::max)
     };
-    // The axes are restricted, because distant limits would compress the points into a corner.
+    // Distant limits are omitted, because they would compress the points into a corner.
     let far = known(&speeds, 1.25 * fastest).min(4.0 * fastest);
     let high = known(&loads, 1.5 * largest).min(5.0 * largest);
     let mut curves = Vec::new();
@@ -459,7 +461,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     };
     let life: Vec<_> = (1..=POINTS).filter_map(life).collect();
     if !life.is_empty() {
-        curves.push(Curve::new("required life at this load alone", 5, Stroke::Dotted, life));
+        curves.push(Curve::new("required life at constant load", 5, Stroke::Dotted, life));
     }
     curves.push(Curve {
         marks: (1..=points.len()).map(|i| i.to_string()).collect(),
@@ -467,7 +469,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     });
     let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
     Figure::new(
-        ["size-limits", "The cycle among its limits", caption],
+        ["size-limits", "Load cycle and limits", caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],
         curves,
     )
@@ -478,7 +480,7 @@ fn among_limits(report: &AxisReport) -> Figure {
 fn over_time(report: &AxisReport) -> Figure {
     let (time, label) = match report.number(output!(cycle_time_s)) {
         Some(time) => (time, "time, s"),
-        None => (100.0, "share of the time, %"),
+        None => (100.0, "fraction of the cycle time, %"),
     };
     let shares = report.phases.iter().map(|phase| phase.number(output!(time_share)).unwrap_or(0.0));
     let times: Vec<f64> = shares.map(|share| time * share).collect();
@@ -507,8 +509,7 @@ fn over_time(report: &AxisReport) -> Figure {
         ([output!(start_feed_m_min), output!(end_feed_m_min)], "feed", "m/min"),
         ([output!(start_motor_torque_Nm), output!(end_motor_torque_Nm)], "motor torque", "N m"),
     ];
-    let caption =
-        "Each quantity is divided by its largest value; the sign is relative to the feed.";
+    let caption = "Each quantity is divided by its largest value. Signs refer to the direction of positive feed.";
     Figure::new(
         ["size-cycle", "The cycle", caption],
         [Axis::linear(label), Axis::linear("value / largest value")],

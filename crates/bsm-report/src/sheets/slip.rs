@@ -13,8 +13,9 @@ use crate::{Axis, Figure, ReportError, Stroke};
 /// divided by 6 mm.
 const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
 
-/// One form of a slip: name, kind, stroke for the origin of the formula, label, and outputs at nut
-/// and screw. The printed formulas for one contact use the contact angle of the other contact.
+/// A slip formula that is drawn as a curve: name, kind of slip, line style for the source of the
+/// formula, label, and outputs at nut and screw. The printed formulas for one contact use the
+/// contact angle of the other contact.
 type Slip = (&'static str, usize, Stroke, &'static str, [OutputName; 2]);
 
 const PRINTED: Stroke = Stroke::Solid;
@@ -24,7 +25,7 @@ const EXACT: Stroke = Stroke::Dashed;
 /// Index of the slip between neighboring balls, which does not belong to a contact.
 const BETWEEN_BALLS: usize = 1;
 
-/// All forms of slip. The differential slip has only one form.
+/// All slip formulas. For the differential slip, there is only one formula.
 const SLIPS: [Slip; 9] = [
     (
         "differential",
@@ -86,12 +87,12 @@ const SLIPS: [Slip; 9] = [
         "orbit-exact",
         3,
         EXACT,
-        "part of the spin due to the orbit, exact",
+        "spin due to the orbital motion, exact",
         [output!(nut_orbit_slip_m_s), output!(screw_orbit_slip_m_s)],
     ),
 ];
 
-/// A varied quantity: its name in keys, and its axis label.
+/// A varied quantity: its name in figure keys, and its axis label.
 type Sweep = (&'static str, &'static str);
 
 const LEAD_ANGLE: Sweep = ("lead-angle", "lead angle, deg");
@@ -176,7 +177,7 @@ impl Study {
     ///
     /// # Errors
     ///
-    /// [`ReportError::Case`] if the case is incomplete.
+    /// Returns [`ReportError::Case`] if the case is incomplete.
     pub fn slip(
         case: &Case,
         settings: &Settings,
@@ -227,7 +228,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Plots the slips at the contacts.
+    /// Plots the slip speeds at one contact as a function of the varied quantity.
     fn draw(
         &mut self,
         case: &Case,
@@ -236,7 +237,7 @@ impl Study {
         points: &[Point],
         place: &str,
     ) {
-        // Rounding error of a slip.
+        // The rounding error of a slip is about 1e-9 of the surface speed of the ball.
         let (screw, nut) = case.speeds_rpm().unwrap_or_default();
         let rim = 0.5e-3 * case.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
         let rounding = 1e-9 * rim;

@@ -16,7 +16,7 @@ pub struct Course {
     pub label: String,
     /// Points of the curve. Points whose y value is NaN or infinite are gaps.
     pub points: Vec<(f64, f64)>,
-    /// Rounding error of the curve.
+    /// Rounding error of the y values of the curve.
     pub rounding: f64,
 }
 
@@ -25,7 +25,7 @@ pub struct Course {
 pub struct Study {
     /// The figures of the analysis.
     pub figures: Vec<Figure>,
-    /// The named curves.
+    /// Named curves with which published trends are checked.
     pub courses: Vec<Course>,
 }
 
@@ -48,7 +48,8 @@ impl Study {
 /// no results.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
-/// Analyzes cases, each of which is given with its x value.
+/// Calculates the jamming and slip analyses of several cases, each of which is paired with its x
+/// value.
 pub(super) fn analyzed(
     cases: Vec<(f64, Case)>,
     settings: &Settings,

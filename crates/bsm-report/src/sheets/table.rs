@@ -1,20 +1,21 @@
-//! Figures of a table of nuts.
+//! Figures for a table of nuts: ratings, stiffness, mass, life and torque as functions of the size.
 
 use bsm_case::{ManufacturerRow, trimmed};
 
 use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
 
-/// Size of a nut on the horizontal axis: the first of these numbers that the table contains.
+/// Sizes of a nut for the horizontal axis. The first size that the table contains is used.
 const SIZES: [(&str, &str); 2] = [
     ("nominal_diameter_mm", "nominal diameter, mm"),
     ("pitch_circle_diameter_mm", "pitch circle diameter, mm"),
 ];
 
-/// A number on the vertical axis of a figure: name of its files, title, label, alternatives in the
-/// order of preference, and size in the unit of the label.
+/// A quantity on the vertical axis of a figure: file name, title, axis label, alternative columns
+/// in order of preference, and factor that converts the column to the unit of the label.
 type Drawn = (&'static str, &'static str, &'static str, &'static [&'static str], f64);
 
-/// Numbers that are drawn against the size. The last ones need the axis of a requirement.
+/// Quantities that are plotted against the size. The last two quantities are known only if a
+/// requirement describes the axis.
 const DRAWN: [Drawn; 6] = [
     (
         "nuts-dynamic-rating",

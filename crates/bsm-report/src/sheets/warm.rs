@@ -29,7 +29,12 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
         }
     }
     if !folds.is_empty() {
-        curves.push(Curve::new("fold: no state above this speed", 6, Stroke::Circles, folds));
+        curves.push(Curve::new(
+            "fold: no steady state above this speed",
+            6,
+            Stroke::Circles,
+            folds,
+        ));
     }
     Figure::new(
         words,
@@ -38,7 +43,7 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     )
 }
 
-/// Returns a vertical dotted line at the requested speed. Its height is the range of the curves.
+/// Returns a vertical dotted line at the requested speed. The line spans the range of the curves.
 fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
     let values = curves.iter().flat_map(|curve| &curve.points).map(|(_, value)| *value);
     let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), value| {

@@ -42,7 +42,7 @@ fn page_shows_every_check_and_figure() {
             let least = match (figure.key.as_str(), curve.label.as_deref()) {
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
                 // These two points are the folds of two nut pairs in X arrangement.
-                ("feed-axis", Some("fold: no state above this speed")) => 2,
+                ("feed-axis", Some("fold: no steady state above this speed")) => 2,
                 (key, _) if key.starts_with("catalog-") => 3,
                 _ => 5,
             };
