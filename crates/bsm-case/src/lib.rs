@@ -82,7 +82,9 @@ pub use vocabulary::input_set::{InputSet, following};
 pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{GivenNames, entries, json_value_of, nearest_input};
-pub use vocabulary::number::{digits, exact, interval, number, short, trimmed, write_exact};
+pub use vocabulary::number::{
+    digits, exact, interval, number, short, trimmed, with_interval, write_exact,
+};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, OutputName, Quantity, Row, Scope, Values};

@@ -76,12 +76,19 @@ pub struct Axis {
     pub log: bool,
     /// True if both axes must have the same scale, as in a drawing.
     pub equal: bool,
+    /// True if the axis must start at zero.
+    pub from_zero: bool,
 }
 
 impl Axis {
     /// Creates an axis with a linear scale.
     pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), log: false, equal: false }
+        Self { label: label.to_owned(), log: false, equal: false, from_zero: false }
+    }
+
+    /// Creates an axis with a linear scale that starts at zero, for values that are not negative.
+    pub fn from_zero(label: &str) -> Self {
+        Self { from_zero: true, ..Self::linear(label) }
     }
 
     /// Creates an axis for a drawing, in which both axes have the same scale.
@@ -91,7 +98,7 @@ impl Axis {
 
     /// Creates an axis with a logarithmic scale.
     pub fn log(label: &str) -> Self {
-        Self { label: label.to_owned(), log: true, equal: false }
+        Self { log: true, ..Self::linear(label) }
     }
 }
 
@@ -266,6 +273,12 @@ impl Figure {
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
             let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
             layout = layout.with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
+        }
+        if self.x.from_zero {
+            layout = layout.with_x_axis_min(0.0);
+        }
+        if self.y.from_zero {
+            layout = layout.with_y_axis_min(0.0);
         }
         if self.y.equal {
             layout = layout.with_equal_aspect();

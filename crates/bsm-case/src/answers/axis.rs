@@ -118,11 +118,11 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not constrained by bearings";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
-            "e_p (ISO 3408-3), permitted mean deviation of the travel over the useful travel";
+            "e_p (ISO 3408-3 or JIS B 1192), permitted mean deviation of the travel over the useful travel";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
-            "v_up (ISO 3408-3), permitted travel variation over the useful travel";
+            "v_up (ISO 3408-3 or JIS B 1192), permitted travel variation over the useful travel";
         travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
-            "v_300p (ISO 3408-3), travel variation within any 300 mm";
+            "v_300p (ISO 3408-3 or JIS B 1192), travel variation within any 300 mm";
         travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
             "v_2pip (ISO 3408-3), travel variation within any turn";
         travel_error_worst_um ["um"] Scalar(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),

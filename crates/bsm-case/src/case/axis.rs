@@ -401,8 +401,8 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
         && range > stroke * (1.0 + ROUNDING)
     {
         let what = format!(
-            "is {}, but the cycle moves over {} mm (cycle_range_mm). If the phases of the cycle represent longer times, replace \
-             time_s by share",
+            "is {}, but the cycle moves over {} mm (cycle_range_mm). Shorten the phases, \
+             add the return moves, or, in a cycle without acceleration, replace time_s by share",
             trimmed(stroke / MM),
             trimmed(range / MM)
         );

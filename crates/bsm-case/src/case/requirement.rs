@@ -103,7 +103,8 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Text and list inputs that a requirement may contain.
-const ENTRIES_FROM_CASES: [&str; 17] = [
+const ENTRIES_FROM_CASES: [&str; 18] = [
+    "display_units",
     "driven_part",
     "support",
     "buckling_support",

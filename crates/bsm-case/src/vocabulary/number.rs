@@ -68,14 +68,23 @@ pub fn trimmed(value: f64) -> String {
 /// interval is narrow. The ends are rounded outward, so the interval in the text contains every
 /// value of the exact interval. The text is empty if there is no interval.
 pub fn interval(band: Option<Band>) -> String {
-    /// Relative width below which three digits are not sufficient to show an interval.
-    const NARROW: f64 = 0.02;
-    band.map_or_else(String::new, |Band { low, high }| {
-        let is_narrow = high - low < NARROW * low.abs().max(high.abs());
-        let count = if is_narrow { 5 } else { 3 };
+    band.map_or_else(String::new, |band| {
+        let (count, Band { low, high }) = (digits_of_interval(band), band);
         let text = |end: f64, outward: fn(f64) -> f64| digits(rounded(end, count, outward), count);
         format!(" ({} to {})", text(low, f64::floor), text(high, f64::ceil))
     })
+}
+
+/// Formats a number with the digits of its 90 % interval, followed by the interval.
+pub fn with_interval(value: f64, band: Band) -> String {
+    digits(value, digits_of_interval(band)) + &interval(Some(band))
+}
+
+/// Returns the number of digits with which an interval is shown.
+fn digits_of_interval(Band { low, high }: Band) -> u8 {
+    /// Relative width below which three digits are not sufficient to show an interval.
+    const NARROW: f64 = 0.02;
+    if high - low < NARROW * low.abs().max(high.abs()) { 5 } else { 3 }
 }
 
 /// Rounds a number in a given direction to the digits that [`digits`] shows. If the number differs

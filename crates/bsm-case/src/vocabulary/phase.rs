@@ -263,7 +263,7 @@ impl PhaseEntry {
         }
         if (is_ramp || accelerates) && self.share.is_some() {
             return Err(
-                "a ramp needs time_s instead of share, because its acceleration follows from the time"
+                "a phase with acceleration cannot have a share; give time_s to all entries, and dwell_s for the standstill"
                     .to_owned(),
             );
         }

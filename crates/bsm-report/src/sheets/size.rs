@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use bsm_case::units::label;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, DisplayUnit, GrooveSection, Numbers, OutputName,
-    Quantity, Row, ScrewTorque, Verdict, digits, exact, interval, output, trimmed,
+    Quantity, Row, ScrewTorque, Verdict, digits, exact, interval, output, trimmed, with_interval,
 };
 use serde_json::{Value, json};
 
@@ -303,7 +303,10 @@ fn number_row(
     answer: &Answer,
 ) -> Value {
     let Quantity { about, symbol, .. } = quantity;
-    let text = values[0].map(|value| deserved(quantity, value, inputs) + &interval(bands[0]));
+    let text = values[0].map(|value| match bands[0] {
+        Some(band) => with_interval(value, band),
+        None => deserved(quantity, value, inputs),
+    });
     let mut estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
     let estimated = estimated.any(|name| name == quantity.name).then(|| "estimated".to_owned());
     let lacks = answer.lacks(quantity.name).or(estimated);
@@ -470,7 +473,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
     Figure::new(
         ["size-limits", "Load cycle and limits", caption],
-        [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],
+        [Axis::from_zero("speed of the screw, rpm"), Axis::from_zero("axial load, kN")],
         curves,
     )
 }

@@ -14,7 +14,7 @@ use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
-use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
+use crate::{CaseError, InputKey, NotGiven, NutReport, digits, trimmed};
 
 /// Ratio of stroke to nut length below which the stroke is short, and the smallest load factor for
 /// short strokes (HIWIN BS-08-2, F 3.10).
@@ -322,7 +322,9 @@ impl AxisState<'_> {
             return None;
         }
         Some(format!(
-            "load_factor is not given and is assumed to be 1; catalogs recommend {low} to {high} at this speed, which gives lives of {long:.0} to {short:.0} h"
+            "load_factor is not given and is assumed to be 1; catalogs recommend {low} to {high} at this speed, which gives lives of {} to {} h",
+            digits(short, 3),
+            digits(long, 3)
         ))
     }
 

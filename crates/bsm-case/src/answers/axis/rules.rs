@@ -136,6 +136,16 @@ impl RuleInputs<'_> {
         }
     }
 
+    /// Returns the pretension at which cold tension and warm compression of the screw are equal
+    /// \[K\], if the support bearings can carry the load at this pretension.
+    fn balanced_pretension(&self) -> Option<f64> {
+        let rise = self.number(output!(pretension_for_no_slack_K)).filter(|rise| *rise > 0.0)?;
+        let warm = self.number(output!(screw_tension_N))?;
+        let cold = self.number(output!(pretension_N)).unwrap_or(0.0);
+        let load = 0.5 * (cold - warm) + self.axis.largest_load();
+        (load <= self.case.support_bearing_axial_load_N?).then_some(0.5 * rise)
+    }
+
     /// Returns the largest permitted preload for the preload method of the nut \[N\].
     fn most_preload(&self) -> f64 {
         preload_method(self.case).share() * self.axis.dynamic_rating
@@ -293,9 +303,14 @@ rules! {
         = of.needed(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
         "rating of the bearing manufacturer, cold and warm (BB7)",
-        match of.number(output!(pretension_for_no_slack_K)) {
-            Some(kelvin) if kelvin > 0.0 && of.number(output!(screw_tension_N)).is_some_and(|t| t < 0.0) => {
-                format!("larger bearings, or pretension_K up to {}, or one bearing that permits thermal growth of the screw", at_least(kelvin, 1))
+        match (of.balanced_pretension(), of.number(output!(screw_tension_N))) {
+            (Some(kelvin), _) => format!(
+                "larger bearings, one bearing that permits the growth of the screw, or pretension_K {}, with which cold tension and \
+                 warm compression are equal",
+                at_most(kelvin, 1)
+            ),
+            (None, Some(warm)) if warm < 0.0 => {
+                "larger bearings, or one bearing that permits the growth of the screw".to_owned()
             }
             _ => "larger bearings, or less pretension".to_owned(),
         };
