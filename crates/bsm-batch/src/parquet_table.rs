@@ -204,7 +204,7 @@ impl ParquetSource {
         self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         if batch.is_none() && self.read != self.len {
             return Err(TableError::Malformed(format!(
-                "according to its metadata, the table has {} rows, but it contains {}; the file is damaged",
+                "according to its metadata, the table has {} rows, but it contains {} rows; the file is damaged",
                 self.len, self.read
             )));
         }

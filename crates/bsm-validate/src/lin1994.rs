@@ -254,6 +254,6 @@ fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         )
         .measured(f64::from(wrong), "wrong results at 191 points")
         .note("lead angles of 1.05 to 20.05 deg; the root at infinity is never returned")
-        .at_most(0.0, "the existence of a solution is decided exactly"),
+        .at_most(0.0, "the program decides exactly whether a solution exists"),
     ])
 }

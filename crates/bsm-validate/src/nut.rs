@@ -331,7 +331,7 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         Check::new(
             "nut/stiffness-definition",
             CATALOG,
-            "FDI divided by FSI, which have different definitions: 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+            "ratio of FDI to FSI, which is 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3)) because their definitions differ",
         )
         .measured(spread(&definition)[0], "")
         .equals(

@@ -117,7 +117,7 @@ const QUANTITIES: &[Column] = columns! {
     "groove-offset" groove_offset_mm ["mm"] "offset of the arc centers, eq. 1": |nut| thread(nut).nut.offset / MM;
         5e-3 + 0.0, "two printed decimals";
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
-        1.0 + 0.0, "the last printed digit; the diameter has four digits";
+        1.0 + 0.0, "one unit of the last printed digit; the diameter has four digits";
     "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of one turn":
         |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn * 1e-9);
         0.0 + 0.02, "2 %: exact Hertzian contacts are used instead of fits that the source does not print; all five rows with conformity 0.52 are 1.5 to 1.8 % too low";
@@ -128,9 +128,9 @@ const QUANTITIES: &[Column] = columns! {
     "length" nut_length_mm ["mm"] "length of the nut": |nut| NutBody::usual(nut, NutSet::Single).length / MM;
         1e-3 + 0.0, "a whole number of leads";
     "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut, NutSet::Single).mass(nut, &thread(nut));
-        0.0 + 0.052, "the source does not state its rule; none of 360 tested rules is within 3.8 % for all rows";
+        0.0 + 0.052, "the source does not state how the mass is calculated; none of 360 tested rules agrees to within 3.8 % for all rows";
     "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
-        5e-3 + 0.0, "two printed digits; the formula and the lever arm are not published, and the arm is fitted to these rows";
+        5e-3 + 0.0, "two printed digits; neither the formula nor the lever arm is published, and the arm was fitted to these rows";
 };
 
 /// Returns the thread of a nut without play, whose lands have their default width.

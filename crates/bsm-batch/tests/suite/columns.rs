@@ -357,7 +357,7 @@ fn columns_of_earlier_results_are_ignored() {
 /// A column with the name of a result is not read, and a note names this column. In an earlier
 /// version, such columns were ignored without a note.
 #[test]
-fn ignored_columns_are_named() {
+fn note_lists_the_ignored_columns() {
     let note = |names: &[&str]| {
         let columns = Columns::sort(names.iter().copied(), &[], &TableFormat::default());
         columns.expect("known names").ignored_note()

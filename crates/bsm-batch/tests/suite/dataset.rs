@@ -246,7 +246,7 @@ fn three_concurrent_processes_write_identical_parts() {
 
 /// The run is stopped while it solves a chunk with the slowest model.
 #[test]
-fn stopping_takes_effect_within_a_chunk() {
+fn a_run_can_be_stopped_within_a_chunk() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));

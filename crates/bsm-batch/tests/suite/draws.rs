@@ -18,7 +18,7 @@ fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
 /// A row must contain the same numbers if it is generated alone, in a chunk of any size, or after
 /// any number of rows has been skipped.
 #[test]
-fn a_row_depends_only_on_seed_input_and_number() {
+fn random_row_depends_only_on_seed_inputs_and_row_number() {
     let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
     for place in 0..2 {
         let all = column(&draws, place, 0..5000);
@@ -52,7 +52,7 @@ fn random_numbers_do_not_change_between_builds() {
 /// are 5 σ/√(2N) for a normal distribution, and less for a uniform distribution. The correlation of
 /// two inputs must be less than 5/√N.
 #[test]
-fn draws_have_the_requested_distributions() {
+fn random_inputs_have_the_requested_distributions() {
     let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
     let columns = [column(&draws, 0, 0..20_000), column(&draws, 1, 0..20_000)];
     let mean = |values: &[f64]| values.iter().sum::<f64>() / 2e4;
@@ -79,7 +79,7 @@ fn draws_have_the_requested_distributions() {
 }
 
 #[test]
-fn draws_round_trip_through_text() {
+fn distributions_round_trip_through_text() {
     for text in ["axial_load_N=uniform:2000:8000", "lead_mm=normal:20:0.01"] {
         assert_eq!(Draw::parse(text).expect("a draw").to_string(), text);
     }

@@ -224,7 +224,7 @@ fn hard_points_have_the_same_root_in_tables_and_single_solves() {
 /// The chosen model, its error bound and the stated reason must be the same in a kernel and in the
 /// scalar solver.
 #[test]
-fn auto_chooses_the_same_model_in_a_kernel() {
+fn auto_chooses_the_same_model_in_kernel_and_scalar_solver() {
     for tolerance in [1e-1, 1e-2] {
         compare_kernel_with_model(&Settings { tolerance, ..auto_settings() }, campaign(1000));
     }
@@ -268,7 +268,7 @@ fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 
 /// The results must be bit-identical for all instruction sets, chunk sizes and numbers of threads.
 #[test]
-fn results_depend_only_on_the_point() {
+fn results_do_not_depend_on_chunks_threads_or_instruction_set() {
     for settings in all_settings() {
         // The table has more rows than two threads take at a time.
         let (model, (chunk, columns)) =

@@ -152,13 +152,13 @@ pub enum NoSteadyState {
     /// The temperature limit of 180 °C is reached below the given speeds.
     #[error("a temperature exceeds 180 C at {factor:.2} times the given speeds")]
     TooHot {
-        /// Speed factor at which the limit is exceeded.
+        /// Speed at which the temperature limit is exceeded, divided by the given speed.
         factor: f64,
     },
     /// The nut loses its preload below the given speeds.
     #[error("the preload is lost at {factor:.2} times the given speeds")]
     PreloadLost {
-        /// Speed factor at which the preload is lost.
+        /// Speed at which the preload is lost, divided by the given speed.
         factor: f64,
     },
     /// The friction of a ball could not be calculated.
@@ -175,7 +175,7 @@ pub enum NoSteadyState {
         "warm steady states were found only up to {factor:.2} times the given speeds, where the friction or the ball loads are discontinuous"
     )]
     Jump {
-        /// Speed factor at which the branch ends.
+        /// Speed at which the branch ends, divided by the given speed.
         factor: f64,
     },
     /// The search did not find a steady state.

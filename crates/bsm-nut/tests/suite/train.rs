@@ -211,7 +211,7 @@ fn reference(name: &str) -> Case {
 
 /// Returns a nut with 38 balls, all of which have the same speed and a load of 65 N. The ball
 /// return requires a push force.
-fn equal_balls(return_push: f64) -> Case {
+fn nut_with_equal_balls(return_push: f64) -> Case {
     let mut reference = reference("T01");
     reference.nut.circuits[0].arc = 4.0 * PI;
     reference.nut.circuits[0].balls = 38;
@@ -242,7 +242,7 @@ fn push_forces_from_behind(train: &Train) -> Vec<f64> {
 #[test]
 fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let push = 0.02;
-    let mut reference = equal_balls(push);
+    let mut reference = nut_with_equal_balls(push);
     reference.inputs.contact_friction = 1e-5;
     reference.inputs.gaps = vec![1e-10];
     let train = solve_train(&reference);
@@ -297,7 +297,9 @@ fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
     // force of the ball return is tested only with equal balls, which form a single queue. In a nut
     // with several queues and a given ball gap, a larger push force in one queue reduces the push
     // forces in the other queues.
-    for (mut reference, has_one_queue) in [(back_driven_nut(), false), (equal_balls(0.5), true)] {
+    for (mut reference, has_one_queue) in
+        [(back_driven_nut(), false), (nut_with_equal_balls(0.5), true)]
+    {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
             reference.inputs.gaps = vec![gap];
@@ -319,7 +321,7 @@ fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
 }
 
 #[test]
-fn only_raceways_and_return_dissipate_without_ball_to_ball_friction() {
+fn power_is_lost_only_at_raceways_and_ball_return_without_ball_to_ball_friction() {
     let mut reference = back_driven_nut();
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.2e-3];
@@ -331,7 +333,7 @@ fn only_raceways_and_return_dissipate_without_ball_to_ball_friction() {
 }
 
 /// Returns the nut after a rotation by 180 deg about the x axis.
-fn turned_nut(reference: &Case) -> Case {
+fn nut_turned_about_x_axis(reference: &Case) -> Case {
     let mut turned = reference.clone();
     let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
     for (freedom, sign) in turned.support.0.iter_mut().zip(sign) {
@@ -385,11 +387,11 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
 
 #[test]
 fn push_forces_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
-    for mut reference in [back_driven_nut(), equal_balls(0.5)] {
+    for mut reference in [back_driven_nut(), nut_with_equal_balls(0.5)] {
         reference.inputs.gaps = vec![0.2e-3];
         assert_same_train(
             &solve_train(&reference),
-            &solve_train(&turned_nut(&reference)),
+            &solve_train(&nut_turned_about_x_axis(&reference)),
             [1.0; 2],
             true,
         );
@@ -433,7 +435,7 @@ fn zero_gap_and_excessive_return_force_are_rejected() {
     let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
-    let mut reference = equal_balls(0.0);
+    let mut reference = nut_with_equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Both contacts of a ball carry 50 to 100 N. In full sliding with a friction coefficient of
     // 0.06, they provide a push force of 6 to 12 N per ball. The friction between two balls is one
@@ -534,7 +536,7 @@ fn defect_of(reference: &Case, train: &Train) -> Option<String> {
 /// For each random nut, the solver returns either a ball train, which is checked independently, or
 /// the reason why no ball train exists.
 #[test]
-fn random_ball_trains_have_a_solution_or_a_stated_reason() {
+fn random_ball_trains_have_a_solution_or_the_reason_is_stated() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());

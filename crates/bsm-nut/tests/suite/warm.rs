@@ -880,7 +880,7 @@ fn preload_change_matches_the_first_order_formula() {
 /// reason why no state exists. With `CAMPAIGNS=whole`, 5000 axes are tested. The friction decreases
 /// with temperature like that of an oil, so the test does not need to solve ball models.
 #[test]
-fn random_axes_have_a_steady_state_or_a_stated_reason() {
+fn random_axes_have_a_steady_state_or_the_reason_is_stated() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
     let (mut case, whole) = (reference("WS-P4")["case"].clone(), campaign(5000));

@@ -20,7 +20,7 @@ fn code_spans(text: &str) -> Vec<(&str, &str)> {
 /// Every path on the page must exist. Every name in parentheses after a file must occur in this
 /// file.
 #[test]
-fn recipes_name_existing_files_and_items() {
+fn architecture_page_names_existing_files_and_items() {
     let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the page");
     let places = ["crates/", "docs/", "validation/", "README.md", "CHANGELOG.md"];
     let (mut paths, mut names) = (0, 0);

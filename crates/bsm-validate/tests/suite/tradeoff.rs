@@ -138,7 +138,7 @@ fn page_shows_every_setting_and_figure() {
 }
 
 #[test]
-fn unusable_tables_of_points_are_rejected() {
+fn tables_without_valid_points_are_rejected() {
     let error = read("lead_angle_deg\n").expect_err("no rows").to_string();
     assert!(error.starts_with("the table has no rows"), "{error}");
     let error = read("lead_angle_deg,contact_angle_deg\n10,45\n").expect_err("inputs are missing");
