@@ -226,7 +226,7 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
 }
 
 fn requirement(input: &[u8]) {
-    let standard = Catalog::standard().expect("lists that are compiled in").lists;
+    let standard = Catalog::standard().expect("the compiled-in lists are valid").lists;
     // The least expensive model is sufficient, because other targets test the other models.
     let settings = ["model=closed-form".to_owned()];
     if let Ok(requirement) = RequirementFile::from_json(input, &settings, standard) {

@@ -277,8 +277,8 @@ impl BallEnergy {
     ///
     /// * `distance`: distance between the groove-arc centers of nut and screw \[m\].
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
-        // The position cannot be more accurate than the rounding error of the distance. The
-        // stiffness converts this error to a force.
+        // The position cannot be more accurate than the rounding error of the distance between the
+        // groove-arc centers. The stiffness converts this error to a force.
         let stiffness = self.slope.trace();
         let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
         (self.residual() <= 1e-7 * self.size + rounding).then(|| self.ball())

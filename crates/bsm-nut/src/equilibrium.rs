@@ -125,14 +125,14 @@ pub enum NutError {
         ball: usize,
     },
     /// A ball is too large for its groove.
-    #[error("ball {ball} is larger than its groove and does not touch the groove")]
+    #[error("ball {ball} is larger than its groove and does not fit into it")]
     BallTooLarge {
         /// Index of the ball, from 0.
         ball: usize,
     },
     /// A ball has left its flank, because its contact angle is outside the range from 0 to 90 deg.
     #[error(
-        "ball {ball} leaves its flank: its contact angle is {:.2} deg, outside 0 to 90 deg",
+        "ball {ball} leaves its flank: its contact angle is {:.2} deg, outside the range from 0 to 90 deg",
         .angle.to_degrees()
     )]
     BallLeavesFlank {

@@ -1,4 +1,4 @@
-//! Friction of all balls of a nut, whose loads and groove displacements differ from ball to ball.
+//! Friction of all balls of a nut. Loads and groove displacements differ from ball to ball.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
 

@@ -77,8 +77,8 @@ impl Assembly<'_> {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);
-            // If the nut moves farther than this, the balls are on the other side of the groove-arc
-            // centers.
+            // If the nut moves farther than the distance between the groove-arc centers, the balls
+            // are on the other side of these centers.
             if moved > begun + self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }

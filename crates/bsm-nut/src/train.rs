@@ -41,7 +41,7 @@ impl Advance {
     /// Returns the largest needed gap of all circuits \[m\].
     pub fn largest_gap(&self) -> f64 {
         let largest = self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max);
-        // Values below a nanometer are rounding errors.
+        // Gaps below a nanometer are rounding errors.
         if largest < 1e-9 { 0.0 } else { largest }
     }
 }
@@ -55,7 +55,7 @@ pub struct CircuitAdvance {
     pub balls: Vec<Option<BallAdvance>>,
 }
 
-/// Advance of a single ball.
+/// Ball advance of a single ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallAdvance {
     /// Relative precession rate of the ball without push forces, `$(P - \Omega_n)/W$`.
@@ -230,8 +230,8 @@ pub enum TrainError {
     /// is not valid.
     #[error("the push forces between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
-        /// Push force that is certainly exceeded \[N\]. It was calculated at a speed of the ball
-        /// train that is still too low.
+        /// Lower bound of the largest push force \[N\], calculated at a speed of the ball train
+        /// below its actual speed.
         push: f64,
         /// Push force divided by the largest ball load.
         part: f64,

@@ -107,6 +107,9 @@ fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
         "the printed radical requires a friction coefficient that steel never reaches",
     )
     .measured(1.0 / printed, "reciprocal of the printed radical")
-    .note(format!("as printed {printed:.1}, corrected {:.1e}", (0.5 * (b - a)).tan().abs()))
+    .note(format!(
+        "printed radical: {printed:.1}; corrected radical: {:.1e}",
+        (0.5 * (b - a)).tan().abs()
+    ))
     .at_most(0.1, "a required friction coefficient of 10 or more is impossible"))
 }

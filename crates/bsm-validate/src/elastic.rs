@@ -113,7 +113,7 @@ fn reference(
     let default = check("default-settings")
         .measured(worst, "of the tolerance")
         .note(column)
-        .at_most(1.0, "1e-6 in the efficiency, 1e-5 in loads and angles, 1e-4 in the motion");
+        .at_most(1.0, "permitted errors: 1e-6 for the efficiency, 1e-5 for loads and angles, 1e-4 for the motion");
     Ok(vec![exact, default])
 }
 

@@ -156,13 +156,12 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         checks.push(
             Check::new(&format!("lin1994/best-efficiency-{suffix}"), &source, statement)
                 .measured(eta, "%")
-                .note(format!("value farthest from the claim; {over}"))
+                .note(format!("the value farthest from the claim is shown; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
         // The function value near a maximum is flat, so the location of the maximum is accurate
         // only to the square root of the relative rounding error.
-        let located =
-            "a maximum can be located only to the square root of the rounding error, 1e-7";
+        let located = "the location of a maximum is accurate only to the square root of the rounding error, 1e-7";
         checks.push(
             Check::new(
                 &format!("lin1994/optimum-constant-{suffix}"),

@@ -110,7 +110,7 @@ macro_rules! columns {
 }
 
 const QUANTITIES: &[Column] = columns! {
-    "diameter" calculated_diameter_mm ["mm"] "pitch circle diameter whose circumference the balls fill": |nut| nut.pitch_diameter / MM;
+    "diameter" calculated_diameter_mm ["mm"] "pitch circle diameter at which the balls fill the circumference": |nut| nut.pitch_diameter / MM;
         1e-3 + 0.0, "steps of 0.01 mm";
     "groove-radius" groove_radius_mm ["mm"] "groove radius": |nut| thread(nut).nut.radius / MM;
         5e-3 + 0.0, "two printed decimals";

@@ -87,7 +87,7 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
     Ok(check
         .measured(worst.1, "of the tolerance")
         .note(format!(
-            "largest in {}; efficiency {efficiency:.13} against {:.13}",
+            "largest deviation in {}; efficiency {efficiency:.13}, reference {:.13}",
             worst.0, row.efficiency
         ))
         .at_most(1.0, "1e-9 relative, or half a unit of the last of nine printed digits"))

@@ -100,10 +100,9 @@ impl Check {
         self.judge(holds, format!("within {tolerance:.3e} of the claim: {reason}"))
     }
 
-    /// Sets the condition that `held` of `curves` curves follow a published trend, as was recorded.
-    /// If the numbers differ from the recorded numbers, the results have changed, and the check
-    /// fails. If they are equal, the check passes if all curves follow the trend, and is a finding
-    /// otherwise.
+    /// Sets the number of curves that follow a published trend (`held` of `curves`). If the numbers
+    /// differ from the recorded numbers, the results have changed, and the check fails. Otherwise,
+    /// the check passes if all curves follow the trend, and is a finding if some do not.
     pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few curves")]
         let [measured, claimed] = [held, curves].map(|n| n as f64);

@@ -12,8 +12,7 @@ use crate::{Check, ValidateError};
 /// A row in a table of published trends.
 #[derive(Deserialize)]
 struct Row {
-    /// Quantity to which the trend applies, after the label of the sweeps in which it is
-    /// calculated.
+    /// Label of the sweeps, followed by the name of the quantity to which the trend applies.
     trend: String,
     statement: String,
     /// Names of the curves, separated by spaces. A name of the form `a/b` means curve `a` divided
@@ -231,7 +230,7 @@ pub(crate) fn checks(
         unknown.extend(left.map(|name| format!("{key}/{label}{name}")));
     }
     let unrecorded = |key: &String| {
-        Check::new(key, source, "a curve that is not in the table").follows(1, 1, (0, 0))
+        Check::new(key, source, "the table does not contain this curve").follows(1, 1, (0, 0))
     };
     let unrecorded: Vec<_> = unknown.iter().map(unrecorded).collect();
     Ok(rows.into_iter().map(check).chain(unrecorded).collect())

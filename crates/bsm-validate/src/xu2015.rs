@@ -170,7 +170,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     Ok([
         check(
             "field-value",
-            "differential slip equals the slip velocity field at the contact center",
+            "differential slip equals the slip velocity at the contact center",
             value,
             "rounding errors of speeds that are a hundred times the slip",
         ),

@@ -1,4 +1,4 @@
-//! Errors of dataset folders.
+//! Errors that occur when a dataset is created, continued or finished.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -25,7 +25,7 @@ const FORMAT: u32 = 6;
 /// Maximum number of parts in a dataset.
 pub const MAX_PARTS: u64 = 100_000;
 
-/// The plan of a dataset.
+/// Plan of a dataset, which determines all bytes of the part files.
 #[derive(Debug, Clone)]
 pub struct Plan {
     written: PlanFile,

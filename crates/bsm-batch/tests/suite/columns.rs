@@ -137,8 +137,8 @@ fn motion_columns_use_one_model_for_all_rows() {
     assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
-        // In the first step, the load doubles. The margin increases slightly faster than the load,
-        // so it more than doubles.
+        // In the first step, the load doubles. The jamming margin increases slightly faster than
+        // the load, so it more than doubles.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }

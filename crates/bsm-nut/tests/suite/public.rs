@@ -184,8 +184,9 @@ fn nuts_match_the_reference_cases() {
             &read_numbers(&expect["tilt_urad"]),
             tolerance,
         );
-        // The last element is the sum of the contact loads at the nut. It is the largest number in
-        // the list and sets the tolerance for forces that are zero except for rounding errors.
+        // The last element of the list is the sum of the contact loads at the nut. It is the
+        // largest number in the list and sets the tolerance for forces that are zero except for
+        // rounding errors.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
             all.push(sum);

@@ -317,7 +317,7 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         }
         if scene.gothic().force_at_rest(found.axial_displacement - found.first_touch, work).is_err()
         {
-            // If the nut is displaced by this distance, only friction holds the ball.
+            // Without friction, the ball would not be held at this displacement of the nut.
             held += 1;
             continue;
         }
@@ -569,8 +569,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
         scene.gothic().solve(condition, None, work).map(|found| found.loads())
     };
-    // If the nut is displaced by this distance, the ball is loose between the flanks or carries no
-    // load.
+    // At a displacement of 4 um, the ball is loose between the flanks or carries no load.
     assert!(solve(&scene, AxialCondition::Displacement(4e-6), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(0.0), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(-10.0), work).is_err());

@@ -255,8 +255,8 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
         // Over all balls, this adds up to 6e-4 of the push force.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
-    // The push force from behind must be zero, or smaller than the decrease per ball, only at the
-    // first ball.
+    // The push force from behind must be at most the decrease per ball at the first ball, and at
+    // most twice this decrease at the second ball.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
     // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b over all balls is Z
     // N_x, apart from the contribution of the first of the 38 balls.

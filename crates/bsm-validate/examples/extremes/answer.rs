@@ -153,7 +153,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
     let columns =
-        Columns::sort(names, &[], &TableFormat::default()).expect("names of inputs, each once");
+        Columns::sort(names, &[], &TableFormat::default()).expect("every input name occurs once");
     let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
     let chunk = Chunk::of_rows(&columns, rows);
     let efficiency = Output::named("efficiency").expect("an output");

@@ -240,7 +240,7 @@ fn driven_side() -> Check {
         }
     }
     check("driven-side", "Eqs 16, 19", "self-locking takes place at the driven side")
-        .measured(f64::from(wrong), "points on the limits that contradict the claim")
-        .note(format!("{points} points: the driven side transmits no power, and the driving side transmits more than without friction"))
+        .measured(f64::from(wrong), "points at the self-locking limit that contradict the claim")
+        .note(format!("{points} points: the driven side transmits no power, and the driving side transmits more power than without friction"))
         .at_most(0.0, "always")
 }
