@@ -492,7 +492,8 @@ proptest! {
         nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
         let found = nut.solve(&Support::guided(axial)).expect("carried");
         let bound = nut.load_bound(axial).expect("a bound");
-        // The bound (U27) is linear in the excess of the ball radius, which makes it inaccurate by up to 1 %.
+        // The bound (U27) is linear in the excess of the ball radius, which makes it inaccurate by up to
+        // 1 %.
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
