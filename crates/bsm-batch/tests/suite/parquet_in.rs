@@ -315,7 +315,7 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         // Reading the footer and formatting the message take a few kB.
         let memory = measure(|| said = error_text(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
-        assert!(said.starts_with("not a Parquet table: a page declares "), "{said}");
+        assert!(said.starts_with("not a Parquet table: a page header specifies "), "{said}");
         assert!(said.contains(" kB, but in a file of 1 kB, a page may have at most 33"), "{said}");
     }
     // The same pages are valid if their headers specify the correct lengths.
