@@ -55,8 +55,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // The expressions for force and torque are Eqs 2 and 1, divided by the normal
-                    // load. At the nut, the friction across the groove has the opposite sign.
+                    // Torque and force follow from Eqs 1 and 2 after division by the normal load. At
+                    // the nut, the friction across the groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;
