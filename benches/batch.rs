@@ -1,5 +1,6 @@
-//! Compares kernels on each instruction set with the models point by point, and measures whole
-//! tables from file to file: `cargo bench -p bsm-benches --bench batch`.
+//! Compares the speed of the vectorized kernels on each instruction set with the speed of the
+//! scalar models, and measures how long whole tables take from file to file: `cargo bench -p
+//! bsm-benches --bench batch`.
 
 use std::fs::File;
 use std::hint::black_box;
@@ -17,7 +18,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parquet::arrow::ArrowWriter;
 
-/// Inputs that differ between the random cases.
+/// Inputs that have different values in each random case.
 const INPUTS: [&str; 7] = [
     "lead_angle_deg",
     "contact_angle_deg",
@@ -28,7 +29,8 @@ const INPUTS: [&str; 7] = [
     "axial_load_N",
 ];
 
-/// Returns the cases as a chunk, and a base case with all other inputs.
+/// Returns the varying inputs of the cases as a chunk, and a base case that contains all other
+/// inputs.
 fn chunk(cases: &[Case]) -> (Chunk, Columns, Case) {
     let columns = Columns::sort(INPUTS, &[], &TableFormat::default()).expect("known names");
     let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
@@ -40,7 +42,8 @@ fn named(names: &[&str]) -> Vec<&'static Output> {
     names.iter().map(|name| Output::named(name).expect("known name")).collect()
 }
 
-/// Measures kernels on one thread, from input columns to output columns.
+/// Measures the kernels on one thread. The time includes reading input columns and writing output
+/// columns.
 fn kernels(c: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let (count, cases) = (4096, seeded(4096));
@@ -75,7 +78,8 @@ fn kernels(c: &mut Criterion) {
     }
 }
 
-/// Measures the rigid model with three outputs on all cores, from file to file.
+/// Measures the rigid model with two outputs on all cores. The time includes reading and writing
+/// the files.
 fn tables(c: &mut Criterion) {
     let rows = 100_000;
     let (points, _, base) = chunk(&seeded(rows));

@@ -1,5 +1,5 @@
-//! Measures residual, linearization and solves of each model: `just bench` or
-//! `cargo bench -p bsm-benches`.
+//! Measures the times of residual, linearization and solution for each model. To run this
+//! benchmark, use `just bench` or `cargo bench -p bsm-benches`.
 #![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
 
 use std::hint::black_box;
@@ -18,7 +18,7 @@ fn lin_rigid() -> Rigid {
     }
 }
 
-/// Measures residual and Jacobian of Lin's case at its first-order starting point.
+/// Measures residual and Jacobian for Lin's case at the first-order starting point.
 fn equations(c: &mut Criterion) {
     let system = RigidSystem::of(&lin_rigid()).expect("friction and speed");
     c.bench_function("rigid/residual", |b| {
@@ -34,8 +34,9 @@ fn equations(c: &mut Criterion) {
     });
 }
 
-/// Measures Lin's case. Each model starts from SI inputs without a previous solution. The rigid
-/// model is also started from the root at 1 % less load, with the same tolerance.
+/// Measures the solution of Lin's case. Each model starts from SI inputs without a previous
+/// solution. The rigid model is also started from the root at a load that is 1 % lower, with the
+/// same tolerance.
 fn one_point(c: &mut Criterion) {
     let mut work = ModelWorkspace::default();
     for model in Model::ALL {
@@ -66,8 +67,8 @@ fn one_point(c: &mut Criterion) {
     });
 }
 
-/// Returns the settings of all models, including several accuracies of traction and two tolerances
-/// of the automatic choice.
+/// Returns the settings of all models. Model traction is included with several accuracies, and
+/// `auto` with two tolerances.
 fn settings() -> Vec<(String, Settings)> {
     let auto = |tolerance| Settings { tolerance, ..Settings::default() };
     let mut all: Vec<_> =
@@ -81,7 +82,8 @@ fn settings() -> Vec<(String, Settings)> {
     all
 }
 
-/// Measures a thousand random points, so that the time per element is that of a typical point.
+/// Measures a thousand random points, so that the time per element is representative of a typical
+/// point.
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
     eprintln!("{COUNT} seeded points: model | median cold solve, ns | median Newton steps | most");
@@ -111,8 +113,8 @@ fn many_points(c: &mut Criterion) {
     });
 }
 
-/// Prints the median time over the points, from the fastest of several solves without a previous
-/// solution, and the median number of steps.
+/// Prints the median time of all points and the median number of steps. The time of a point is the
+/// shortest time of several solves without a previous solution.
 fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     let mut times: Vec<_> = problems
         .iter()

@@ -1,4 +1,4 @@
-//! The solver of this project, point by point and in batches.
+//! The solver of this project, which solves the points one by one or as a table.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -11,7 +11,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Status, model::RigidWork
 use crate::equations::Answer;
 use crate::points::{INPUTS, Point};
 
-/// Outputs that the benchmark compares.
+/// Outputs that the comparison of solvers uses.
 const OUTPUTS: [OutputName; 8] = [
     output!(efficiency),
     output!(nut_normal_load_N),
@@ -23,7 +23,7 @@ const OUTPUTS: [OutputName; 8] = [
     output!(nut_spin_rad_s),
 ];
 
-/// Values of [`OUTPUTS`] at a point.
+/// Values of the outputs in [`OUTPUTS`] at one point.
 pub(crate) type Numbers = [f64; OUTPUTS.len()];
 
 fn settings() -> Settings {
@@ -35,13 +35,13 @@ pub(crate) fn problems(cases: &[Case]) -> Vec<Problem> {
     cases.iter().map(|case| case.problem(&settings()).expect("a complete case")).collect()
 }
 
-/// Solves one point after the other, with all outputs in SI units.
+/// Solves the points one by one, with all outputs in SI units.
 pub(crate) fn scalar(problems: &[Problem]) -> Vec<Solution> {
     let mut work = ModelWorkspace::default();
     problems.iter().map(|problem| problem.solve(&mut work)).collect()
 }
 
-/// The points as a table in memory.
+/// All points as a table in memory.
 pub(crate) struct Table {
     chunk: Chunk,
     columns: Columns,
@@ -58,8 +58,8 @@ impl Table {
         Self { chunk, columns, task, answers }
     }
 
-    /// Solves the table on the threads of the current pool. The results are written into memory
-    /// that is reused, as in the writers of tables and in Python, because allocating new pages
+    /// Solves the table on the threads of the current thread pool. The results are written into a
+    /// buffer that is reused, as in the table writers and in Python, because allocating new memory
     /// takes a tenth of the time.
     pub(crate) fn solve(&self) -> MutexGuard<'_, Answers> {
         let mut answers = self.answers.lock().expect("no solve has panicked");
@@ -73,13 +73,13 @@ impl Table {
     }
 }
 
-/// Returns the numbers of a row of the table.
+/// Returns the outputs in a row of the table, or `None` if the row has no solution.
 pub(crate) fn row(answers: &Answers, row: usize) -> Option<Numbers> {
     let there = answers.verdicts[row].status == Status::Converged;
     there.then(|| std::array::from_fn(|i| answers.columns[i][row]))
 }
 
-/// Returns the numbers of one solution.
+/// Returns the outputs of one solution.
 pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
     let record = Record::new(solution.clone());
     let mut numbers = [0.0; OUTPUTS.len()];
@@ -89,7 +89,8 @@ pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
     Some(numbers)
 }
 
-/// Returns the reference for every peer: the outputs of the solver and the motion at its root.
+/// Returns the reference with which all other solvers are compared. It consists of the outputs of
+/// this solver and the ball motion at its root.
 pub(crate) fn reference(case: &Case) -> Option<Answer> {
     let Ok(Problem::Rigid(rigid)) = case.problem(&settings()) else { return None };
     let mut work = RigidWorkspace::default();
@@ -106,7 +107,8 @@ pub(crate) fn reference(case: &Case) -> Option<Answer> {
     ])
 }
 
-/// Converts outputs to an answer. The unknowns follow from the motion and the slip at A.
+/// Converts outputs to an answer. The unknowns are calculated from the ball motion and the slip at
+/// A.
 pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let [ball_mm, pitch_mm, lead_deg, _, _, density, screw_rpm, nut_rpm, axial, balls] = *point;
     let (r_b, r_m) = (0.5e-3 * ball_mm, 0.5e-3 * pitch_mm);
@@ -115,7 +117,7 @@ pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let inertia = 0.4 * (4.0 / 3.0 * PI * r_b.powi(3) * density) * r_b * r_b;
     let [efficiency, q_a, q_m, q_b, precession, omega_t, slip, spin] = *numbers;
     let (p, u) = ((precession - nut) / w, (omega_t - nut * sin_a) / w);
-    // The slip at A has the component u across the groove and the component d p + τ along t, in the
+    // The slip at A has the component u across the groove, and the component d p + τ along t in the
     // direction of W.
     let slip = slip / (r_b * w.abs());
     let along = (slip * slip - u * u).sqrt();

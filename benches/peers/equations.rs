@@ -1,9 +1,10 @@
-//! Independent implementation of the rigid equations for peers with their own Newton iteration:
-//! conversion from user units, starting point, residual, analytic Jacobian and outputs.
+//! Independent implementation of the rigid model for the compared solvers that have their own
+//! Newton iteration. It contains the conversion from user units, the starting point, the residual,
+//! the analytic Jacobian and the outputs.
 //!
-//! The equations are those of `docs/theory/04-rigid.md` in the unknowns
-//! `Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so that
-//! driving and back-driving differ only in the sign of friction.
+//! The equations are those of `docs/theory/04-rigid.md` with the unknowns `Q_A/F_a, Q_A'/F_a,
+//! Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so driving and back-driving
+//! differ only in the sign of the friction.
 
 use std::f64::consts::PI;
 
@@ -17,43 +18,45 @@ pub(crate) type Matrix = SMatrix<f64, 7, 7>;
 /// Norm of the weighted residual below which a point counts as solved.
 pub(crate) const TOLERANCE: f64 = 1e-10;
 
-/// Maximum number of steps of a Newton peer, which is also the limit of this solver.
+/// Maximum number of steps of a compared Newton solver. The solver of this project has the same
+/// limit.
 pub(crate) const MAX_STEPS: usize = 8;
 
-/// Efficiency, loads of A, A' and B \[N\], and p, u, τ, s.
+/// Efficiency; loads of the contacts A, A' and B \[N\]; and the unknowns p, u, τ, s.
 pub(crate) type Answer = [f64; 8];
 
-/// An operating point in units of ball radius, axial load and W.
+/// An operating point whose quantities are divided by ball radius, axial load and relative speed W.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct System {
-    /// `F = sign(W) f`.
+    /// Friction coefficient with the sign of W, `F = sign(W) f`.
     friction: f64,
-    /// `r_m/r_b`.
+    /// Ratio of pitch circle radius to ball radius, `r_m/r_b`.
     radius: f64,
-    /// `d/r_b`.
+    /// Dimensionless arc length of the helix per radian, `d/r_b`.
     arc: f64,
     cos_a: f64,
     sin_b: f64,
     cos_b: f64,
     sin_2b: f64,
     cos_2b: f64,
-    /// Screw axis in the axes `(t, N, e_x)`.
+    /// Components of the screw axis along `(t, N, e_x)`.
     k: [f64; 3],
-    /// `m r_m W²/F_a`.
+    /// Dimensionless centrifugal force, `m r_m W²/F_a`.
     mu: f64,
-    /// `I W²/(r_b F_a)`.
+    /// Dimensionless moment of inertia of the ball, `I W²/(r_b F_a)`.
     inertia: f64,
-    /// `Ω_n/W`.
+    /// Dimensionless nut speed, `Ω_n/W`.
     nut_speed: f64,
-    /// `F_a` \[N\].
+    /// Axial load per ball `F_a` \[N\].
     load: f64,
-    /// Weights of the equations.
+    /// Factors that multiply the residuals of the equations.
     pub(crate) weights: Vector,
-    /// First-order starting point.
+    /// First-order approximation of the unknowns, used as the starting point.
     pub(crate) start: Vector,
 }
 
-/// Direction of the slip at one contact, and its rotation with p, u, τ, s.
+/// Direction of the slip at one contact, and derivatives of this direction with respect to p, u, τ,
+/// s.
 #[derive(Debug, Clone, Copy)]
 struct Slip {
     along: f64,
@@ -62,8 +65,8 @@ struct Slip {
 }
 
 impl Slip {
-    /// Creates the direction from the slip `(along t, along e_x)` and its derivatives with respect
-    /// to p, u, τ, s.
+    /// Creates the slip direction from the slip components along t and along e_x, and from their
+    /// derivatives with respect to p, u, τ, s.
     fn of(along: f64, across: f64, slopes: [(f64, f64); 4]) -> Self {
         let inverse = (along * along + across * across).sqrt().recip();
         let (along, across) = (along * inverse, across * inverse);
@@ -72,12 +75,12 @@ impl Slip {
     }
 }
 
-/// Intermediate results that residual and Jacobian share.
+/// Intermediate results that both the residual and the Jacobian need.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct State {
-    /// Slips at A, A' and B.
+    /// Slip directions at the contacts A, A' and B.
     slip: [Slip; 3],
-    /// `P/W`.
+    /// Precession rate divided by the relative speed, `P/W`.
     rate: f64,
 }
 
@@ -167,8 +170,8 @@ impl System {
         }
     }
 
-    /// Returns the contributions of friction to the equations, for friction forces
-    /// `(along, across)` against the slip at A, A' and B.
+    /// Returns the contributions of friction to the equations. The arguments are the components
+    /// `(along, across)` of the friction forces that oppose the slip at A, A' and B.
     fn friction_rows(&self, [a, m, b]: [(f64, f64); 3]) -> Vector {
         let Self { sin_2b, cos_2b, k, .. } = *self;
         let unloaded_e = cos_2b * m.1;
@@ -185,7 +188,7 @@ impl System {
         .into()
     }
 
-    /// Returns the weighted residual.
+    /// Returns the residual, multiplied by the weights of the equations.
     pub(crate) fn residual(&self, y: &Vector, state: &State) -> Vector {
         let [[q_a, q_m, q_b, _, u, tau, s]] = y.data.0;
         let Self { sin_2b, cos_2b, k, .. } = *self;
@@ -205,7 +208,7 @@ impl System {
         r.component_mul(&self.weights)
     }
 
-    /// Returns the Jacobian of the weighted residual.
+    /// Returns the Jacobian of the residual, multiplied by the weights of the equations.
     pub(crate) fn jacobian(&self, y: &Vector, state: &State) -> Matrix {
         let [[q_a, q_m, q_b, _, u, tau, _]] = y.data.0;
         let Self { friction, sin_2b, cos_2b, k, inertia, .. } = *self;
@@ -252,8 +255,8 @@ impl System {
         jacobian
     }
 
-    /// Returns the outputs of a root, or `None` if a contact pulls or if the root is the spurious
-    /// root at infinity.
+    /// Returns the outputs of a root, or `None` if a contact load is tensile or if the root is the
+    /// spurious root at infinity.
     pub(crate) fn answer(&self, y: &Vector, state: &State) -> Option<Answer> {
         let [[q_a, q_m, q_b, p, u, tau, s]] = y.data.0;
         let speed = p.abs().max(u.abs()).max(tau.abs());
@@ -281,9 +284,9 @@ mod tests {
     use super::*;
     use crate::points::point;
 
-    /// Compares starting point, residual and Jacobian with the residual of the library, whose
-    /// derivatives are automatic, at points away from the root. The library has the slip at A in
-    /// polar form (R4).
+    /// Compares starting point, residual and Jacobian with the library at points away from the
+    /// root. The library calculates derivatives by automatic differentiation and expresses the slip
+    /// at A in polar form (R4).
     #[test]
     fn equations_match_the_library() {
         for (i, case) in seeded(200).iter().enumerate() {
@@ -292,7 +295,8 @@ mod tests {
             };
             let (case, system) =
                 (System::new(&point(case)), RigidSystem::of(&rigid).expect("friction"));
-            // The points differ from the start by up to 3 %, differently in each case.
+            // The coordinates of the points differ from the starting point by up to 3 %. The
+            // differences vary from case to case.
             let y = Vector::from_fn(|j, _| {
                 case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())
             });
@@ -310,8 +314,8 @@ mod tests {
                 let weight = system.weights[row];
                 let scale =
                     1.0 + weight * expected[row].eps.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-                // Both sides evaluate the same formulas in another order, so they differ by
-                // rounding of terms of this magnitude.
+                // Both implementations evaluate the same formulas in different order. Their results
+                // differ by the rounding errors of terms of this magnitude.
                 let close =
                     |ours: f64, theirs: f64| (ours - weight * theirs).abs() <= 1e-11 * scale;
                 assert!(close(r[row], expected[row].re), "{i}: row {row}");

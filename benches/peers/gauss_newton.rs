@@ -1,9 +1,10 @@
-//! The Gauss-Newton solver of argmin, which is its only solver that uses a residual and a Jacobian.
+//! The Gauss-Newton solver of the crate argmin, the only solver of this crate that uses a residual
+//! and a Jacobian.
 //!
-//! For a square system, a Gauss-Newton step equals a Newton step that is calculated with the
-//! inverse of JᵀJ. The `vec` backend of argmin-math has no inverse, and its nalgebra backend
-//! requires another version of nalgebra than ours. Therefore the few operations that the solver
-//! requires are implemented here for fixed-size matrices.
+//! For a square system, a Gauss-Newton step equals a Newton step but is calculated with the inverse
+//! of JᵀJ. The `vec` backend of argmin-math cannot invert matrices, and its nalgebra backend
+//! requires another version of nalgebra than this project. Therefore, the few operations that the
+//! solver requires are implemented here for fixed-size matrices.
 
 use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
 use argmin::solver::gaussnewton::GaussNewton;
@@ -78,10 +79,12 @@ impl Jacobian for System {
     }
 }
 
-/// Solves a point with the Gauss-Newton solver of argmin and the common tolerance.
+/// Solves a point with the Gauss-Newton solver of argmin, using the same tolerance as all other
+/// solvers.
 pub(crate) fn argmin(point: &Point) -> Option<Answer> {
     let case = System::new(point);
-    // Only the norm of the residual ends the iteration.
+    // The solver's own tolerance is disabled, so that only the norm of the residual ends the
+    // iteration.
     let solver = GaussNewton::new().with_tolerance(f64::MIN_POSITIVE).ok()?;
     let result = Executor::new(case, solver)
         .configure(|state: IterState<Vector, (), Matrix, (), Vector, f64>| {

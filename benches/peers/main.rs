@@ -1,5 +1,6 @@
-//! Compares other solvers with this solver at the same points: `benches/peers/run.sh`.
-#![expect(clippy::print_stdout, reason = "the table is what the program is for")]
+//! Compares other solvers with the solver of this project at the same points. To run the
+//! comparison, use `benches/peers/run.sh`.
+#![expect(clippy::print_stdout, reason = "the program prints a table")]
 
 mod bsm;
 mod equations;
@@ -27,22 +28,24 @@ use crate::equations::{Answer, System};
 use crate::points::{INPUTS, Point, point};
 use crate::report::{Peer, Python, Reference, Report};
 
-/// Measures the times of peers at random points of the rigid model, and checks that they agree
+/// Measures the times of several solvers at random points of the rigid model, and checks that their
+/// results agree
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Number of points
     #[arg(long, default_value_t = 4096)]
     count: usize,
-    /// Use the ordinary points of the trade-off instead of random points; peers may miss roots
+    /// Use the points of validation/golden/tradeoff/cases.csv instead of random points; solvers may
+    /// miss roots there
     #[arg(long)]
     ordinary: bool,
-    /// Number of runs of each peer; the median is reported
+    /// Number of runs of each solver; the median is reported
     #[arg(long, default_value = "31")]
     runs: NonZeroUsize,
-    /// Only write the points to this file, for the Python peers
+    /// Write the points to this file for the Python solvers, and do nothing else
     #[arg(long)]
     write_points: Option<PathBuf>,
-    /// Results of the Python peers
+    /// File with the results of the Python solvers
     #[arg(long)]
     python: Option<PathBuf>,
     /// Write the results to this file
@@ -111,14 +114,15 @@ fn reference(case: &Case) -> Option<Reference> {
 
 type Answers = Vec<Option<Answer>>;
 
-/// Solves all points and returns the time.
+/// A function that solves all points and returns the elapsed time and the answers.
 type Run<'a> = Box<dyn FnMut() -> (Duration, Answers) + 'a>;
 
-/// Shortest duration of a measurement. Shorter measurements are dominated by the time to wake a
-/// thread.
+/// Minimum duration of a measurement. A shorter measurement would mainly measure how long a thread
+/// takes to wake up.
 const MIN_DURATION: Duration = Duration::from_millis(20);
 
-/// Measures the time of `solve`, without `answer`, which only reads its results.
+/// Measures the time that `solve` takes. The time that `answer` takes to convert the results is not
+/// included.
 fn timed<T>(
     points: &[Point],
     mut solve: impl FnMut() -> T,
@@ -136,14 +140,14 @@ fn timed<T>(
     (time, (0..points.len()).map(|i| answer(&found, i)).collect())
 }
 
-/// Measures a peer that solves one point after the other.
+/// Measures a solver that solves the points one by one.
 fn each(points: &[Point], mut solve: impl FnMut(&Point) -> Option<Answer>) -> (Duration, Answers) {
     let all = || points.iter().map(|point| solve(black_box(point))).collect::<Answers>();
     timed(points, all, |answers, i| answers[i])
 }
 
-/// Runs all peers alternately, so that disturbances affect all of them. The first run of each peer
-/// is not measured.
+/// Runs all solvers alternately, so that disturbances affect all of them, and returns the median
+/// times. The first run of each solver is not measured.
 #[expect(clippy::cast_precision_loss, reason = "counts of points are small")]
 fn medians(peers: &mut [(&str, Run)], runs: usize) -> Vec<Peer> {
     let mut answers: Vec<Answers> = peers.iter_mut().map(|(_, run)| run().1).collect();

@@ -1,4 +1,4 @@
-//! Newton's method without damping, with two linear algebra libraries.
+//! Newton's method without damping, using the linear algebra of nalgebra or faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
@@ -7,8 +7,8 @@ use faer::{ColMut, Mat, Par, Spec};
 use crate::equations::{Answer, MAX_STEPS, Matrix, System, TOLERANCE, Vector};
 use crate::points::Point;
 
-/// Runs Newton's method from the first-order starting point. `step` calculates the step from the
-/// Jacobian and the residual.
+/// Runs Newton's method from the first-order starting point. The function `step` calculates a
+/// Newton step from the Jacobian and the residual.
 fn newton(point: &Point, mut step: impl FnMut(&Matrix, &mut Vector) -> bool) -> Option<Answer> {
     let case = System::new(point);
     let mut y = case.start;
@@ -26,12 +26,13 @@ fn newton(point: &Point, mut step: impl FnMut(&Matrix, &mut Vector) -> bool) -> 
     None
 }
 
-/// Uses the fixed-size LU decomposition of nalgebra, without allocation.
+/// Solves a point with Newton's method and the LU decomposition of nalgebra, which needs no
+/// allocation for fixed-size matrices.
 pub(crate) fn nalgebra(point: &Point) -> Option<Answer> {
     newton(point, |jacobian, r| jacobian.lu().solve_mut(r))
 }
 
-/// Memory for the LU decomposition of faer.
+/// Buffers for Newton's method with the LU decomposition of faer.
 pub(crate) struct Faer {
     factors: Mat<f64>,
     forward: [usize; 7],
@@ -53,7 +54,8 @@ impl Default for Faer {
 }
 
 impl Faer {
-    /// Uses the LU decomposition of faer, with memory that is reused for all points.
+    /// Solves a point with Newton's method and the LU decomposition of faer. The buffers are reused
+    /// for all points.
     pub(crate) fn solve(&mut self, point: &Point) -> Option<Answer> {
         newton(point, |jacobian, r| {
             let Self { factors, forward, backward, scratch } = self;

@@ -9,7 +9,7 @@ from scipy import optimize, sparse
 
 
 def problem(case):
-    """Energy with gradient and Hessian. The unknowns are five of the nut, and ring, nut and screw at each ball."""
+    """Return functions for energy, gradient and Hessian, and the starting point of all unknowns."""
     theta, z = np.array(case["places"]).T
     r, alpha, beta = case["pitch_radius"], case["lead_angle"], case["contact_angle"]
     distance, stiffness = case["arc_distance"], case["stiffness"]
@@ -90,7 +90,7 @@ def problem(case):
 
 
 def newton(gradient, hessian, u):
-    """Newton's method with the sparse LU decomposition of SciPy, without a line search."""
+    """Find the minimum by Newton's method without a line search, using the sparse LU decomposition of SciPy."""
     for _ in range(60):
         g = gradient(u)
         if np.abs(g).max() < 1e-8:

@@ -1,4 +1,4 @@
-"""Measure the Python peers at the points of a file, and write their answers. Called by run.sh."""
+"""Measure the Python solvers at the points of a file, and write their answers. The script run.sh calls this file."""
 
 import ctypes
 import importlib.metadata
@@ -16,7 +16,7 @@ import rigid
 
 
 def scipy_numpy(points):
-    """Solve the equations with hybr in Python floats, which are faster than numpy for seven numbers."""
+    """Solve the equations with hybr. Python floats are used, because they are faster than numpy for seven numbers."""
     import numpy
     from scipy.optimize import root
 
@@ -36,7 +36,7 @@ def scipy_numpy(points):
 
 
 def scipy_compiled(points):
-    """Solve the equations in C with hybr, called with fixed buffers to reduce the overhead."""
+    """Solve the equations, which are implemented in C, with hybr. Fixed buffers reduce the overhead of the calls."""
     import numpy
     from scipy.optimize import root
 
@@ -65,7 +65,7 @@ def scipy_compiled(points):
 
 
 def jax_newton(points):
-    """Solve all points in one call. The compilation time is not measured."""
+    """Solve all points in one call of JAX. The compilation time is not measured."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")
@@ -117,7 +117,7 @@ def timed(name, make, points, runs):
 
 
 def main(points_file, results_file):
-    # Everything runs on one thread, including the pools of JAX.
+    # All solvers run on one thread, including the thread pools of JAX.
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     data = json.loads(Path(points_file).read_text())

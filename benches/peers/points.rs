@@ -1,4 +1,4 @@
-//! The operating points in user units.
+//! Operating points of the comparison in user units.
 
 use bsm_case::Case;
 
@@ -16,10 +16,10 @@ pub(crate) const INPUTS: [&str; 10] = [
     "loaded_balls",
 ];
 
-/// Values of [`INPUTS`].
+/// Values of the inputs in [`INPUTS`] at one operating point.
 pub(crate) type Point = [f64; INPUTS.len()];
 
-/// Returns the numbers of a case.
+/// Returns the values of the inputs in [`INPUTS`] for a case.
 pub(crate) fn point(case: &Case) -> Point {
     bsm_benches::values(case, &INPUTS)
 }

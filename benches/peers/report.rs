@@ -1,4 +1,5 @@
-//! Agreement of the peers with the solver, as a table and as JSON.
+//! Times and results of other solvers, compared with the solver of this project, as a table and as
+//! JSON.
 
 use std::fmt;
 
@@ -6,49 +7,50 @@ use serde::{Deserialize, Serialize};
 
 use crate::equations::Answer;
 
-/// Largest permitted disagreement.
+/// Largest difference between two results that counts as agreement.
 ///
-/// The load of A', u and τ affect the balance only through terms as large as the inertia forces, so
-/// a residual of 1e-10 causes errors of 1e-10 divided by the inertia forces. The disagreement of
-/// these numbers is therefore multiplied by the inertia forces.
+/// The load of A' and the unknowns u and τ affect the balance only through terms that are as small
+/// as the inertia forces. A residual of 1e-10 therefore causes errors of 1e-10 divided by the
+/// inertia forces. For this reason, differences of these three quantities are multiplied by the
+/// inertia forces.
 const AGREEMENT: f64 = 1e-8;
 
-/// Relative disagreement of efficiency or loads above which an answer counts as another root.
+/// Relative difference of efficiency or loads above which two answers count as different roots.
 const SAME_ROOT: f64 = 1e-4;
 
-/// Indices in an [`Answer`].
+/// Indices of quantities in an [`Answer`].
 const UNLOADED_FLANK_LOAD: usize = 2;
 const U: usize = 5;
 const TAU: usize = 6;
 
-/// Result of this solver at a point.
+/// Result that the solver of this project finds at a point.
 #[derive(Debug)]
 pub(crate) struct Reference {
     pub(crate) answer: Answer,
-    /// Ratio of the inertia forces to the load, at most 1.
+    /// Ratio of the inertia forces to the load, limited to 1.
     pub(crate) inertia: f64,
 }
 
-/// Time and answers of one peer.
+/// Time and answers of one compared solver.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Peer {
     pub(crate) name: String,
     pub(crate) ns_per_point: f64,
-    /// Answers by point; `None` if the peer found no root.
+    /// Answer at each point; `None` if the solver found no root.
     pub(crate) answers: Vec<Option<Answer>>,
 }
 
-/// Results of the Python peers.
+/// Results of the solvers that run in Python.
 #[derive(Debug, Default, Deserialize)]
 pub(crate) struct Python {
     pub(crate) peers: Vec<Peer>,
-    /// Peers that could not run, with reasons.
+    /// Solvers that could not run, with reasons.
     pub(crate) missing: Vec<String>,
-    /// Versions of the libraries that ran.
+    /// Names and versions of the libraries that were used.
     pub(crate) versions: Vec<String>,
 }
 
-/// A line of the table.
+/// A line of the table, which contains the results of one solver.
 #[derive(Debug, Serialize)]
 struct Line {
     peer: String,
@@ -56,20 +58,20 @@ struct Line {
     over_batch: f64,
     over_nalgebra: f64,
     share_solved: f64,
-    /// Number of points with an answer that is not the root of this solver.
+    /// Number of points with an answer that is not the root that the solver of this project finds.
     other_answers: usize,
     /// Largest relative difference of efficiency and loads of A and B, and largest difference of p
     /// and s.
     worst_loaded: f64,
     /// Largest relative difference of the load of A', and largest difference of u and τ.
     worst_inertial: f64,
-    /// Largest differences of `worst_inertial`, with the difference of each point multiplied by its
-    /// ratio of inertia forces to load.
+    /// Largest of the differences in `worst_inertial` after the difference at each point was
+    /// multiplied by the ratio of inertia forces to load.
     worst_inertial_scaled: f64,
     agrees: bool,
 }
 
-/// All lines, and the peers that did not run.
+/// All lines of the table, and the solvers that did not run.
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     points: usize,
@@ -79,10 +81,10 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// Compares all peers with the reference. Ratios refer to the times of the peers named `batch`
-    /// and `newton`.
+    /// Compares all solvers with the reference. Ratios refer to the times of the entries named
+    /// `batch` and `newton`.
     ///
-    /// * `may_differ`: true if a peer is permitted to find another root.
+    /// * `may_differ`: true if a compared solver is permitted to find another root.
     pub(crate) fn of(
         peers: &[Peer],
         reference: &[Reference],
@@ -108,8 +110,8 @@ impl Report {
                 agrees: peer.answers.len() == reference.len()
                     && solved > 0
                     && worst.loaded <= AGREEMENT
-                    // If A' hardly slides, its slip, which is an output, determines u and τ
-                    // inaccurately.
+                    // If A' hardly slides, u and τ cannot be calculated accurately from its slip,
+                    // which is an output.
                     && (may_differ
                         || worst.inertial_scaled <= AGREEMENT && worst.other_answers == 0),
             }
@@ -122,7 +124,7 @@ impl Report {
         }
     }
 
-    /// Returns true if every peer agrees at all points where it found a root.
+    /// Returns true if every solver agrees with the reference at all points where it found a root.
     pub(crate) fn agrees(&self) -> bool {
         self.lines.iter().all(|line| line.agrees)
     }
@@ -133,7 +135,7 @@ fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole as f64
 }
 
-/// Largest disagreements over all points with an answer.
+/// Largest differences over all points at which a solver found an answer.
 #[derive(Default)]
 struct Worst {
     loaded: f64,
@@ -152,7 +154,7 @@ impl Worst {
                 let size =
                     if i <= UNLOADED_FLANK_LOAD + 1 { ours.abs() } else { ours.abs().max(1.0) };
                 let off = (theirs - ours).abs() / size;
-                // NaN counts as infinite disagreement.
+                // A difference that is NaN counts as infinite.
                 let off = if off.is_nan() { f64::INFINITY } else { off };
                 if [UNLOADED_FLANK_LOAD, U, TAU].contains(&i) {
                     here.inertial = here.inertial.max(off);
@@ -162,7 +164,8 @@ impl Worst {
                 }
             }
             let apart = |i: usize| (answer[i] / reference.answer[i] - 1.0).abs();
-            // Compares the efficiency and the loads of A and B. NaN counts as another answer.
+            // The answer is another root if its efficiency or one of the loads of A and B differs.
+            // A difference that is NaN also counts as another root.
             if ![0, 1, 3].into_iter().all(|i| apart(i) <= SAME_ROOT) {
                 worst.other_answers += 1;
                 continue;
@@ -181,8 +184,8 @@ impl fmt::Display for Report {
         writeln!(f)?;
         writeln!(
             f,
-            "| peer | ns/point | over bsm batch, 1 thread | over Newton on nalgebra | solved | \
-             other answers | worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | the same × inertia | agrees |"
+            "| solver | ns/point | ratio to bsm batch, 1 thread | ratio to Newton on nalgebra | solved | \
+             other answers | worst η, Q_A, Q_B, p, s | worst Q_A', u, τ | worst Q_A', u, τ × inertia | agrees |"
         )?;
         writeln!(f, "|---|---:|---:|---:|---:|---:|---:|---:|---:|---|")?;
         for line in &self.lines {

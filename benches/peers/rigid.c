@@ -1,4 +1,4 @@
-/* The rigid equations of rigid.py in C for the compiled peer: conversion of inputs, residual and outputs. */
+/* The rigid equations of rigid.py in C for a compiled solver: conversion of inputs, residual and outputs. */
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
-"""The rigid equations, written once for floats (`m` is the module math) and JAX (`m` is jax.numpy).
+"""Equations of the rigid model, for Python floats (`m` is the module math) and for JAX (`m` is jax.numpy).
 
-The equations are those of docs/theory/04-rigid.md in the unknowns Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, tau, s.
-Speeds are divided by W including its sign, so that driving and back-driving differ only in the sign of friction.
+The equations are those of docs/theory/04-rigid.md with the unknowns Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, tau, s.
+Speeds are divided by W including its sign, so driving and back-driving differ only in the sign of the friction.
 """
 
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ MOST_STEPS = 8
 
 
 class Case(NamedTuple):
-    """An operating point in units of ball radius, axial load and W."""
+    """An operating point whose quantities are divided by ball radius, axial load and relative speed W."""
 
     friction: Any
     radius: Any
@@ -35,7 +35,7 @@ def larger(a, b):
 
 
 def case(point, m):
-    """Convert from user units, with the weights of the equations and the first-order starting point."""
+    """Convert an operating point from user units, and add the weights of the equations and the starting point."""
     ball_mm, pitch_mm, lead_deg, contact_deg, f, density, screw_rpm, nut_rpm, axial, balls = point
     r_b, r_m, deg = 0.5e-3 * ball_mm, 0.5e-3 * pitch_mm, m.pi / 180.0
     sin_a, cos_a = m.sin(lead_deg * deg), m.cos(lead_deg * deg)
@@ -78,7 +78,7 @@ def friction_force(c, load, along, across, m):
 
 
 def residual(c, y, m):
-    """Return the weighted residual."""
+    """Return the residual, multiplied by the weights of the equations."""
     q_a, q_m, q_b, p, u, tau, s = y
     (k_t, k_n, k_e), rate = c.k, p + c.nut_speed
     gyro = c.inertia * rate
@@ -100,7 +100,7 @@ def residual(c, y, m):
 
 
 def answer(c, y, m):
-    """Return efficiency, loads of A, A' and B [N], p, u, tau and s, and whether the root is physical."""
+    """Return the efficiency, the loads of A, A' and B [N], p, u, tau and s, and whether the root is physical."""
     q_a, q_m, q_b, p, u, tau, s = y
     k_t, _, k_e = c.k
     b_t, b_e = friction_force(c, q_b, c.arc * (p - 1.0) - tau + k_e, u - k_t, m)
@@ -108,7 +108,7 @@ def answer(c, y, m):
         k_t * (c.radius * c.sin_b * q_b + (c.radius * c.cos_b - 1.0) * b_e)
         + c.cos_a * (c.cos_b - c.radius) * b_t
     )
-    # Ratio of ideal torque to torque, or its inverse, depending on the sign of W.
+    # The efficiency is the ratio of ideal torque to torque or, for the other sign of W, the inverse ratio.
     efficiency = (c.radius * k_t / c.cos_a / torque) ** m.copysign(1.0, c.friction)
     limit = 10.0 * c.arc
     physical = (q_a > 0) & (q_m > 0) & (q_b > 0)

@@ -1,8 +1,8 @@
-"""Solve the traction model at the points of a file with SciPy and with JAX. Called by traction.sh.
+"""Solve the traction model at the points of a file with SciPy and with JAX. The script traction.sh calls this file.
 
-The equations are written once: `m` is math or jax.numpy for single numbers, `xp` is numpy or jax.numpy for arrays.
-The equations come from docs/theory/06-elastic-contact.md and 09-traction.md, with the unknowns (T1), in units of ball
-radius, axial load and W. The first axis of arrays is the contact, with the nut first.
+The equations are the same for both: `m` is math or jax.numpy for numbers, and `xp` is numpy or jax.numpy for arrays.
+They come from docs/theory/06-elastic-contact.md and 09-traction.md and have the unknowns (T1). All quantities are
+divided by ball radius, axial load and relative speed W. The first axis of arrays is the contact, with the nut first.
 """
 
 import importlib.metadata
@@ -20,7 +20,7 @@ import numpy as np
 TOLERANCE = 1e-10
 RUNS = 3
 
-# Quadrature parameters: accuracy, nodes of a panel, and nodes of a part of a split panel or of one side of a spin pole.
+# Quadrature: accuracy, number of nodes in a panel, and number in a part of a split panel or beside a spin pole.
 ACCURACY = 1e-8
 PANEL, PART = 16, 12
 MOST_INNER = 24
@@ -35,7 +35,7 @@ def legendre(nodes):
 
 
 def chebyshev():
-    """Return positions and weights along a line for each number of nodes (T19), padded with zero weights."""
+    """Return node positions and weights along a line for each number of nodes (T19), padded with zero weights."""
     places, weights = np.zeros((2, MOST_INNER + 1, MOST_INNER))
     for count in range(1, MOST_INNER + 1):
         angle = np.pi * np.arange(1, count + 1) / (count + 1)
@@ -45,35 +45,35 @@ def chebyshev():
 
 
 INNER = chebyshev()
-# Largest permitted relative differences. For the efficiency: the smallest error that bsm states (T25). For loads and
-# angles: the accuracy of the quadrature, because bsm keeps its numbers of nodes (T19) near a root where they would
-# change.
+# Largest permitted relative differences. For the efficiency, it is the smallest error bound that bsm states (T25). For
+# loads and angles, it is the accuracy of the quadrature, because bsm does not change the number of nodes (T19) near a
+# root.
 AGREEMENT = 1e-9, 1e-8
-# A larger difference counts as another root.
+# If the relative difference is larger, the two solvers have found different roots.
 SAME_ROOT = 1e-4
-# A panel has 24 slots, whole or split. Slots that a whole panel does not use have zero weight.
+# A panel has 24 nodes, whether it is split or not. Nodes that a whole panel does not need have zero weight.
 (whole, whole_weights), (part, part_weights) = legendre(PANEL), legendre(PART)
 SLOTS = 2 * PART
 WHOLE = np.append(whole, whole[: SLOTS - PANEL]), np.append(whole_weights, np.zeros(SLOTS - PANEL))
 SPLIT = np.tile(part, 2), np.tile(part_weights, 2)
 FIRST = np.arange(SLOTS) < PART
-# Value of sinh^2 (T18) below which the spin pole counts as inside.
+# Value of sinh^2 (T18) below which the spin pole counts as being inside the contact ellipse.
 LEAST = np.sinh(-np.log(ACCURACY) / (2.0 * (MOST_INNER + 1))) ** 2
 
 
 class Layout(NamedTuple):
-    """Capacity for nodes: whether panels may be split and poles may be inside, and the number of nodes along a line."""
+    """Size of the arrays: whether panels may be split because poles are inside, and number of nodes along a line."""
 
     inside: bool
     inner: int
 
 
-# Passes of JAX over all points, and then over the remaining points: capacity, and maximum number of steps.
+# Passes of JAX, first over all points, then over the remaining points: size of the arrays, and maximum number of steps.
 PASSES = [(Layout(False, 8), 8), (Layout(False, 12), 20), (Layout(True, MOST_INNER), 40)]
 
 
 class Case(NamedTuple):
-    """An operating point. Tuples contain the values of nut and screw."""
+    """An operating point. Each tuple contains one value for the nut and one for the screw."""
 
     friction: Any
     radius: Any
@@ -95,8 +95,8 @@ class Case(NamedTuple):
 def hertz(ratio, m):
     """Return the flatness b/a and the complete integrals K and E for a ratio of curvatures, (H7) and below (H11)."""
     log_kappa = 2.0 / m.pi * m.log(ratio)
-    # Newton's method in logarithms converges one step before the last step. The means converge in five steps up to
-    # kappa = 100.
+    # Newton's method, applied to logarithms, converges one step before the last step. The arithmetic-geometric means
+    # converge in five steps up to kappa = 100.
     for _ in range(5):
         q = m.exp(-log_kappa)
         parameter = 1.0 - q * q
@@ -112,7 +112,7 @@ def hertz(ratio, m):
 
 
 def case(point, m):
-    """Convert from user units, with the starting point."""
+    """Convert an operating point from user units, and add the starting point."""
     (ball_mm, pitch_mm, lead_deg, contact_deg, f, density, screw_rpm, nut_rpm, axial, balls) = point[:10]
     conformities, young, poisson = point[10:12], 1e9 * point[12], point[13]
     r_b, r_m, deg = 0.5e-3 * ball_mm, 0.5e-3 * pitch_mm, m.pi / 180.0
@@ -165,7 +165,7 @@ def begin(helix, jones, angle, m):
 
 
 def poles(q, slip_across, creep, xp):
-    """Return real parts and widths of the poles (T16), from left to right."""
+    """Return the real parts and the widths of the poles (T16), sorted from left to right."""
     q_0, q_1, q_2 = q
     s_1, s_2 = xp.where(q_1 < 0.0, -1.0, 1.0), xp.where(q_2 < 0.0, -1.0, 1.0)
     q_2 = xp.where(xp.abs(q_2) < TINY, TINY, q_2)
@@ -255,7 +255,7 @@ def nodes(slip, layout, xp):
 
 
 def friction(axes, pressed, motion, creep, layout, xp, fixed):
-    """Return force along t and t x N, and moment about t, N, t x N, over fQ (T22). `fixed` keeps the nodes constant."""
+    """Return force along t and t x N, and moment about t, N, t x N, divided by fQ (T22). `fixed` keeps the nodes."""
     (a, b), (speed, w_t, w_n, w_c) = axes, motion
     sag = 0.5 * a * a / pressed
     # (T12), (T13)
@@ -275,7 +275,7 @@ def friction(axes, pressed, motion, creep, layout, xp, fixed):
 
 
 def evaluate(c, y, layout, m, xp, fixed):
-    """Return the residuals of the equations (P5), the screw torque, both angles, and whether the sums are resolved."""
+    """Return the residuals (P5), the screw torque, both contact angles, and whether there are enough nodes."""
     q_a, tilt, q_b, p, along, radial, around = y
     loads = q_a, q_b
     growth = m.cbrt(q_a), m.cbrt(q_b)
@@ -329,7 +329,7 @@ def weights(c):
 def answer(c, y, evaluated, m):
     """Return efficiency, loads [N] and contact angles [deg] of nut and screw, and whether they are on the flanks."""
     _, torque, angles, resolved = evaluated
-    # Ratio of ideal torque to torque, or its inverse, depending on the sign of W: (B8).
+    # The efficiency is the ratio of ideal torque to torque or, for the other sign of W, the inverse ratio (B8).
     efficiency = (c.radius * c.sin_a / c.cos_a / torque) ** m.copysign(1.0, c.friction)
     right, good = 0.5 * m.pi, (y[0] > 0.0) & (y[2] > 0.0) & resolved
     for angle in angles:
@@ -338,7 +338,7 @@ def answer(c, y, evaluated, m):
 
 
 def scipy_hybr(points):
-    """Solve one point after the other with hybr, which stops by its step size, so that the residual is very small."""
+    """Solve the points one by one with hybr, which stops when its step is small, so that the residual is very small."""
     from scipy.optimize import root
 
     def same(x):
@@ -362,7 +362,7 @@ def scipy_hybr(points):
 
 
 def jax_newton(points):
-    """Solve all points in one call with the capacity and steps that most points need, and the others with more."""
+    """Solve all points in one call with small arrays and few steps, and the remaining points with more of both."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")
@@ -387,7 +387,7 @@ def jax_newton(points):
             y, r, part, steps = state
             trial = y - part * jnp.linalg.solve(jax.jacfwd(residual)(y), r)
             left = residual(trial)
-            # NaN does not count as better.
+            # A residual that is NaN never counts as smaller.
             better = jnp.linalg.norm(left) < jnp.linalg.norm(r)
             y, r = jnp.where(better, trial, y), jnp.where(better, left, r)
             return y, r, jnp.where(better, 1.0, 0.5 * part), steps + 1
@@ -424,20 +424,20 @@ def timed(make, points):
 
 
 def same_root(answers, reference):
-    """Return where both solvers have an answer with the same root."""
+    """Return a mask of the points at which both solvers found the same root."""
     both = [(a, b) for a, b in zip(answers, reference) if a is not None and b is not None]
     return [(a, b) for a, b in both if all(abs(x / y - 1.0) <= SAME_ROOT for x, y in zip(a, b))]
 
 
 def worst(both, places):
-    """Return the largest relative difference."""
+    """Return the largest relative difference between two arrays."""
     differences = [abs(a[i] / b[i] - 1.0) for a, b in both for i in places]
-    # NaN counts as an infinite difference.
+    # A difference that is NaN counts as infinite.
     return max((math.inf if math.isnan(x) else x for x in differences), default=math.inf)
 
 
 def main(file):
-    # Everything runs on one thread, including the pools of JAX.
+    # All solvers run on one thread, including the thread pools of JAX.
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     data = json.loads(Path(file).read_text())
@@ -445,7 +445,7 @@ def main(file):
     peers = [("bsm batch, 1 thread", reference, data["batch"]), ("bsm, point by point", reference, data["single"])]
     for name, make in [("SciPy hybr, residual in NumPy", scipy_hybr), ("JAX, jit(vmap(Newton))", jax_newton)]:
         peers.append((name, *timed(make, points)))
-    header = "peer, time over bsm batch 1 thread, over bsm point by point, us/point, not solved, other answers, worst η, worst Q and β"
+    header = "solver, time relative to bsm batch on 1 thread, time relative to bsm point by point, us/point, not solved, other answers, worst η, worst Q and β"
     print(f"| {header.replace(', ', ' | ')} |\n{'|---' * 8}|")
     agree = True
     for name, answers, seconds in peers:

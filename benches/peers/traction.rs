@@ -1,6 +1,6 @@
-//! Prints random points of the traction model with the results and times of this solver, as JSON.
-//! `benches/peers/traction.sh` compares them with other solvers.
-#![expect(clippy::print_stdout, reason = "the numbers are what the program is for")]
+//! Prints random points of the traction model as JSON, with the results and times of the solver of
+//! this project. `benches/peers/traction.sh` compares them with other solvers.
+#![expect(clippy::print_stdout, reason = "the program prints its results")]
 
 use std::error::Error;
 use std::hint::black_box;
@@ -14,7 +14,7 @@ use bsm_dyn::{Model, ModelWorkspace, Solution};
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
 
-/// Inputs of the traction model, in the order in which the peers read them.
+/// Inputs of the traction model, in the order in which the compared solvers read them.
 const INPUTS: [&str; 14] = [
     "ball_diameter_mm",
     "pitch_circle_diameter_mm",
@@ -32,7 +32,7 @@ const INPUTS: [&str; 14] = [
     "poisson_ratio",
 ];
 
-/// Outputs on which the peers must agree.
+/// Outputs in which all compared solvers must agree.
 const OUTPUTS: [OutputName; 5] = [
     output!(efficiency),
     output!(nut_normal_load_N),
@@ -41,13 +41,14 @@ const OUTPUTS: [OutputName; 5] = [
     output!(screw_contact_angle_deg),
 ];
 
-/// Solves random points with traction, one by one and as a batch
+/// Solves random points with model traction, one by one and as a table
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Number of points
     #[arg(long, default_value_t = 1000)]
     count: usize,
-    /// Use the ordinary points of the trade-off instead of random points; peers may miss roots
+    /// Use the points of validation/golden/tradeoff/cases.csv instead of random points; solvers may
+    /// miss roots there
     #[arg(long)]
     ordinary: bool,
     /// Number of runs; the median is reported
@@ -89,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns the outputs, or `None` if the model has no solution.
+/// Returns the outputs of a solution, or `None` if the model has no solution.
 fn answer(solution: Solution) -> Option<Vec<f64>> {
     let record = Record::new(solution);
     OUTPUTS.iter().map(|name| record.number(*name)).collect()

@@ -1,4 +1,5 @@
-//! Operating points for the benchmarks: valid cases and random cases.
+//! Operating points for the benchmarks: the committed case of Lin, random cases, and tables of
+//! points.
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source, TableFormat};
 use bsm_case::{Case, InputKey};
@@ -6,11 +7,12 @@ use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Returns Lin's own case, with the conformities that the elastic models need.
+/// Returns the published case of Lin, to which the conformities that the elastic models need are
+/// added.
 ///
 /// # Panics
 ///
-/// Panics if the committed case cannot be used.
+/// Panics if the case in the repository is invalid.
 pub fn lin() -> Case {
     let json = include_bytes!("../../validation/published/lin1994/case.json");
     Case {
@@ -20,17 +22,17 @@ pub fn lin() -> Case {
     }
 }
 
-/// Returns Lin's case as a problem of one model.
+/// Returns the problem that a model solves for Lin's case.
 ///
 /// # Panics
 ///
-/// Panics if the committed case cannot be used.
+/// Panics if the case in the repository is invalid.
 pub fn lin_problem(model: Model) -> Problem {
     lin().problem(&model.into()).expect("committed case")
 }
 
-/// Returns `count` random cases, in the ranges of the campaign of the rigid model. All of them have
-/// a root.
+/// Returns `count` random cases for which the rigid model has a solution. Their inputs are in the
+/// same ranges as in the test campaign of the rigid model.
 ///
 /// The lead angle is 8 to 45 deg, the contact angle 30 to 70 deg, the friction coefficient 0.01 to
 /// 0.1, the ratio of ball radius to pitch radius 0.07 to 0.2, the speed 50 to 6000 rpm in both
@@ -38,7 +40,7 @@ pub fn lin_problem(model: Model) -> Problem {
 ///
 /// # Panics
 ///
-/// Panics if a case cannot be used.
+/// Panics if a case is incomplete.
 pub fn seeded(count: usize) -> Vec<Case> {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
     let mut work = bsm_dyn::ModelWorkspace::default();
@@ -66,11 +68,12 @@ pub fn seeded(count: usize) -> Vec<Case> {
     cases
 }
 
-/// Returns the ordinary points of the trade-off table for which the model has a solution.
+/// Returns those points of the table `validation/golden/tradeoff/cases.csv` for which the model has
+/// a solution. The points are ordinary operating points.
 ///
 /// # Panics
 ///
-/// Panics if the committed table cannot be used.
+/// Panics if the table in the repository is invalid.
 pub fn ordinary(model: Model) -> Vec<Case> {
     let table = include_bytes!("../../validation/golden/tradeoff/cases.csv");
     let mut source =
@@ -86,7 +89,7 @@ pub fn ordinary(model: Model) -> Vec<Case> {
     (0..chunk.len).map(case).filter(has_solution).collect()
 }
 
-/// Returns the values of inputs in a case.
+/// Returns the values of the named inputs in a case.
 ///
 /// # Panics
 ///
@@ -96,7 +99,7 @@ pub fn values<const N: usize>(case: &Case, inputs: &[&str; N]) -> [f64; N] {
     inputs.map(|name| case.value_or_default(key(name)).expect("complete case"))
 }
 
-/// Returns the points as a table in memory.
+/// Converts points to a table in memory.
 ///
 /// # Panics
 ///

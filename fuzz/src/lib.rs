@@ -1,8 +1,8 @@
-//! Fuzzing of all parsers of user input, and of the solvers behind them.
+//! Fuzzing of all parsers of user input and of the solvers that use this input.
 //!
-//! A [`Target`] accepts arbitrary bytes. It must not panic, and its time and memory are limited.
-//! `tests/smoke.rs` replays the corpus and random mutations of it in every test run, and `run.sh`
-//! runs coverage-guided fuzzing with libFuzzer.
+//! A [`Target`] is called with arbitrary bytes. It must not panic or exceed the limits for time and
+//! memory. `tests/smoke.rs` runs all targets with the corpus and with random mutations of the
+//! corpus in every test run, and `run.sh` runs coverage-guided fuzzing with libFuzzer.
 
 mod mutate;
 mod solve;

@@ -1,4 +1,4 @@
-//! Runs libFuzzer on the target that the environment variable `BSM_FUZZ` names; see run.sh.
+//! Runs libFuzzer on the target whose name is in the environment variable `BSM_FUZZ` (see run.sh).
 
 #![no_main]
 
@@ -18,8 +18,8 @@ fuzz_target!(|input: &[u8]| TARGET.check(input));
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.into());
-    // Half of the mutations keep the structure of the input, and the other half come from
-    // libFuzzer.
+    // Half of the mutations take the structure of the input into account; the other half are made
+    // by libFuzzer.
     if rng.random() {
         return fuzzer_mutate(data, size, max_size);
     }

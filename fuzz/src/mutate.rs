@@ -1,9 +1,9 @@
-//! Mutations that keep the structure of an input, or break it on purpose.
+//! Random mutations of an input, which preserve its structure or deliberately break it.
 
 use bsm_case::{CATALOG, INPUTS, OUTPUTS, REQUIREMENT_INPUTS};
 use rand::{Rng, RngExt};
 
-/// Numbers at the limits of what can be computed, parsed or meaningful.
+/// Numbers at or beyond the limits of what can be parsed, calculated, or physically meaningful.
 const NUMBERS: [&str; 40] = [
     "0",
     "-0",
@@ -47,7 +47,7 @@ const NUMBERS: [&str; 40] = [
     "",
 ];
 
-/// Pieces of syntax that open or close a structure, or that are often misread.
+/// Pieces of syntax that open or close a structure, or that parsers often misread.
 const PIECES: [&[u8]; 24] = [
     b"\"",
     b"\"\"",
@@ -75,7 +75,7 @@ const PIECES: [&[u8]; 24] = [
     b">=",
 ];
 
-/// Returns an input with one to four mutations.
+/// Returns a copy of the input with one to four random mutations.
 pub fn mutate(input: &[u8], rng: &mut impl Rng) -> Vec<u8> {
     let mut bytes = input.to_vec();
     for _ in 0..rng.random_range(1..=4) {
@@ -90,7 +90,7 @@ pub fn mutate(input: &[u8], rng: &mut impl Rng) -> Vec<u8> {
 
 fn mutate_text(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     let part_of_word = |b: &u8| b.is_ascii_alphanumeric() || b"_.+-".contains(b);
-    // Finds the word around a random position.
+    // The word around a random position extends from `start` to `end`.
     let at = rng.random_range(0..=bytes.len());
     let start = bytes[..at].iter().rposition(|b| !part_of_word(b)).map_or(0, |i| i + 1);
     let end = at + bytes[at..].iter().position(|b| !part_of_word(b)).unwrap_or(bytes.len() - at);
@@ -111,13 +111,14 @@ fn mutate_binary(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     if bytes.is_empty() {
         return;
     }
-    // Half of the mutations change the last bytes, which contain the footer of a Parquet file.
+    // Half of the mutations are limited to the end of the file, which contains the footer of a
+    // Parquet file.
     let tail = if rng.random() { bytes.len().min(600) } else { bytes.len() };
     let at = bytes.len() - rng.random_range(1..=tail);
     match rng.random_range(0..6) {
         0 => bytes[at] = rng.random(),
         1 => bytes[at] ^= 1 << rng.random_range(0..8),
-        // Writes the largest variable-length integer.
+        // These bytes encode the largest variable-length integer of 32 bits.
         2 => put(bytes, at, at + 1, &[0xff, 0xff, 0xff, 0xff, 0x0f]),
         3 => put(bytes, at, at + 1, &[]),
         4 => bytes.truncate(at),
@@ -125,12 +126,12 @@ fn mutate_binary(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     }
 }
 
-/// Replaces a range.
+/// Replaces the bytes from `start` to `end` by other bytes.
 fn put(bytes: &mut Vec<u8>, start: usize, end: usize, by: &[u8]) {
     bytes.splice(start..end, by.iter().copied());
 }
 
-/// Inserts a copy of some bytes at another position.
+/// Inserts a copy of a random range of bytes at another random position.
 fn copy(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     let mut places = [(); 3].map(|()| rng.random_range(0..=bytes.len()));
     places[..2].sort_unstable();
@@ -142,7 +143,7 @@ fn pick<'a, T: ?Sized>(from: &[&'a T], rng: &mut impl Rng) -> &'a T {
     from[rng.random_range(0..from.len())]
 }
 
-/// Returns a random name of the vocabulary.
+/// Returns the name of a random input, requirement, output or catalog column.
 fn name(rng: &mut impl Rng) -> &'static str {
     match rng.random_range(0..8) {
         0 => REQUIREMENT_INPUTS[rng.random_range(0..REQUIREMENT_INPUTS.len())].name,

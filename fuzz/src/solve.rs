@@ -5,7 +5,7 @@ use bsm_case::{
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
-/// Base cases to which settings are applied.
+/// Base cases, to which the settings of an input are applied.
 pub(crate) const BASES: [(&str, &str); 5] = [
     ("feed_drive", include_str!("../../examples/feed_drive.json")),
     ("lin1994", include_str!("../../examples/lin1994.json")),
@@ -14,7 +14,7 @@ pub(crate) const BASES: [(&str, &str); 5] = [
     ("back_driving", include_str!("../../examples/back_driving.json")),
 ];
 
-/// Calculates everything that can be calculated from a case.
+/// Runs every calculation that is possible for a case.
 pub(crate) fn everything(case: &Case) {
     let _ = case.warnings();
     let work = &mut ModelWorkspace::default();
@@ -26,7 +26,7 @@ pub(crate) fn everything(case: &Case) {
         let record = Record::new(solution.clone());
         let _ = (record.to_json(), record.regime(), record.warnings(case));
         if record.status() != Status::Converged {
-            assert!(record.message().is_some(), "{name} does not say why: {case:?}");
+            assert!(record.message().is_some(), "{name} states no reason: {case:?}");
             continue;
         }
         for output in OUTPUTS {

@@ -1,4 +1,4 @@
-//! Fuzz targets, with the properties that they check.
+//! Fuzz targets, and the properties that they check.
 
 use std::fs;
 use std::io::Cursor;
@@ -20,17 +20,17 @@ use bytes::Bytes;
 
 use crate::solve::{BASES, everything};
 
-/// A function that is called with arbitrary bytes.
+/// A fuzz target, which is a function that is called with arbitrary bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
-    /// Name of the target and of its folder in the corpus.
+    /// Name of the target, which is also the name of its folder in the corpus.
     pub name: &'static str,
-    /// Folder and extension of the examples that also belong to the corpus.
+    /// Folder and file extension of the examples that are part of the corpus.
     examples: Option<(&'static str, &'static str)>,
     run: fn(&[u8]),
 }
 
-/// All targets.
+/// All fuzz targets.
 pub const TARGETS: [Target; 9] = [
     Target { name: "case", examples: Some(("", "json")), run: case },
     Target { name: "nut", examples: Some(("", "json")), run: nut },
@@ -43,17 +43,19 @@ pub const TARGETS: [Target; 9] = [
     Target { name: "catalog", examples: None, run: catalog },
 ];
 
-/// Maximum time for an input. The slowest input of the corpus, a ball between axial flanks on an
-/// axial helix, takes 2.3 s in a release build, because traction tries all its starting points
-/// twice. With debug assertions on a busy machine it takes ten times as long.
+/// Maximum time for an input. The slowest input of the corpus is a ball between axial flanks on an
+/// axial helix. It takes 2.3 s in a release build, because model traction starts twice from each of
+/// its starting points. With debug assertions on a busy machine, this input takes ten times as
+/// long.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
-/// Maximum memory for an input, in addition to [`MEMORY_PER_BYTE`] \[bytes\]. It covers a chunk of a table,
-/// its answers and the buffers of the writers.
+/// Maximum memory for an input \[bytes\], in addition to [`MEMORY_PER_BYTE`] for each byte of the
+/// input. It is sufficient for a chunk of a table, its results, and the buffers of the table
+/// writers.
 const MEMORY: u64 = 64 << 20;
 
-/// Maximum memory per byte of an input. A page of Parquet may expand by Snappy and by its
-/// dictionary.
+/// Maximum additional memory per byte of an input. The limit is large because Snappy compression
+/// and dictionaries make a Parquet page much smaller than its contents.
 const MEMORY_PER_BYTE: u64 = 256;
 
 static HOOK: Once = Once::new();
@@ -64,14 +66,14 @@ impl Target {
         TARGETS.into_iter().find(|target| target.name == name)
     }
 
-    /// Runs the target with an input.
+    /// Runs the target with an input and checks its time and memory.
     ///
     /// # Panics
     ///
     /// Panics if the target panics, or if it takes too much time or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
-        // Damaged tables can cause panics that are caught and converted into errors. As in the
-        // program, these panics print nothing.
+        // Panics that damaged tables cause are caught and converted to errors. As in the program,
+        // such panics print nothing.
         HOOK.call_once(silence_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
@@ -81,7 +83,8 @@ impl Target {
         assert!(memory < most, "{} took {memory} bytes for {}", self.name, input.len());
     }
 
-    /// Returns the corpus of the target: named files, and the examples.
+    /// Returns the names and contents of all files in the corpus of the target, including the
+    /// examples.
     ///
     /// # Panics
     ///
@@ -108,7 +111,7 @@ fn files(folder: &Path, ending: Option<&str>) -> Vec<PathBuf> {
     paths.filter(fits).collect()
 }
 
-/// Reads a case file and calculates everything.
+/// Reads a case file and runs every calculation that is possible for the case.
 fn case(input: &[u8]) {
     let Ok(case) = Case::from_json(input) else { return };
     let again = Case::from_json(case.to_json().to_string().as_bytes());
@@ -116,7 +119,7 @@ fn case(input: &[u8]) {
     everything(&case);
 }
 
-/// Maximum number of balls in a nut, which limits the time of an input.
+/// Maximum number of balls in a nut. It limits the time that an input takes.
 const BALLS: usize = 120;
 
 /// Reads a case file and solves the nut with all its balls.
@@ -137,8 +140,8 @@ fn nut(input: &[u8]) {
     let _ = (report.notes(), report.warnings(), report.answer().to_json(), report.curve());
 }
 
-/// Applies one setting per line to a base case. Unlike numbers in JSON, the values of settings may
-/// be infinite or NaN.
+/// Reads one setting per line and applies these settings to a base case. Unlike numbers in JSON,
+/// numbers in settings may be infinite or NaN.
 fn solve(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let mut lines = text.lines();
@@ -146,13 +149,13 @@ fn solve(input: &[u8]) {
     let (_, base) = base.unwrap_or(&BASES[0]);
     let mut case = Case::from_json(base.as_bytes()).expect("an example");
     for line in lines {
-        // An error is a valid result.
+        // A setting may be rejected with an error, but it must not cause a panic.
         let _ = case.apply(&[line]);
     }
     everything(&case);
 }
 
-/// Parses command-line arguments, one per line.
+/// Parses every line as a command-line argument.
 fn words(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");
@@ -186,13 +189,14 @@ fn parquet(input: &[u8]) {
     table(|keep, of| Ok(Box::new(ParquetSource::new(Bytes::copy_from_slice(input), keep, of)?)));
 }
 
-/// Maximum number of rows that are solved, which limits the time of an input.
+/// Maximum number of rows that are solved. It limits the time that an input takes.
 const ROWS: usize = 3000;
 
-/// Reads a table with and without a kept column, and writes the answers in all formats.
+/// Reads a table, with and without a column that is copied to the results, and writes the results
+/// in all formats.
 fn table(open: impl Fn(&[String], &TableFormat) -> Result<Box<dyn Source>, TableError>) {
     for keep in [&[][..], &["id".to_owned()]] {
-        // An error is a valid result.
+        // A table may be rejected with an error, but it must not cause a panic.
         let _ = open(keep, &TableFormat::default()).and_then(|mut source| rewrite(source.as_mut()));
     }
 }
@@ -222,8 +226,8 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
 }
 
 fn requirement(input: &[u8]) {
-    let standard = Catalog::standard().expect("lists that are compiled in").lists;
-    // The least expensive model is used, because other targets cover the other models.
+    let standard = Catalog::standard().expect("the compiled-in lists are valid").lists;
+    // The least expensive model is sufficient, because other targets test the other models.
     let settings = ["model=closed-form".to_owned()];
     if let Ok(requirement) = RequirementFile::from_json(input, &settings, standard) {
         let _ = DesignReport::of(&requirement).answer().to_json().to_string();
@@ -232,7 +236,7 @@ fn requirement(input: &[u8]) {
 
 fn catalog(input: &[u8]) {
     let Ok(catalog) = Catalog::from_json(input) else { return };
-    // The number of combinations is limited, so that an input takes little time.
+    // Large catalogs are skipped, so that an input takes little time.
     if catalog.lists.len() <= 2000 {
         let best = catalog.pareto(&catalog.indices());
         let _ = catalog.map(&best, |_, nut| Some(candidate_json(nut)));

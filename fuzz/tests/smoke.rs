@@ -1,4 +1,5 @@
-//! Replays the corpus and random mutations of it. `fuzz/run.sh` continues from here.
+//! Runs all fuzz targets with the corpus and with random mutations of the corpus. For longer
+//! fuzzing, use `fuzz/run.sh`.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -10,11 +11,12 @@ use bsm_sample::campaign;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Time without progress after which an input counts as an endless loop. `Target::check` has a
-/// shorter limit.
+/// Time without progress after which an input counts as an endless loop. The limit in
+/// `Target::check` is shorter.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
-/// Replays the corpus of a target and random mutations of it, and names the input that fails.
+/// Runs a target with its corpus and with random mutations of the corpus. If an input fails, the
+/// panic message names it.
 fn smoke(name: &'static str, mutations: usize) {
     let target = Target::named(name).expect("a target");
     let (done, heard) = channel();

@@ -1,7 +1,8 @@
-//! Converts Arrow columns to numbers and text.
+//! Converts Arrow columns to numbers or text.
 //!
-//! The crate arrow-cast can convert any type into any other type, but it takes longer to compile
-//! than all ball models together. Tables contain only the few types that this module supports.
+//! The crate arrow-cast can convert any type to any other type, but compiling it takes longer than
+//! compiling all ball models together. This module supports only the few types that occur in
+//! tables.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
@@ -16,7 +17,7 @@ use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
-/// Describes a non-numeric column type for an error message.
+/// Describes the type of a non-numeric column for an error message.
 pub fn kind(cells: &DataType) -> String {
     match cells {
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".to_owned(),
@@ -28,14 +29,15 @@ pub fn kind(cells: &DataType) -> String {
 ///
 /// # Errors
 ///
-/// [`ArrowError::CastError`] if the type of the column is not numeric.
+/// Returns [`ArrowError::CastError`] if the type of the column is not numeric.
 pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     fn plain<T: ArrowPrimitiveType<Native: ToPrimitive>>(
         values: &PrimitiveArray<T>,
     ) -> Vec<Option<f64>> {
         values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
     }
-    /// Returns the double nearest to each decimal number. Dividing two doubles would round twice.
+    /// Converts each decimal number to the nearest 64-bit floating-point number. The quotient of
+    /// two floating-point numbers would be rounded twice.
     fn decimal<T: DecimalType + ArrowPrimitiveType>(
         column: &ArrayRef,
     ) -> Result<Vec<Option<f64>>, ArrowError> {
@@ -62,18 +64,18 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ))
 }
 
-/// Returns the values of a column in the form in which a text file contains them: numbers, booleans
-/// and nulls are unchanged, and all other values become text.
+/// Returns the values of a column as a text file would contain them: numbers, booleans and nulls
+/// are unchanged, and all other values are converted to text.
 ///
 /// # Errors
 ///
-/// [`ArrowError::CastError`] if the type has no text representation.
+/// Returns [`ArrowError::CastError`] if the type has no text representation.
 pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
     fn texts<T: ToString>(texts: impl Iterator<Item = Option<T>>) -> Vec<Value> {
         texts.map(|text| text.map_or(Value::Null, |text| Value::String(text.to_string()))).collect()
     }
-    /// Returns each number as the double with the same shortest decimal representation, so that
-    /// 32-bit numbers get no extra digits.
+    /// Converts each number to the 64-bit number with the same shortest decimal representation, so
+    /// that 32-bit numbers do not get additional digits.
     fn short<T: ArrowPrimitiveType<Native: ToString>>(column: &ArrayRef) -> Vec<Value> {
         let number = |x: T::Native| x.to_string().parse::<f64>().map_or(Value::Null, Value::from);
         column.as_primitive::<T>().iter().map(|x| x.map_or(Value::Null, number)).collect()
@@ -87,7 +89,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         let text = |i| if column.is_null(i) { None } else { column.value_as_duration(i) };
         texts((0..column.len()).map(text))
     }
-    /// Returns byte strings as text. The bytes must be valid UTF-8.
+    /// Converts byte strings to text. The bytes must be valid UTF-8.
     fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Result<Vec<Value>, ArrowError> {
         let text = |bytes: Option<&'a [u8]>| bytes.map(std::str::from_utf8).transpose();
         let found: Vec<_> = bytes.map(text).collect::<Result<_, _>>().map_err(|_| {

@@ -1,4 +1,4 @@
-//! The choice of a kernel that solves many rows of a table at once, and the source of each kernel
+//! Selects the kernel that solves all rows of a table, and determines the source of each kernel
 //! input.
 
 use std::borrow::Cow;
@@ -12,7 +12,7 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Where the values of a kernel input come from. The first line of this table whose condition is
+/// Source of the values of a kernel input. The first line of the following table whose condition is
 /// true applies.
 ///
 /// | the input | source | value in a row |
@@ -30,22 +30,22 @@ enum Origin {
     Absent,
 }
 
-/// Describes how a kernel solves rows that have a value in every column. The plan is created once
-/// per table.
+/// Plan of how a kernel solves those rows of a table that have no empty cell. The plan is created
+/// once per table.
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
     pub(crate) model: ModelChoice,
     base: &'a Case,
     columns: &'a Columns,
-    /// Inputs that have a value in a row without empty cells.
+    /// Inputs that have a value in every row without empty cells.
     given: InputSet,
     lubricant: Option<(Lubricant, RacewayFriction)>,
     origins: [Origin; INPUTS.len()],
 }
 
 impl<'a> ColumnPlan<'a> {
-    /// Returns the plan, or `None` if the model depends on the row or if every row has an error
-    /// that must be reported.
+    /// Returns the plan. Returns `None` if different rows need different models, or if every row
+    /// has an error that must be reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
         if base.asks_warm() {
@@ -55,12 +55,12 @@ impl<'a> ColumnPlan<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);
         given.check_forms().ok()?;
-        // The validity range of the model is not checked here. Rows outside the range are also
-        // passed to the model.
+        // The validity range of the model is not checked at this point, because rows outside the
+        // range are also passed to the model.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
         if is_third_contact || given.contains(InputKey::radial_gap_um) {
-            // The kernels support only two contacts at the nominal contact angle.
+            // The kernels support only balls with two contacts at the nominal contact angle.
             return None;
         }
         let lubricant = if given.is_lubricated() {
@@ -108,7 +108,7 @@ impl<'a> ColumnPlan<'a> {
 
     /// Returns the value of an input that is calculated from other inputs.
     ///
-    /// * `cell`: returns the value of the column with the given index.
+    /// * `cell`: function that returns the value of the column with the given index.
     fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
         following(key, |from| match self.column(from) {
             Some(index) => Some(cell(index)),
@@ -116,7 +116,7 @@ impl<'a> ColumnPlan<'a> {
         })
     }
 
-    /// Returns the kernel inputs for a chunk.
+    /// Returns the values of all kernel inputs for a chunk.
     pub(crate) fn inputs<'c>(&self, chunk: &'c Chunk) -> InputColumns<'c> {
         let mut inputs = [const { InputColumn::Absent }; INPUTS.len()];
         for ((key, operand), origin) in
@@ -142,7 +142,7 @@ impl<'a> ColumnPlan<'a> {
     }
 }
 
-/// Returns the values of a column, with missing values replaced by `or`, or by NaN if `or` is
+/// Returns the values of a column. Missing values are replaced by `or`, or by NaN if `or` is
 /// `None`.
 fn numbers(chunk: &Chunk, index: usize, or: Option<f64>) -> Cow<'_, [f64]> {
     let input = &chunk.inputs[index];

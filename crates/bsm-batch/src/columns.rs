@@ -1,4 +1,4 @@
-//! Columns of input tables and of results tables.
+//! Columns of input tables and of tables of results.
 
 use std::collections::HashMap;
 use std::iter::repeat;
@@ -12,13 +12,14 @@ use bsm_case::{DisplayUnit, DisplayUnits, InputKey, InputSet, Output, brief, nea
 use crate::error::UnknownName;
 use crate::{AnswerSink, Answers, Chunk, TableError, TableFormat};
 
-/// Columns of status information that precede the outputs in a results table.
+/// Status columns, which precede the outputs in a table of results.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 
-/// Key of the unit in the column metadata.
+/// Key under which the column metadata contain the unit of the column.
 pub(crate) const UNIT: &str = "unit";
 
-/// Returns true for the name of a results column.
+/// Returns true if a column of a table of results may have the given name, because it is a status
+/// column or an output.
 pub(crate) fn is_answer(name: &str) -> bool {
     ANSWERS.contains(&name) || Output::named(name).is_some()
 }
@@ -26,11 +27,11 @@ pub(crate) fn is_answer(name: &str) -> bool {
 /// Columns of a table of operating points.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
-    /// Inputs, in the order of the table columns.
+    /// Inputs that are columns of the table, in the order of the columns.
     pub inputs: Vec<InputKey>,
     /// Indices of the input columns in the table.
     pub(crate) input_places: Vec<usize>,
-    /// For each input, the column name in the table and the conversion from the unit of the table
+    /// For each input, the column name in the table, and the conversion from the unit of the table
     /// to the unit of the input.
     pub(crate) units: Vec<(String, UnitChange)>,
     /// Names of the columns that are copied to the results.
@@ -38,37 +39,37 @@ pub struct Columns {
     pub(crate) kept_places: Vec<usize>,
     /// Arrow types of the copied columns.
     pub(crate) kept_types: Vec<DataType>,
-    /// Names of the ignored columns.
+    /// Names of all columns that are ignored.
     pub(crate) unread: Vec<String>,
-    /// Names of columns that are ignored because they have the name of a result.
+    /// Names of columns that are ignored because an output or a status column has this name.
     results: Vec<String>,
 }
 
-/// Header of a column in a results table.
+/// Name, type, unit and description of a column in a table of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heading<'a> {
     /// Column name.
     pub name: &'a str,
-    /// JSON type of the values.
+    /// JSON type of the values in the column.
     pub json_type: &'static str,
-    /// Unit as text; empty for a column without a unit.
+    /// Unit of the column as text, which is empty for a column without a unit.
     pub unit: &'static str,
-    /// Description of the column.
+    /// Description of the values in the column.
     pub about: &'static str,
 }
 
 impl Columns {
-    /// Divides the column names of a table into inputs and columns to copy. Columns with results of
-    /// an earlier run are ignored.
+    /// Determines for each column of a table whether it is an input, is copied to the results, or
+    /// is ignored because it contains results of an earlier run.
     ///
-    /// * `keep`: names of the columns to copy.
-    /// * `table_format`: assignment of column names to inputs, if the table uses other names.
+    /// * `keep`: names of the columns that are copied to the results.
+    /// * `table_format`: assignment of column names to inputs, for tables that use other names.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a name is neither an input nor in `keep`, if a name appears twice, if a
-    /// copied column has the name of a results column, or if a name in `keep` is missing from the
-    /// table.
+    /// Returns [`TableError`] if a name is neither an input nor in `keep`, if a name appears twice,
+    /// if a name in `keep` is also the name of a status column or an output, or if the table has no
+    /// column with a name in `keep`.
     pub fn sort<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
@@ -104,12 +105,12 @@ impl Columns {
                 columns.kept_places.push(index);
                 columns.kept_types.push(DataType::Utf8);
             } else if ANSWERS.contains(&name) || answers.is_empty() && is_answer(name) {
-                // Some outputs have the same name as an input. In a table with earlier results, the
-                // input columns come first.
+                // Some outputs have the same name as an input. In a table with results of an
+                // earlier run, the inputs precede the status columns, and the outputs follow them.
                 columns.unread.push(own.to_owned());
                 columns.results.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
-                // This unknown name has already been reported.
+                // Nothing is done, because this unknown name has already been reported.
             } else if let Ok((key, change)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);
@@ -137,24 +138,25 @@ impl Columns {
         }
     }
 
-    /// Returns the columns of a table that contains only inputs, in their own units.
+    /// Returns the columns of a table that contains only inputs, in the units of the inputs.
     pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
         Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
     }
 
-    /// Sets the types of the copied columns. The default type is text.
+    /// Sets the Arrow types of the copied columns, which are text by default.
     #[must_use]
     pub fn with_kept_types(self, types: Vec<DataType>) -> Self {
         Self { kept_types: types, ..self }
     }
 
-    /// Returns the column headers of a results table, in order.
+    /// Returns name, type, unit and description of each column in a table of results, in the order
+    /// of the columns.
     pub fn headings<'a>(
         &'a self,
         outputs: &'a [&'static Output],
     ) -> impl Iterator<Item = Heading<'a>> {
         let text = |name, about| Heading { name, json_type: "string", unit: "", about };
-        let kept = self.kept.iter().map(move |name| text(name, "copied from the table of points"));
+        let kept = self.kept.iter().map(move |name| text(name, "copied from the input table"));
         let inputs = self.inputs.iter().map(|key| {
             let input = key.input();
             Heading { name: input.name, json_type: "number", unit: input.unit, about: input.about }
@@ -163,7 +165,7 @@ impl Columns {
         let answers = [
             text(model, "model that calculated the result"),
             text(status, "status of the solution"),
-            text(message, "reason why the row has no result, or why model auto chose its model"),
+            text(message, "reason why the row has no result, or why `auto` chose its model"),
         ];
         let outputs = outputs.iter().map(|output| {
             let Output { name, json_type, unit, about, .. } = **output;
@@ -172,8 +174,8 @@ impl Columns {
         kept.chain(inputs).chain(answers).chain(outputs)
     }
 
-    /// Returns the values of an input in its own unit. The values are copied only if the table uses
-    /// another unit.
+    /// Converts the values of an input to the unit of this input. The values are copied only if the
+    /// table uses another unit.
     pub fn in_unit(&self, index: usize, values: Float64Array) -> Float64Array {
         match self.change(index) {
             UnitChange::NONE => values,
@@ -181,13 +183,13 @@ impl Columns {
         }
     }
 
-    /// Returns the conversion from the unit of the table to the unit of the input. The conversion
-    /// is the identity for a grid.
+    /// Returns the conversion from the unit of the table to the unit of the input. For a grid, no
+    /// conversion is needed.
     pub(crate) fn change(&self, index: usize) -> UnitChange {
         self.units.get(index).map_or(UnitChange::NONE, |(_, change)| *change)
     }
 
-    /// Returns the Arrow schema of a results table. The column metadata contain the units.
+    /// Returns the Arrow schema of a table of results. The column metadata contain the units.
     pub fn schema(&self, outputs: &[&'static Output]) -> SchemaRef {
         let kept = self.kept_types.iter().map(Some).chain(repeat(None));
         let fields = self.headings(outputs).zip(kept).map(|(heading, kept)| match kept {
@@ -210,9 +212,10 @@ impl Columns {
         &self.input_places
     }
 
-    /// Returns a note on the columns that are ignored because they have the name of a result.
+    /// Returns a note that lists the columns that are ignored because an output or a status column
+    /// has the same name.
     pub fn ignored_note(&self) -> Option<String> {
-        /// Maximum number of names in the note.
+        /// Maximum number of column names in the note.
         const NAMED: usize = 4;
         let mut names: Vec<_> = self.results.iter().take(NAMED).map(|name| brief(name)).collect();
         let more = self.results.len().saturating_sub(NAMED);
@@ -221,30 +224,29 @@ impl Columns {
         }
         let names = names.join(", ");
         (!names.is_empty()).then(|| {
-            format!(
-                "The table has columns of results, which are not inputs and are therefore ignored: {names}."
-            )
+            format!("Columns that contain results instead of inputs are ignored: {names}.")
         })
     }
 
-    /// Returns the input columns as a set.
+    /// Returns the set of all inputs that are columns of the table.
     pub fn set(&self) -> InputSet {
         self.inputs.iter().copied().collect()
     }
 }
 
-/// Units in which the columns of a table of results are displayed.
+/// Units in which a table of results displays its columns.
 #[derive(Debug, Clone, Default)]
 pub struct ColumnUnits {
     display: DisplayUnits,
-    /// Names and units of outputs that were selected in another unit.
+    /// Outputs that the user selected in another unit: output, displayed name, and displayed unit.
     selected: Vec<(&'static str, String, DisplayUnit)>,
 }
 
 impl ColumnUnits {
-    /// Returns the units of a table.
+    /// Determines the units in which the columns are displayed.
     ///
-    /// * `columns`: names of selected outputs. A name in a unit that is not a unit of the vocabulary determines the unit of its column.
+    /// * `columns`: names of the selected outputs. If a name ends with another unit than the name
+    ///   of the output, the column is displayed in this unit.
     pub fn new(display: DisplayUnits, columns: Option<&[String]>) -> Self {
         let in_other_unit = |name: &String| {
             let (output, unit) = Output::in_unit(name)?;
@@ -254,17 +256,17 @@ impl ColumnUnits {
         Self { display, selected: names.filter_map(in_other_unit).collect() }
     }
 
-    /// Returns true if all columns have the units of the vocabulary.
+    /// Returns true if all columns are displayed in the units of their inputs and outputs.
     pub fn are_own(&self) -> bool {
         self.display == DisplayUnits::Metric && self.selected.is_empty()
     }
 
-    /// Returns the displayed unit of an input.
+    /// Returns the unit in which an input is displayed.
     pub fn of_input(&self, key: InputKey) -> DisplayUnit {
         self.display.of(key.input().unit)
     }
 
-    /// Returns the displayed name and unit of an output.
+    /// Returns the name and the unit with which an output is displayed.
     pub fn of_output(&self, output: &Output) -> (String, DisplayUnit) {
         if let Some((_, name, unit)) = self.selected.iter().find(|(own, ..)| *own == output.name) {
             return (name.clone(), *unit);
@@ -273,7 +275,7 @@ impl ColumnUnits {
         (unit.name(output.name), unit)
     }
 
-    /// Returns the columns of a table of results, with displayed names and units.
+    /// Returns the Arrow schema of a table of results, with the displayed names and units.
     pub fn schema(&self, columns: &Columns, outputs: &[&'static Output]) -> SchemaRef {
         let own = columns.schema(outputs);
         let first_input = columns.kept.len();
@@ -294,7 +296,7 @@ impl ColumnUnits {
         Arc::new(Schema::new(own.fields().iter().enumerate().map(shown).collect::<Vec<_>>()))
     }
 
-    /// Returns a sink that converts rows to displayed units before it writes them to `sink`.
+    /// Returns a sink that converts rows to the displayed units and passes them to `sink`.
     pub fn converting<S>(
         &self,
         sink: S,
@@ -307,7 +309,7 @@ impl ColumnUnits {
     }
 }
 
-/// A sink that converts rows to displayed units and passes them to another sink.
+/// A sink that converts rows to the displayed units and passes them to another sink.
 #[derive(Debug)]
 pub struct ConvertingSink<S> {
     /// The sink that receives the converted rows.
@@ -334,12 +336,12 @@ impl<S: AnswerSink> AnswerSink for ConvertingSink<S> {
     }
 }
 
-/// Returns the unit of a column as text; empty if the column has none.
+/// Returns the unit of a column as text, which is empty for a column without a unit.
 pub fn unit_of(field: &Field) -> &str {
     field.metadata().get(UNIT).map_or("", String::as_str)
 }
 
-/// Returns the schema field of a numeric column with its unit.
+/// Returns the Arrow field of a numeric column, whose metadata contain the unit.
 pub(crate) fn field(name: &str, unit: &str) -> Field {
     let unit = HashMap::from([(UNIT.to_owned(), unit.to_owned())]);
     Field::new(name, DataType::Float64, true).with_metadata(unit)

@@ -1,5 +1,6 @@
-//! Datasets: folders that contain a plan and the part files into which the results are divided.
-//! Part files verify themselves. Any process may solve any part, in any order and more than once.
+//! Datasets: folders that contain a plan, and part files with the results. The contents of a part
+//! file can be verified without any other file. Any process may solve any part, in any order, and
+//! repeatedly.
 //!
 //! ```text
 //! map/
@@ -9,8 +10,9 @@
 //!   parts.parquet             written last; lists the contents of all part footers
 //! ```
 //!
-//! The bytes of a part depend only on the plan. A part counts as finished only if its footer,
-//! length and hash are correct. Any other file with the name of a part is reported and kept.
+//! The bytes of a part file depend only on the plan. A part counts as finished only if its footer,
+//! length and hash are correct. Any other file that has the name of a part is reported, and is not
+//! overwritten.
 
 mod digest;
 mod error;
@@ -47,36 +49,36 @@ use crate::{
     Workers,
 };
 
-/// A complete part file that does not have its final name yet.
+/// A complete part file that still has a temporary name.
 type TempFile = BufWriter<NamedTempFile>;
 
-/// Progress events of a run.
+/// Events that report the progress of a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
-    /// Files in the data folder that are not parts and that Parquet readers ignore. These files are
-    /// left alone.
+    /// Files in the data folder that are not parts and that Parquet readers ignore. The program
+    /// does not change these files.
     UnknownFiles(&'a [PathBuf]),
-    /// Number of rows in the dataset. This event precedes the `Found` and `Solved` events.
+    /// Number of rows in the dataset. This event comes before all `Found` and `Solved` events.
     Planned(u64),
-    /// A part that had already been finished by an earlier run.
+    /// A part that an earlier run had already finished.
     Found(&'a Part),
-    /// Newly solved rows.
+    /// A chunk of rows that has just been solved, and its results.
     Solved(&'a Chunk, &'a Answers),
 }
 
-/// Contents of a dataset folder.
+/// Contents of the data folder of a dataset.
 #[derive(Debug, Default)]
 pub struct FolderScan {
-    /// Finished parts, indexed by part number.
+    /// Finished parts, by part number.
     pub parts: BTreeMap<u64, Part>,
-    /// Files that have the name of a part but are damaged.
+    /// Files that have the name of a part but are damaged or are not in the plan.
     pub damaged: Vec<(PathBuf, PartDefect)>,
-    /// Other files in the data folder.
+    /// All other files in the data folder.
     pub unknown_files: Vec<PathBuf>,
 }
 
 impl FolderScan {
-    /// Returns the ranges of part numbers that are in the plan but missing from the folder.
+    /// Returns the ranges of part numbers whose parts are in the plan but not in the folder.
     pub fn missing(&self, plan: &Plan) -> Vec<Range<u64>> {
         let mut missing = Vec::new();
         let mut next = 0;
@@ -94,7 +96,7 @@ impl FolderScan {
         self.missing(plan).is_empty() && self.damaged.is_empty()
     }
 
-    /// Returns the id of another plan if more part files belong to that plan than to the plan of
+    /// Returns the id of another plan if more part files belong to that plan than to the plan in
     /// the folder.
     pub fn other_plan(&self) -> Option<&str> {
         let mut others = self.damaged.iter().filter_map(|(_, damage)| match damage {
@@ -105,7 +107,8 @@ impl FolderScan {
         (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
     }
 
-    /// Counts all rows, the rows without a result and the rows with several solutions.
+    /// Returns the number of all rows, of rows without a result, and of rows with further
+    /// solutions.
     pub fn count(&self) -> Count {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,
@@ -118,10 +121,10 @@ impl FolderScan {
 /// Options for [`fill`].
 #[derive(Debug, Clone, Copy)]
 pub struct RunOptions {
-    /// True to continue a dataset that has the same plan; existing parts are accepted if their
+    /// If true, a dataset with the same plan is continued, and existing parts are accepted if their
     /// footers are intact. If false, the folder must be new or empty.
     pub resume: bool,
-    /// Number of rows per part. The default depends on the task.
+    /// Number of rows per part. By default, it depends on the number of rows and on the model.
     pub rows_per_part: Option<NonZeroU64>,
     /// Function that creates temporary files.
     pub make: MakeTemporary,
@@ -131,7 +134,7 @@ pub struct RunOptions {
 ///
 /// # Errors
 ///
-/// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
+/// Returns [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
 pub fn fill(
     folder: &Path,
     task: &Task,
@@ -152,11 +155,11 @@ pub fn fill(
     parts.run(task, points, found, workers, notify)
 }
 
-/// Solves one part of a plan in memory.
+/// Solves one part of a plan and returns its rows without writing them to a file.
 ///
 /// # Errors
 ///
-/// [`DatasetError`] if the part cannot be read or solved.
+/// Returns [`DatasetError`] if the part cannot be read or solved.
 pub fn solve_part(
     plan: &Plan,
     points: &Points,
@@ -174,7 +177,7 @@ pub fn solve_part(
     Ok((sink.schema, sink.tables))
 }
 
-/// Converts the error that stopped a part from being solved.
+/// Converts the error with which the run of a part ended to a [`DatasetError`].
 fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),
@@ -196,21 +199,22 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder contains other files or cannot be created.
+    /// Returns [`DatasetError`] if the folder contains other files or cannot be created.
     pub fn create(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
         this.begin()?;
         Ok(this)
     }
 
-    /// Continues a dataset that has the same plan, or creates a new dataset.
+    /// Continues a dataset whose plan equals the given plan. If the folder does not contain a plan,
+    /// a new dataset is created.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder contains another plan or cannot be created.
+    /// Returns [`DatasetError`] if the folder contains another plan or cannot be created.
     pub fn resume(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
-        // Another process may be creating the folder at the same time.
+        // Creating the dataset may fail because another process is creating it at the same time.
         if let Err(error) = this.begin()
             && !this.is_begun()
         {
@@ -225,7 +229,7 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder contains no valid plan.
+    /// Returns [`DatasetError`] if the folder contains no valid plan.
     pub fn open(folder: &Path, make: MakeTemporary) -> Result<Self, DatasetError> {
         let folder = Folder::new(folder, make);
         let plan = Plan::from_text(&folder.read_plan()?)
@@ -238,7 +242,7 @@ impl Dataset {
         &self.plan
     }
 
-    /// Returns the path of a part file.
+    /// Returns the path of the file of a part.
     pub fn part_file(&self, number: u64) -> PathBuf {
         self.folder.part(number)
     }
@@ -248,7 +252,7 @@ impl Dataset {
         fs::symlink_metadata(self.folder.plan()).is_ok()
     }
 
-    /// Checks that the folder contains the same plan.
+    /// Checks that the plan in the folder equals the plan of this dataset.
     fn compare(&self) -> Result<(), DatasetError> {
         let text = self.folder.read_plan()?;
         if text == self.plan.text() {
@@ -285,14 +289,15 @@ impl Dataset {
             })
     }
 
-    /// Examines all entries of the data folder.
+    /// Verifies all parts in the data folder, and lists all other files.
     ///
-    /// * `deep`: true to verify the hash of all bytes, false to verify only the footers.
+    /// * `deep`: if true, the hash of all bytes is verified; if false, only the footers are
+    ///   verified.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder cannot be read or if the run is stopped. Defects of parts are
-    /// not errors, but are included in the result.
+    /// Returns [`DatasetError`] if the folder cannot be read or if the run is stopped. Defects of
+    /// parts are not errors; the result contains them.
     pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<FolderScan, DatasetError> {
         let (numbers, mut survey) = self.listed()?;
         let verified: Vec<_> = workers.pool.install(|| {
@@ -317,8 +322,8 @@ impl Dataset {
         Ok(survey)
     }
 
-    /// Lists the data folder: returns the numbers of the parts that are present, and the other
-    /// entries.
+    /// Lists the data folder without reading the files. Returns the numbers of the parts in the
+    /// folder, and a scan that contains all other entries.
     fn listed(&self) -> Result<(Vec<u64>, FolderScan), DatasetError> {
         let (mut numbers, mut survey) = (Vec::new(), FolderScan::default());
         for entry in self.folder.data()? {
@@ -340,12 +345,13 @@ impl Dataset {
         Ok((numbers, survey))
     }
 
-    /// Rejects part files that are not in the plan, because programs that read the folder would
-    /// read these files, too.
+    /// Checks that all part files in the data folder are in the plan, because programs that read
+    /// the folder would also read other part files.
     ///
     /// # Errors
     ///
-    /// [`DatasetError::Damaged`] with the rejected files, or [`DatasetError::Io`].
+    /// Returns [`DatasetError::Damaged`] with the files that are not in the plan, or
+    /// [`DatasetError::Io`].
     pub fn check_names(&self) -> Result<(), DatasetError> {
         match self.listed()?.1.damaged {
             none if none.is_empty() => Ok(()),
@@ -353,15 +359,15 @@ impl Dataset {
         }
     }
 
-    /// Returns the points of the plan. If the points come from a table, checks that the table has
-    /// not changed since the plan was made.
+    /// Returns the points of the plan. If the points come from a table, the table must not have
+    /// changed since the plan was created.
     ///
-    /// * `table`: path of the table. By default, the table is searched by name in the parent folder
-    ///   of the dataset.
+    /// * `table`: path of the table. By default, a table with the name in the plan is expected in
+    ///   the parent folder of the dataset.
     ///
     /// # Errors
     ///
-    /// The errors of [`Plan::points`].
+    /// Returns the same errors as [`Plan::points`].
     pub fn points(
         &self,
         table: Option<&Path>,
@@ -375,11 +381,12 @@ impl Dataset {
     /// Returns the part with the given number if it is finished and intact, or `None` if its file
     /// does not exist.
     ///
-    /// * `deep`: true to verify all bytes, false to verify only the footer.
+    /// * `deep`: if true, all bytes are verified; if false, only the footer is verified.
     ///
     /// # Errors
     ///
-    /// [`PartDefect`] if the file is not this part, or [`DatasetError::Stopped`].
+    /// Returns [`PartDefect`] as the inner error if the file is not this part, and
+    /// [`DatasetError::Stopped`] if the run is stopped.
     fn find(
         &self,
         number: u64,
@@ -417,7 +424,7 @@ impl Dataset {
         write_footer(sink, range, count).map_err(unwritable)
     }
 
-    /// Renames the temporary file of a solved part to its final name.
+    /// Gives the temporary file of a solved part its final name.
     fn keep(
         &self,
         file: TempFile,
@@ -429,7 +436,7 @@ impl Dataset {
         let file = file.into_inner().map_err(io::IntoInnerError::into_error);
         match file.and_then(|file| complete(file, &path, replace)) {
             Ok(()) => Ok(part),
-            // In the meantime, another process may have finished the same part and removed the
+            // Renaming may fail because another process has finished the same part and removed the
             // temporary file.
             Err(error) => match self.find(part.number, false, workers)? {
                 Ok(Some(there)) if there == part => Ok(there),
@@ -438,16 +445,17 @@ impl Dataset {
         }
     }
 
-    /// Solves the missing parts of a list in order. Damaged parts do not stop the run; they are
-    /// reported at the end.
+    /// Solves those parts of a list that are missing, in ascending order. Damaged parts do not end
+    /// the run; they are reported when all other parts are finished.
     ///
-    /// * `numbers`: part numbers in ascending order.
-    /// * `repair`: true to verify all bytes of existing parts, to replace damaged files and to
-    ///   rewrite the list of parts. Nothing is replaced if most files belong to one other plan.
+    /// * `numbers`: part numbers to solve, in ascending order.
+    /// * `repair`: if true, all bytes of existing parts are verified, damaged files are replaced,
+    ///   and the list of parts is rewritten. Nothing is replaced if most files belong to another
+    ///   plan.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
+    /// Returns [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
     pub fn run_parts(
         &self,
         task: &Task,
@@ -459,7 +467,7 @@ impl Dataset {
     ) -> Result<BTreeMap<u64, Part>, DatasetError> {
         if repair && let Some(other) = self.survey(false, workers)?.other_plan() {
             return Err(DatasetError::NotOfThePlan(format!(
-                "{} has parts of another plan, {}, beside its plan.json; restore the plan.json of these parts, or \
+                "{} contains parts of another plan, {}, in addition to its own plan.json; restore the plan.json of these parts, or \
                  use another folder",
                 self.folder.path.display(),
                 &other[..other.len().min(12)]
@@ -495,7 +503,7 @@ impl Dataset {
                 let (file, part) =
                     self.write_part(number, task, source.as_mut(), workers, notify)?;
                 at = first + part.rows;
-                // The next part is solved while this part is written to disk.
+                // This part is written to disk while the next part is being solved.
                 let keep = move || self.keep(file, part, replace, workers);
                 let keep = thread::Builder::new().spawn_scoped(scope, keep);
                 let before = behind.replace(keep.map_err(DatasetError::Thread)?);
@@ -510,7 +518,8 @@ impl Dataset {
         if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
     }
 
-    /// Rewrites an existing list of parts, or removes it if a part is missing or damaged.
+    /// Rewrites the list of parts if it exists. If a part is missing or damaged, the list is
+    /// removed instead.
     fn repair_list(&self, workers: &Workers<'_>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         if fs::symlink_metadata(&path).is_err() {
@@ -521,7 +530,7 @@ impl Dataset {
             return self.write_list(&found.parts);
         }
         match fs::remove_file(&path) {
-            // Another process may have removed the list in the meantime.
+            // The list is not found if another process has removed it in the meantime.
             Err(error) if error.kind() != ErrorKind::NotFound => {
                 Err(DatasetError::io("remove", &path, error))
             }
@@ -529,11 +538,11 @@ impl Dataset {
         }
     }
 
-    /// Solves all missing parts in order and completes the dataset.
+    /// Solves all missing parts in order, and writes the list of parts.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
+    /// Returns [`DatasetError`] if a part cannot be solved or written. Finished parts are kept.
     pub fn run(
         &self,
         task: &Task,
@@ -556,17 +565,17 @@ impl Dataset {
 
     /// Writes the list of parts and removes the temporary files of this plan.
     ///
-    /// * `parts`: all parts of the plan.
+    /// * `parts`: all parts of the plan, by part number.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the list of parts cannot be written.
+    /// Returns [`DatasetError`] if the list of parts cannot be written.
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         self.write_list(parts)?;
         self.folder.tidy(self.plan.id())
     }
 
-    /// Writes the list of parts, unless the file already has the correct contents.
+    /// Writes the list of parts, unless the file already contains this list.
     fn write_list(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         let list =
@@ -582,8 +591,8 @@ impl Dataset {
             let mut file = self.folder.unfinished(&path, self.plan.id())?;
             file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(unwritable)
         };
-        // Another process may be finishing the dataset and removing temporary files at the same
-        // time.
+        // Writing may fail because another process is finishing the dataset and removing temporary
+        // files at the same time.
         if !is_written()
             && let Err(error) = write()
             && !is_written()
@@ -594,8 +603,8 @@ impl Dataset {
     }
 }
 
-/// Returns true if other programs would read an entry of the data folder as a part: a Parquet file
-/// or a folder whose name does not begin with a dot.
+/// Returns true if programs that read the data folder would read an entry as a part. Such an entry
+/// is a Parquet file or a folder, and its name does not begin with a dot.
 fn is_read_as_part(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name().to_string_lossy().to_ascii_lowercase();
     !name.starts_with('.') && (name.ends_with(".parquet") || entry.path().is_dir())

@@ -1,5 +1,5 @@
-//! Random operating points. Each number depends only on the seed, the input and the row, so that
-//! any machine can generate any row independently.
+//! Random operating points. Each random number depends only on the seed, the input and the row, so
+//! any machine can generate any row without generating the others.
 
 use std::f64::consts::TAU;
 use std::fmt::{self, Display, Formatter};
@@ -11,17 +11,17 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::source::{PointSet, PointSource};
 
-/// Probability distribution of an input.
+/// Probability distribution of an input value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
-    /// Uniform distribution between two bounds.
+    /// A uniform distribution between two bounds.
     Uniform {
         /// Lower bound of the distribution.
         low: f64,
         /// Upper bound of the distribution.
         high: f64,
     },
-    /// Normal distribution.
+    /// A normal distribution with a given mean and standard deviation.
     Normal {
         /// Mean of the distribution.
         mean: f64,
@@ -30,7 +30,7 @@ pub enum Distribution {
     },
 }
 
-/// An input with its probability distribution.
+/// An input whose value is random, and its probability distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
     key: InputKey,
@@ -38,12 +38,13 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// Parses `name=uniform:low:high` or `name=normal:mean:deviation`. The name may state any
-    /// supported unit.
+    /// Parses `name=uniform:low:high` or `name=normal:mean:deviation`. The name may end with any
+    /// unit that is supported for the input.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the text has another form, and the errors of [`new`](Self::new).
+    /// Returns [`CaseError`] if the text does not have one of these forms, or an error of
+    /// [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
                     all finite";
@@ -64,14 +65,14 @@ impl Draw {
 
     /// Assigns a probability distribution to an input.
     ///
-    /// * `name`: name of the input, with any supported unit.
-    /// * `distribution`: distribution of the value in this unit.
+    /// * `name`: name of the input, which may end with any supported unit.
+    /// * `distribution`: probability distribution of the value in this unit.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the input is unknown, a number is not finite, the bounds are not in
-    /// ascending order, the standard deviation is not positive, or a bound or the mean is not a
-    /// permitted value of the input.
+    /// Returns [`CaseError`] if the input is unknown, a number is not finite, the bounds are not in
+    /// ascending order, the standard deviation is not positive, or the input does not permit one of
+    /// the bounds or the mean.
     pub fn new(name: &str, distribution: Distribution) -> Result<Self, CaseError> {
         let (key, change) = InputKey::in_unit(name)?;
         let wrong = |what: String| {
@@ -107,8 +108,8 @@ impl Draw {
     }
 }
 
-/// Writes the text form that [`Draw::parse`] reads, with the fewest digits that preserve the
-/// numbers.
+/// Writes the text that [`Draw::parse`] reads, with as few digits as are needed to reproduce the
+/// numbers exactly.
 impl Display for Draw {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: f64| format!("{value:?}").trim_end_matches(".0").to_owned();
@@ -120,7 +121,7 @@ impl Display for Draw {
     }
 }
 
-/// A set of random points.
+/// A set of random operating points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
     seed: u64,
@@ -129,11 +130,11 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// Creates random points from distributions in the text form of [`Draw::parse`].
+    /// Creates random points from the texts that [`Draw::parse`] reads.
     ///
     /// # Errors
     ///
-    /// The errors of [`Draw::parse`] and [`new`](Self::new).
+    /// Returns the same errors as [`Draw::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(seed: u64, count: u64, of: &[T]) -> Result<Self, CaseError> {
         let of = of.iter().map(|draw| Draw::parse(draw.as_ref()));
         Self::new(seed, count, of.collect::<Result<_, _>>()?)
@@ -143,7 +144,7 @@ impl Draws {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input appears twice.
+    /// Returns [`CaseError`] if an input appears twice.
     pub fn new(seed: u64, count: u64, of: Vec<Draw>) -> Result<Self, CaseError> {
         let this = Self { seed, count, of };
         this.corners()?;
@@ -155,17 +156,17 @@ impl Draws {
         self.seed
     }
 
-    /// Returns the random inputs with their distributions.
+    /// Returns the random inputs and their distributions.
     pub fn of(&self) -> &[Draw] {
         &self.of
     }
 
-    /// Returns a grid that contains the bounds of uniform distributions and the means of normal
-    /// distributions. A task that is valid for this grid is also valid for the random points.
+    /// Returns a grid of the bounds of all uniform distributions and the means of all normal
+    /// distributions. A task is valid for the random points if it is valid for this grid.
     ///
     /// # Errors
     ///
-    /// The errors of [`Grid::new`].
+    /// Returns the same errors as [`Grid::new`].
     pub fn corners(&self) -> Result<Grid, CaseError> {
         let axis = |draw: &Draw| {
             let values = match draw.distribution {
@@ -177,7 +178,7 @@ impl Draws {
         Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
     }
 
-    /// Returns each random input with its values at all points.
+    /// Returns the random inputs, each with its values at all points.
     pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
         self.of.iter().enumerate().map(|(index, draw)| {
             let mut values = Vec::new();
@@ -197,7 +198,8 @@ impl PointSet for Draws {
     }
 
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
-        /// Number of 32-bit words that the generator uses for one random number between 0 and 1.
+        /// Number of 32-bit words that the random number generator needs for one number between 0
+        /// and 1.
         const WORDS: u128 = 2;
         let distribution = self.of[index].distribution;
         let numbers = if matches!(distribution, Distribution::Uniform { .. }) { 1 } else { 2 };
@@ -207,9 +209,9 @@ impl PointSet for Draws {
         to.extend(rows.map(|_| match distribution {
             Distribution::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
             Distribution::Normal { mean, deviation } => {
-                // Box-Muller transform; the first uniform number is never 0. The logarithm and
-                // cosine come from a crate because the math libraries of operating systems give
-                // different results.
+                // The Box-Muller transform generates a normally distributed number from two uniform
+                // numbers, the first of which is never 0. Logarithm and cosine come from a crate,
+                // because the math libraries of operating systems give different results.
                 let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
                 mean + deviation * (-2.0 * libm::log(size)).sqrt() * libm::cos(TAU * turn)
             }
@@ -217,5 +219,5 @@ impl PointSet for Draws {
     }
 }
 
-/// A source of rows for random points.
+/// A source whose rows are random points.
 pub type DrawSource = PointSource<Draws>;

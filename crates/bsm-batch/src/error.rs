@@ -1,30 +1,30 @@
-//! Errors that affect a whole table.
+//! Errors in a table as a whole.
 
 use std::io;
 
 use bsm_case::{OtherSeparator, TextError, brief};
 
-/// The reason why a table cannot be read or written. An invalid row does not cause this error; it
-/// gets a status instead.
+/// Reason why a table cannot be read or written. An invalid row does not cause this error, but is
+/// reported in the status of the row.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
     /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The first line of a CSV table uses another separator than expected.
+    /// The first line of a CSV table uses a separator that is not the expected one.
     #[error(transparent)]
     Separator(#[from] OtherSeparator),
     /// The file is not a Parquet file or is incomplete.
     #[error("not a Parquet table: {0}")]
     Parquet(String),
-    /// Some columns are not inputs.
+    /// Some columns of the table are not inputs.
     #[error("{}", match &names[..] {
         [one] => format!("column `{}` is not an input{}", brief(&one.name), meant(one.nearest)),
         several => format!("columns {} are not inputs", all_of(several)),
     })]
     UnknownColumns {
-        /// The unknown names, at least one and at most [`NAMED`](UnknownName::NAMED).
+        /// Unknown column names, at least one and at most [`NAMED`](UnknownName::NAMED).
         names: Vec<UnknownName>,
     },
     /// Some requested outputs do not exist.
@@ -33,15 +33,15 @@ pub enum TableError {
         several => format!("no outputs are named {}", all_of(several)),
     })]
     UnknownOutputs {
-        /// The unknown names, at least one.
+        /// Unknown output names, at least one.
         names: Vec<UnknownName>,
     },
-    /// A column cannot be used for another reason.
+    /// A column cannot be used for any other reason.
     #[error("{message}")]
     Column {
         /// Name of the column.
         name: String,
-        /// The reason, which includes the column name.
+        /// Reason why the column cannot be used, including its name.
         message: String,
     },
     /// The lines or rows do not form a table.
@@ -49,17 +49,17 @@ pub enum TableError {
     Malformed(String),
 }
 
-/// An unknown name with a suggestion for the intended name.
+/// An unknown name, with the known name that the user may have intended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownName {
-    /// The unknown name.
+    /// The unknown name as it was given.
     pub name: String,
     /// The known name that is most similar to the unknown name.
     pub nearest: Option<&'static str>,
 }
 
 impl UnknownName {
-    /// Maximum number of unknown names in a message.
+    /// Maximum number of unknown names that a message lists.
     pub const NAMED: usize = 8;
 }
 
@@ -80,7 +80,8 @@ impl TableError {
         )
     }
 
-    /// Returns the error for a copied column that contains lists, maps or structures.
+    /// Returns the error for a column with lists, maps or structures, which cannot be copied to the
+    /// results.
     pub fn not_text(name: &str) -> Self {
         let message = format!(
             "the cells of column `{}` are lists, maps or structures, which cannot be copied; omit the column, or split \
@@ -98,7 +99,8 @@ impl TableError {
         ))
     }
 
-    /// Reports that a column name appears twice or that two columns contain the same input.
+    /// Returns the error for a column name that appears twice, or for two columns with the same
+    /// input.
     pub(crate) fn repeated(one: &str, other: &str) -> Self {
         let [first, second] = [one, other].map(brief);
         let message = if one == other {
@@ -144,7 +146,8 @@ impl From<parquet::errors::ParquetError> for TableError {
 impl From<arrow_schema::ArrowError> for TableError {
     fn from(error: arrow_schema::ArrowError) -> Self {
         match error {
-            // The parquet crate provides its errors only as text.
+            // The parquet crate reports its errors only as text, which begins with the kind of the
+            // error.
             arrow_schema::ArrowError::ParquetError(text) => {
                 let text = ["Parquet error: ", "External: "]
                     .iter()

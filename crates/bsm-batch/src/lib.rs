@@ -1,9 +1,10 @@
-//! Solves many operating points on all cores and returns the results in the order of the points.
+//! Solves many operating points on all cores, and returns the results in the order of the points.
 //!
 //! A [`Source`] provides rows in chunks, a [`Task`] solves each chunk, and an [`AnswerSink`] writes
-//! the results. [`Task::run`] performs all of these steps on the threads of [`Workers`]. A
-//! [`dataset`] is divided into part files, so that an interrupted run can be continued. Memory use
-//! does not grow with the number of rows, and results do not depend on the number of threads.
+//! the results. [`Task::run`] performs these three steps on the threads of [`Workers`]. A
+//! [`dataset`] is divided into part files, so that an interrupted run can be continued. The memory
+//! use does not depend on the number of rows, and the results do not depend on the number of
+//! threads.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -67,12 +68,12 @@ pub use table::{ABOUT, Format, TableHead, TableSink};
 pub use task::Task;
 pub use text::{CsvSource, JsonSource};
 
-/// A destination for solved rows.
+/// A sink that writes or stores solved rows.
 pub trait AnswerSink {
-    /// Writes the rows of a chunk with their results.
+    /// Writes the rows of a chunk together with their results.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the rows cannot be written.
+    /// Returns [`TableError`] if the rows cannot be written.
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError>;
 }

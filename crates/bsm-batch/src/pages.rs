@@ -1,4 +1,4 @@
-//! Pages of Parquet files. The sizes declared in a page header are checked before memory is
+//! Reads the pages of Parquet files. The sizes in a page header are checked before memory is
 //! allocated.
 
 use std::io::{self, Cursor, Read};
@@ -8,33 +8,34 @@ use bytes::Bytes;
 use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
-/// Maximum number of bytes of a page header up to the last number that is needed: six fields of at
-/// most six bytes each, and the beginning of a structure.
+/// Maximum length of the part of a page header that must be read \[B\]: six fields with at most six
+/// bytes each, and the beginning of a structure.
 const MAX_HEADER_BYTES: u64 = 40;
 
-/// Page type of a dictionary page in a page header.
+/// Page type in the header of a dictionary page.
 const DICTIONARY: i32 = 2;
 
-/// Tag of a field in the Thrift compact protocol that directly follows the previous field and
-/// contains a 32-bit integer.
+/// Byte that marks a field in the Thrift compact protocol, if the field contains a 32-bit integer
+/// and follows directly after the previous field.
 const INTEGER: u8 = 0x15;
 
 /// A Parquet file that several readers share.
 ///
-/// Before the parquet crate unpacks a page, it allocates and fills as much memory as the page
-/// header declares, up to 2 GB. A damaged header in a file of 2 kB caused an allocation of 291 MB.
-/// Pages that declare more bytes than the file could reasonably contain are therefore rejected.
+/// Before the parquet crate decompresses a page, it allocates and fills as much memory as the page
+/// header specifies, up to 2 GB. In a file of 2 kB, a damaged header caused an allocation of 291
+/// MB. Therefore, a page is rejected if its header specifies more bytes than such a file can
+/// reasonably contain.
 pub(crate) struct Pages<R> {
     file: Arc<R>,
-    /// Maximum number of bytes that a page may declare.
+    /// Maximum number of bytes that a page header may specify.
     max_page_bytes: u64,
 }
 
 impl<R: ChunkReader> Pages<R> {
-    /// Returns the pages of a file from which the given number of columns are read at the same
-    /// time.
+    /// Returns access to the pages of a file. `columns` is the number of columns that are read at
+    /// the same time.
     pub(crate) fn new(file: R, columns: usize) -> Self {
-        // One page and one dictionary of every column may together declare 64 MiB plus 256 times
+        // One page and one dictionary of each column together must not exceed 64 MiB plus 256 times
         // the file size.
         let max_bytes = (32 << 20) + file.len().saturating_mul(128);
         Self { file: Arc::new(file), max_page_bytes: max_bytes / (columns as u64).max(1) }
@@ -71,10 +72,10 @@ impl<R: ChunkReader> ChunkReader for Pages<R> {
     }
 }
 
-/// A page with its header. The header is checked when the first bytes are read, because some
-/// requested pages are never read.
+/// Reads a page and its header. The header is checked when the first bytes are read, because some
+/// pages are requested but never read.
 pub(crate) struct PageReader<R> {
-    /// The first bytes of the page.
+    /// First bytes of the page, which contain its header.
     header: Cursor<Vec<u8>>,
     rest: R,
     is_checked: bool,
@@ -90,7 +91,7 @@ impl<R: Read> Read for PageReader<R> {
                 .ok_or_else(|| io::Error::other("a page header is damaged"))?;
             if declared > self.max_page_bytes {
                 return Err(io::Error::other(format!(
-                    "a page declares {} kB, but in a file of {} kB, at most {} kB per page are accepted; the \
+                    "a page header specifies {} kB, but in a file of {} kB, a page may have at most {} kB; the \
                      file is damaged, or must be written with smaller pages",
                     declared.div_ceil(1000),
                     self.file_bytes.div_ceil(1000),
@@ -106,12 +107,12 @@ impl<R: Read> Read for PageReader<R> {
     }
 }
 
-/// Returns the number of bytes that a page header declares, or `None` if the header is invalid.
+/// Returns the number of bytes that a page header specifies, or `None` if the header is invalid.
 fn declared_bytes(header: &[u8]) -> Option<u64> {
     let mut header = header.iter().copied().peekable();
-    // The fields are the page type, the unpacked length and the length in the file. A dictionary
-    // page also declares the number of its values, each about eight bytes long, after an optional
-    // checksum.
+    // The fields are the page type, the uncompressed length, and the length in the file. After an
+    // optional checksum, a dictionary page also specifies the number of its values, each of which
+    // takes about eight bytes.
     let kind = integer(&mut header)?;
     let length = integer(&mut header)?.max(integer(&mut header)?);
     let length = u64::try_from(length).ok()?;

@@ -1,4 +1,4 @@
-//! Parquet tables. The column metadata contain the units.
+//! Reads and writes Parquet tables, whose column metadata contain the units.
 
 use std::cell;
 use std::io::Write;
@@ -30,13 +30,13 @@ use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
 
 thread_local! {
-    /// True while this thread is inside [`catch_panic`].
+    /// True while this thread runs code inside [`catch_panic`].
     static CATCHES: cell::Cell<bool> = const { cell::Cell::new(false) };
 }
 
 /// Installs a panic hook that prints nothing for panics inside [`catch_panic`], because these
-/// panics become errors. Other panics still reach the previous hook. Programs should call this
-/// function once at startup.
+/// panics are converted to errors. All other panics are passed to the previous hook. A program
+/// should call this function once, when it starts.
 pub fn silence_caught_panics() {
     let print = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
@@ -55,18 +55,18 @@ pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     result.ok()
 }
 
-/// Returns the result of `decode` and converts panics to errors. Version 59.3 of the parquet crate
-/// panics at seven locations, for example if a page refers to a missing dictionary or if a column
-/// has a negative offset. Of 100 000 small tables with one to three damaged bytes, 0.4 % caused
-/// such a panic.
+/// Returns the result of `decode`, and converts a panic to an error. Version 59.3 of the parquet
+/// crate panics at seven places in its code, for example if a page refers to a missing dictionary
+/// or if a column has a negative offset. In a test with 100 000 small tables, each with one to
+/// three damaged bytes, 0.4 % of the tables caused such a panic.
 pub(crate) fn catch_decoder_panic<T>(
     decode: impl FnOnce() -> Result<T, TableError>,
 ) -> Result<T, TableError> {
     catch_panic(decode).unwrap_or_else(|| Err(TableError::Parquet("it is damaged".to_owned())))
 }
 
-/// Returns the fields of a table with their Arrow types. Parquet stores durations as plain
-/// integers; only the additional Arrow schema in the file identifies them as durations.
+/// Returns the fields of a table with their Arrow types. Parquet stores durations as integers, and
+/// only the Arrow schema in the metadata of the file identifies them as durations.
 fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
     let plain = found.schema().fields();
     let stored = || {
@@ -84,26 +84,26 @@ fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
 /// Reads the rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
-    /// Function that opens a reader at the given row.
+    /// Function that returns a reader, which starts at the given row.
     from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,
     row: u64,
-    /// Number of rows in all batches that have been read.
+    /// Number of rows in all batches that have been read so far.
     read: u64,
-    /// Unused rows of the batch that was read last.
+    /// Rows of the last batch that have not been returned yet.
     rest: Option<RecordBatch>,
 }
 
 impl ParquetSource {
-    /// Opens a Parquet table.
+    /// Opens a Parquet table and reads its metadata.
     ///
     /// * `table_format`: assignment of column names to inputs.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the file is not a Parquet file, or if a column is neither a numeric input
-    /// nor in `keep`.
+    /// Returns [`TableError`] if the file is not a Parquet file, or if a column is neither a
+    /// numeric input nor in `keep`.
     pub fn new(
         file: impl ChunkReader + 'static,
         keep: &[String],
@@ -117,8 +117,8 @@ impl ParquetSource {
         keep: &[String],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        // The parquet crate panics if the stored Arrow types are damaged. Only
-        // `with_temporal_types` needs them.
+        // The Arrow types that the file stores are skipped here, because the parquet crate panics
+        // if they are damaged. Only `with_temporal_types` needs them.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = with_temporal_types(&found);
@@ -140,7 +140,8 @@ impl ParquetSource {
                 found => found.clone(),
             };
         }
-        // View arrays store a text only once, even if it occurs in many rows.
+        // Texts are read as view arrays, which store a text only once even if it occurs in many
+        // rows.
         let views = fields.iter().map(|field| match field.data_type() {
             DataType::Utf8 | DataType::LargeUtf8 => {
                 Arc::new(field.as_ref().clone().with_data_type(DataType::Utf8View))
@@ -151,7 +152,7 @@ impl ParquetSource {
         let options = ArrowReaderOptions::new().with_schema(schema);
         let metadata = ArrowReaderMetadata::try_new(found.metadata().clone(), options)?;
         let len = u64::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(0);
-        // Columns that are ignored are not read from the file.
+        // Only columns that are inputs or are copied are read from the file.
         let mut read = [&columns.input_places[..], &columns.kept_places].concat();
         read.sort_unstable();
         let mask = ProjectionMask::roots(metadata.parquet_schema(), read.iter().copied());
@@ -161,8 +162,8 @@ impl ParquetSource {
         for group in metadata.metadata().row_groups() {
             for (leaf, chunk) in group.columns().iter().enumerate() {
                 let unread = match chunk.compression() {
-                    // Brotli pages can unpack to any size, regardless of the size in the page
-                    // header.
+                    // Brotli pages are rejected, because they can expand to any size, regardless of
+                    // the size in the page header.
                     Compression::BROTLI(_) => "Brotli",
                     Compression::LZO => "LZO",
                     _ => continue,
@@ -174,7 +175,7 @@ impl ParquetSource {
         }
         let file = Pages::new(file, read.len());
         let from_row = Box::new(move |row: u64| {
-            // Row groups that end before the first row are not read.
+            // Row groups that end before the requested row are skipped without reading them.
             let (mut group, mut skipped) = (0, 0);
             let groups = metadata.metadata().row_groups();
             while let Some(rows) = groups.get(group).and_then(|g| u64::try_from(g.num_rows()).ok())
@@ -194,7 +195,7 @@ impl ParquetSource {
         Ok(Self { reader, from_row, columns, len, row: 0, read: 0, rest: None })
     }
 
-    /// Returns the unused rows of the last batch or, if there are none, the next batch.
+    /// Returns the remaining rows of the last batch or, if no rows remain, the next batch.
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
         if let Some(batch) = self.rest.take() {
             return Ok(Some(batch));
@@ -203,7 +204,7 @@ impl ParquetSource {
         self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         if batch.is_none() && self.read != self.len {
             return Err(TableError::Malformed(format!(
-                "according to its metadata, the table has {} rows, but it contains {}; the file is damaged",
+                "according to its metadata, the table has {} rows, but it contains {} rows; the file is damaged",
                 self.len, self.read
             )));
         }
@@ -268,23 +269,23 @@ impl Source for ParquetSource {
     }
 }
 
-/// Number of rows per row group (a multiple of the chunk size). The value balances the memory per
-/// group against the overhead for readers.
+/// Number of rows per row group, a multiple of the chunk size. A larger number would need more
+/// memory per row group, and a smaller number would slow down readers.
 const ROW_GROUP: usize = 1 << 18;
 
-/// Returns the storage settings for the columns of a table.
+/// Returns the compression and encoding settings for the columns of a table.
 ///
-/// The encoding `BYTE_STREAM_SPLIT` stores the bytes at the same position of all numbers together,
-/// so that Snappy can compress similar numbers. Dictionaries of numbers would take twice the time
-/// and twice the space; this was measured with model `rigid` on a grid, with one output and with
-/// all outputs.
+/// The encoding `BYTE_STREAM_SPLIT` stores the first bytes of all numbers together, then all second
+/// bytes, and so on, so that Snappy can compress similar numbers. Dictionaries of numbers would
+/// take twice the time and twice the space. This was measured on a grid with model `rigid`, with
+/// one output and with all outputs.
 fn properties(schema: &Schema) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
-        // Each page contains one chunk.
+        // Each data page contains one chunk.
         .set_data_page_row_count_limit(ROWS)
-        // Without an offset index, the footer directly follows the rows, so that one hash covers
-        // all bytes before the footer.
+        // Without an offset index, the footer follows directly after the rows, so a single hash can
+        // cover all bytes before the footer.
         .set_offset_index_disabled(true)
         .set_statistics_enabled(EnabledStatistics::Chunk);
     for field in schema.fields() {
@@ -293,9 +294,9 @@ fn properties(schema: &Schema) -> WriterProperties {
             DataType::Float64 => properties
                 .set_column_dictionary_enabled(column.clone(), false)
                 .set_column_encoding(column, Encoding::BYTE_STREAM_SPLIT),
-            // Calculating the statistics of a text column takes nearly as long as encoding the
-            // column (12 and 16 ns per row). Readers can find the few distinct texts in the
-            // dictionary.
+            // No statistics are written for text columns, because calculating them takes nearly as
+            // long as encoding the column (12 and 16 ns per row). Readers find the few different
+            // texts in the dictionary.
             DataType::Utf8 => {
                 properties.set_column_statistics_enabled(column, EnabledStatistics::None)
             }
@@ -305,12 +306,12 @@ fn properties(schema: &Schema) -> WriterProperties {
     properties.build()
 }
 
-/// A Parquet table that is being written. The column metadata contain the units.
+/// Writes a Parquet table, whose column metadata contain the units.
 pub(crate) struct ParquetSink<W: Write + Send> {
     file: SerializedFileWriter<W>,
     schema: SchemaRef,
     writers: ArrowRowGroupWriterFactory,
-    /// Column writers of the current row group; empty if no row group has been started.
+    /// Column writers of the current row group. The list is empty if no row group has been started.
     group: Vec<ArrowColumnWriter>,
     rows: usize,
 }
@@ -324,7 +325,7 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(Self { file, schema, writers, group: Vec::new(), rows: 0 })
     }
 
-    /// Writes rows, encoding the columns in parallel.
+    /// Writes rows. The columns are encoded in parallel.
     pub(crate) fn write(&mut self, table: &RecordBatch) -> Result<(), TableError> {
         if self.group.is_empty() {
             let index = self.file.flushed_row_groups().len();
@@ -353,8 +354,8 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(())
     }
 
-    /// Writes the remaining rows and the footer, and returns the writer. `keys` is called after
-    /// everything before the footer has been written.
+    /// Writes the remaining rows and the footer, and returns the underlying writer. The function
+    /// `keys` is called after everything before the footer has been written.
     pub(crate) fn finish(
         mut self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,

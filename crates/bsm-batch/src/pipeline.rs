@@ -1,5 +1,5 @@
-//! The pipeline from a source of rows to a sink. One thread reads chunks ahead while all cores
-//! solve and write other chunks.
+//! Solves the rows of a source and writes the results to a sink. One thread reads chunks in
+//! advance, while all cores solve and write other chunks.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
@@ -15,50 +15,50 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::solve::Solver;
 use crate::{AnswerSink, Answers, Chunk, Format, Source, TableError, TableFormat, TableSink, Task};
 
-/// Stack size of a thread \[B\]. In unoptimized builds, the kernels keep every intermediate result
-/// on the stack, about 4 MB.
+/// Stack size of a thread \[B\]. In unoptimized builds, the kernels keep all their intermediate
+/// results on the stack, which takes about 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 
-/// Number of rows per chunk. Each page of a Parquet table contains one chunk, so the bytes of the
-/// file depend on this number.
+/// Number of rows per chunk. Each page of a Parquet table contains one chunk, so the contents of
+/// the file depend on this number.
 pub const ROWS: usize = 1 << 16;
 
-/// Row counts of a run: all rows, rows without a result, and rows with several solutions.
+/// Counts of the rows that a run has written.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
-    /// Number of all rows.
+    /// Number of all rows, with and without a result.
     pub rows: u64,
     /// Number of rows without a result.
     pub failed: u64,
-    /// Number of rows that are known to have other solutions.
+    /// Number of rows whose point is known to have further solutions.
     pub several: u64,
 }
 
-/// A thread pool that solves points, with its stop flag.
+/// A thread pool that solves points, together with a stop flag.
 #[derive(Debug)]
 pub struct Workers<'a> {
     pub(crate) pool: ThreadPool,
     pub(crate) stop: &'a AtomicBool,
 }
 
-/// Free memory \[B\] that must be available before another thread is started. A thread that cannot
-/// allocate memory would abort the program.
+/// Memory that must be available before another thread is started \[B\]. If a thread cannot
+/// allocate memory, the whole program is aborted.
 const MEMORY_RESERVE: usize = 16 << 20;
 
 impl<'a> Workers<'a> {
-    /// Starts threads. By default, one thread per core is started. If the operating system refuses
-    /// to start as many threads, fewer are used.
+    /// Starts the threads, by default one per core. If the operating system does not permit that
+    /// many threads, the pool has fewer threads.
     ///
-    /// * `stop`: stop flag. After it becomes true, each thread finishes at most the point that it
-    ///   is solving, and the work ends with [`RunError::Stopped`].
+    /// * `stop`: stop flag. After the flag becomes true, each thread finishes the point that it is
+    ///   solving, and the run ends with [`RunError::Stopped`].
     ///
     /// # Errors
     ///
-    /// [`io::Error`] if no thread can be started.
+    /// Returns [`io::Error`] if no thread can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        // The threads are started before the pool is created, because the creation of a pool fails
-        // completely if one of its threads cannot be started.
+        // The threads are started before the pool is created. If the pool started them itself, it
+        // could not be created at all if one of them failed to start.
         let mut idle = Vec::new();
         while idle.len() < wanted {
             let (give, work) = sync_channel(1);
@@ -77,15 +77,14 @@ impl<'a> Workers<'a> {
             };
             match started {
                 Ok(thread) => {
-                    // Wait until this thread has allocated its memory before the next thread is
-                    // started.
+                    // The next thread is started only after this thread has allocated its memory.
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }
                 Err(error) if idle.is_empty() => return Err(error),
                 Err(_) => {
-                    // Half of the started threads are ended, so that memory and other resources
-                    // remain for reading.
+                    // Half of the started threads are ended, so that memory and other resources are
+                    // left for reading the table.
                     for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
                         drop(give);
                         thread.join().unwrap_or_else(|panic| resume_unwind(panic));
@@ -116,19 +115,19 @@ impl<'a> Workers<'a> {
     }
 }
 
-/// The reason why a run ended before all rows of the table were solved.
+/// Reason why a run ended before all rows of the table were solved.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The remaining rows of the source cannot be read.
+    /// The source could not read the remaining rows.
     #[error(transparent)]
     Read(TableError),
-    /// The results cannot be written.
+    /// The sink could not write the results.
     #[error(transparent)]
     Write(TableError),
-    /// A thread cannot be started.
+    /// The operating system did not start a thread.
     #[error("cannot start a thread: {0}")]
     Thread(io::Error),
-    /// The run was stopped.
+    /// The stop flag of the workers became true.
     #[error("stopped")]
     Stopped,
 }
@@ -136,11 +135,12 @@ pub enum RunError {
 impl Task {
     /// Solves all rows of `source`, writes them as a table, and returns the writer.
     ///
-    /// * `seen`: called for every solved chunk.
+    /// * `seen`: function that is called after each chunk has been solved.
     ///
     /// # Errors
     ///
-    /// [`RunError`] if reading or writing fails, a thread cannot be started, or the run is stopped.
+    /// Returns [`RunError`] if reading or writing fails, a thread cannot be started, or the run is
+    /// stopped.
     pub fn write<W: Write + Send>(
         &self,
         source: &mut dyn Source,
@@ -158,13 +158,15 @@ impl Task {
 
     /// Solves up to `max_rows` rows of `source`, writes them to `sink`, and returns the sink.
     ///
-    /// One thread reads ahead. The worker threads write each chunk while they solve the next chunk.
+    /// One thread reads chunks in advance. The threads of the pool write each chunk while they
+    /// solve the next one.
     ///
-    /// * `seen`: called for every solved chunk.
+    /// * `seen`: function that is called after each chunk has been solved.
     ///
     /// # Errors
     ///
-    /// [`RunError`]. The sink is dropped in this case.
+    /// Returns [`RunError`] if reading or writing fails, a thread cannot be started, or the run is
+    /// stopped. The sink is then dropped.
     pub fn run<S: AnswerSink + Send>(
         &self,
         source: &mut dyn Source,
@@ -208,8 +210,8 @@ impl Task {
     }
 }
 
-/// Sends up to `max_rows` rows of a source to a channel, until the source ends or fails or the
-/// receiver is closed.
+/// Reads up to `max_rows` rows of a source and sends them to a channel. Reading ends early if the
+/// source ends or fails, or if the receiver is closed.
 fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chunk, TableError>>) {
     let mut left = max_rows;
     while left > 0 {
@@ -222,7 +224,8 @@ fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chu
     }
 }
 
-/// Counts and writes a solved chunk, if there is one.
+/// Adds the rows of a solved chunk to the counts, and writes them. If there is no chunk, nothing
+/// happens.
 fn write<S: AnswerSink>(
     sink: &mut S,
     count: &mut Count,

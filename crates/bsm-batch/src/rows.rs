@@ -1,5 +1,5 @@
-//! Rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and the table that
-//! combines both.
+//! Table rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and a table of
+//! both.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,15 +24,15 @@ use crate::{TableError, arrow_column};
 /// The value of a table cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
-    /// An empty cell. For an input, the value of the base case is used instead.
+    /// An empty cell. If an input is empty, the value of the base case is used.
     Missing,
     /// A floating-point number.
     Number(f64),
-    /// An integer or another number whose digits must be preserved.
+    /// An integer, or another number whose digits must not change.
     Digits(Number),
     /// A boolean.
     Flag(bool),
-    /// A text. A row with text in place of a numeric input is invalid.
+    /// A text. A row is invalid if it contains a text instead of a number.
     Text(&'a str),
 }
 
@@ -53,12 +53,13 @@ impl From<Option<f64>> for Cell<'_> {
     }
 }
 
-/// Number of unused entries that are allocated at the end of each column. If the distance between
-/// columns were a power of two, their entries would compete for the same few cache lines.
+/// Number of additional elements that are allocated at the end of each column and are not used.
+/// Without them, the distance between columns could be a power of two, and the columns would
+/// compete for the same few cache lines.
 pub(crate) const COLUMN_PADDING: usize = 40;
 
-/// Maximum size of the text in a chunk, not counting the last row \[B\]. A few rows with long text
-/// take as much work as many rows of numbers.
+/// Maximum size of all texts in a chunk except for its last row \[B\]. Processing a few rows with
+/// long texts takes as long as processing many rows with numbers.
 pub(crate) const MAX_TEXT_BYTES: usize = 32 << 20;
 
 /// A chunk: consecutive rows of a table.
@@ -66,20 +67,20 @@ pub(crate) const MAX_TEXT_BYTES: usize = 32 << 20;
 pub struct Chunk {
     /// Number of the first row; rows are counted from 1.
     pub first: u64,
-    /// Number of rows of the chunk.
+    /// Number of rows in the chunk.
     pub len: usize,
-    /// Values of each input; missing values are null.
+    /// Values of each input. Missing values are null.
     pub inputs: Vec<Float64Array>,
-    /// Input cells that are not numbers, indexed by row and input.
+    /// Texts in input cells that should contain numbers, by row and input.
     pub texts: BTreeMap<(usize, usize), String>,
-    /// Values of each copied column.
+    /// Values of each column that is copied to the results.
     pub kept: Vec<ArrayRef>,
 }
 
 impl Chunk {
-    /// Returns a chunk of numbers, or `None` if `len` is 0.
+    /// Returns a chunk in which all inputs are numbers, or `None` if `len` is 0.
     ///
-    /// * `fill`: appends the values of the input with the given index.
+    /// * `fill`: function that appends the values of the input with the given index.
     pub(crate) fn of_numbers(
         first: u64,
         len: usize,
@@ -95,7 +96,7 @@ impl Chunk {
         (len > 0).then(|| Self { first, len, inputs, ..Self::default() })
     }
 
-    /// Returns a chunk with the given input cells.
+    /// Returns a chunk that contains the given input cells.
     pub fn of_rows<'a, C: Into<Cell<'a>>, R: IntoIterator<Item = C>>(
         columns: &Columns,
         rows: impl IntoIterator<Item = R>,
@@ -110,7 +111,7 @@ impl Chunk {
         chunk.finish().unwrap_or_default()
     }
 
-    /// Returns a chunk with the numbers of the given rows, in the given order.
+    /// Returns a chunk that contains the numbers in the given rows, in the given order of the rows.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let of = |input: &Float64Array| {
@@ -120,7 +121,7 @@ impl Chunk {
         Self { first: 1, len: rows.len(), inputs, ..Self::default() }
     }
 
-    /// Returns the cell of an input in a row.
+    /// Returns the cell of a row for the input with the given index.
     pub fn cell(&self, row: usize, index: usize) -> Cell<'_> {
         match self.texts.get(&(row, index)) {
             Some(text) => Cell::Text(text),
@@ -128,12 +129,12 @@ impl Chunk {
         }
     }
 
-    /// Returns the case of a row: `base` with its values replaced by the non-empty cells of the
-    /// row.
+    /// Returns the case of a row, which is the case `base` after the cells of the row have replaced
+    /// its values. Empty cells replace nothing.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a cell contains text instead of a number.
+    /// Returns [`CaseError`] if a cell contains text instead of a number.
     pub fn case(&self, columns: &Columns, base: &Case, row: usize) -> Result<Case, CaseError> {
         let mut numbers = Vec::with_capacity(columns.inputs.len());
         for (index, key) in columns.inputs.iter().enumerate() {
@@ -148,7 +149,8 @@ impl Chunk {
         Ok(case)
     }
 
-    /// Fills in the missing values of an input. A NaN in `values` leaves the value missing.
+    /// Replaces the missing values of an input by `values`. If a replacement is NaN, the value
+    /// remains missing.
     pub(crate) fn complete(&mut self, index: usize, values: &[f64]) {
         let both = self.inputs[index].iter().zip(values);
         let both = both.map(|(x, other)| x.or_else(|| Some(*other).filter(|x| !x.is_nan())));
@@ -184,7 +186,7 @@ impl<'a> ChunkBuilder<'a> {
         self.chunk.len
     }
 
-    /// Appends a value of an input, given in the unit of the table.
+    /// Appends the cell of an input to the current row. The number is in the unit of the table.
     pub(crate) fn input(&mut self, index: usize, cell: &Cell<'_>) {
         match cell {
             Cell::Number(value) => {
@@ -198,7 +200,7 @@ impl<'a> ChunkBuilder<'a> {
         self.inputs[index].append_null();
     }
 
-    /// Appends a value of a copied column.
+    /// Appends the cell of a copied column to the current row.
     pub(crate) fn keep(&mut self, index: usize, text: Option<&str>) {
         self.kept[index].append_option(text);
     }
@@ -207,7 +209,7 @@ impl<'a> ChunkBuilder<'a> {
         self.chunk.len += 1;
     }
 
-    /// Returns the chunk, or `None` if it has no rows.
+    /// Returns the complete chunk, or `None` if it has no rows.
     pub(crate) fn finish(self) -> Option<Chunk> {
         let inputs = self.inputs.into_iter().map(|mut column| column.finish());
         let kept = self.kept.into_iter().map(|mut texts| Arc::new(texts.finish()) as ArrayRef);
@@ -216,37 +218,38 @@ impl<'a> ChunkBuilder<'a> {
     }
 }
 
-/// Outcome of a row.
+/// Model and status with which a row was solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
-    /// Model that solved the row, or that was requested for a row without a result.
+    /// Model that solved the row. If the row has no result, it is the requested model.
     pub model: ModelChoice,
     /// Status of the solution.
     pub status: Status,
-    /// True if the point is known to have other solutions.
+    /// True if the operating point is known to have further solutions.
     pub has_others: bool,
 }
 
-/// Results of a chunk: a status for each row, messages for some rows, and a column for each output.
+/// Results of a chunk: model and status of each row, messages about some rows, and the values of
+/// each output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
-    /// Outcome of each row.
+    /// Model and status of each row.
     pub verdicts: Vec<Verdict>,
-    /// Row indices in ascending order, each with the reason why the row has no result or why `auto`
-    /// chose its model.
+    /// Row index and message, in ascending order of the row index. A message states the reason why
+    /// the row has no result or why `auto` chose its model.
     pub messages: Vec<(usize, String)>,
-    /// Values of the requested outputs, in the order of the request and in the form that
-    /// [`Output::read`] returns; missing values are NaN.
+    /// Values of the requested outputs, in the order in which the outputs were requested. The
+    /// values have the form that [`Output::read`] returns, and missing values are NaN.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Answers {
-    /// Allocates memory for the results of the given number of rows.
+    /// Allocates buffers for the results of a chunk with the given number of rows and outputs.
     pub fn room(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
-        // The operating system provides zeroed memory, which takes up no physical memory until it
-        // is written.
+        // The operating system provides zeroed pages, which occupy no physical memory until they
+        // are written.
         let column = || {
             let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);
@@ -259,23 +262,24 @@ impl Answers {
         }
     }
 
-    /// Returns the reason why a row has no result, or why `auto` chose its model.
+    /// Returns the message about a row: the reason why the row has no result, or why `auto` chose
+    /// its model.
     pub fn message(&self, row: usize) -> Option<&str> {
         let index = self.messages.binary_search_by_key(&row, |(row, _)| *row).ok()?;
         Some(&self.messages[index].1)
     }
 
-    /// Returns all outputs of a solution or, if `names` is given, these outputs in the given order.
-    /// The names may include results of analyses.
+    /// Returns the outputs with the given names, in the given order. The names may include results
+    /// of analyses. Without names, all outputs of a solution are returned.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a name is not an output or appears twice.
+    /// Returns [`TableError`] if a name is not an output or appears twice.
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
         let mut unknown = Vec::new();
-        // The status columns are part of every table and are skipped here.
+        // The names of status columns are skipped, because every table contains these columns.
         for name in names.iter().filter(|name| !ANSWERS.contains(&name.as_str())) {
             let Some(output) = Output::named(name) else {
                 unknown.push(UnknownName { name: name.clone(), nearest: Output::nearest(name) });
@@ -292,11 +296,11 @@ impl Answers {
         Ok(selected)
     }
 
-    /// Returns a table with the rows of a chunk and their results.
+    /// Returns a table of the rows of a chunk and their results.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a copied column does not have the expected type.
+    /// Returns [`TableError`] if a copied column does not have the expected type.
     pub fn table(
         self,
         chunk: &Chunk,
@@ -322,7 +326,7 @@ impl Answers {
     }
 }
 
-/// Creates a column of strings. Consecutive rows with equal strings are appended together.
+/// Creates a text column. Consecutive rows with equal texts are appended together.
 fn text_column<T>(
     rows: &[T],
     same: impl Fn(&T, &T) -> bool,
@@ -342,7 +346,7 @@ fn text_column<T>(
     Arc::new(words.finish())
 }
 
-/// Converts the values of an output to an Arrow column of the output's type.
+/// Converts the values of an output to an Arrow column of the type that this output has.
 fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
     let count = |x: &f64| (!x.is_nan()).then_some(*x as u64);
@@ -357,20 +361,21 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
 
 /// Converts numbers to an Arrow column. NaN becomes null.
 pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
-    // The loop has no early exit, so that the compiler can vectorize it.
+    // The loop examines all values even after it has found NaN, so that the compiler can vectorize
+    // it.
     let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
     let given = gaps.then(|| values.iter().map(|x| !x.is_nan()).collect::<NullBuffer>());
     Float64Array::new(values.into(), given)
 }
 
-/// A table whose cells are read row by row.
+/// Access to the cells of a table, row by row.
 pub struct Cells<'a> {
     columns: Vec<ArrowColumn<'a>>,
     texts: &'a BTreeMap<(usize, usize), String>,
     kept: usize,
 }
 
-/// A typed column of the table.
+/// A column of the table with its Arrow type.
 enum ArrowColumn<'a> {
     Numbers(&'a Float64Array),
     Counts(&'a UInt64Array),
@@ -380,11 +385,12 @@ enum ArrowColumn<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// Provides access to the table cells of a chunk.
+    /// Returns access to the cells of a table. `chunk` is the chunk from which the table was
+    /// created.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the values of a copied column have no text representation.
+    /// Returns [`TableError`] if the values of a copied column have no text representation.
     pub fn of(table: &'a RecordBatch, chunk: &'a Chunk) -> Result<Self, TableError> {
         let kept = chunk.kept.len();
         let column = |(index, column): (usize, &'a ArrayRef)| {
@@ -400,7 +406,7 @@ impl<'a> Cells<'a> {
         Ok(Self { columns: columns.collect::<Result<_, TableError>>()?, texts: &chunk.texts, kept })
     }
 
-    /// Returns the cells of a row.
+    /// Returns the cells of the row with the given index.
     pub fn row(&self, row: usize) -> impl Iterator<Item = Cell<'_>> {
         self.columns.iter().enumerate().map(move |(index, column)| match column {
             ArrowColumn::Numbers(column) => {

@@ -1,4 +1,4 @@
-//! Solves the rows of a chunk for a task.
+//! Solves the rows of a chunk as a task specifies.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -16,49 +16,51 @@ use rayon::prelude::*;
 use crate::column_plan::ColumnPlan;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
-/// Number of rows that a thread solves at a time if a kernel solves them. Handing rows to a thread
-/// takes as long as solving many rows with a kernel.
+/// Number of rows that a thread takes at a time if a kernel solves the rows. The number is large,
+/// because handing rows to a thread takes as long as solving many rows with a kernel.
 const KERNEL_STRIDE: usize = 2048;
 
-/// Number of rows that a thread solves at a time with `auto`.
+/// Number of rows that a thread takes at a time if the model is `auto`.
 const AUTO_STRIDE: usize = 256;
 
-/// Number of rows that a thread solves at a time if each row is solved individually.
+/// Number of rows that a thread takes at a time if the rows are solved one by one.
 const MODEL_STRIDE: usize = 16;
 
-/// Maximum number of rows that are solved on the calling thread, because waking other threads would
-/// take as long as solving these rows.
+/// Maximum number of rows that are solved on the calling thread. Waking other threads would take as
+/// long as solving this number of rows.
 const MAX_SERIAL_ROWS: usize = 256;
 
 thread_local! {
-    /// Work memory of the models, which each thread reuses for all its rows.
+    /// Workspace of the models. Each thread uses the same workspace for all its rows.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
-/// Memory provided by the caller for the results of a chunk.
+/// Buffers that the caller provides for the results of a chunk.
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    /// Status entries, one for each row.
+    /// Status of each row.
     pub verdicts: &'a mut [Verdict],
-    /// Output columns of the task, with one entry for each row, or `None` to return only existing
-    /// values in [`RowReport::values`]. Most outputs have no value, because they belong to other
-    /// models.
+    /// For each output of the task, a buffer with one value per row. If a buffer is `None`, values
+    /// of this output are returned in [`RowReport::values`] if there are any. Most outputs have no
+    /// values, because the model does not calculate them.
     pub columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// Messages of a chunk, and values of outputs for which the caller provided no memory.
+/// Messages about the rows of a chunk, and values of outputs for which the caller provided no
+/// buffer.
 #[derive(Debug, Default)]
 pub struct RowReport {
-    /// Row indices in ascending order, each with the reason why the row has no result or why `auto`
-    /// chose its model.
+    /// Row index and message, in ascending order of the row index. A message states the reason why
+    /// the row has no result or why `auto` chose its model.
     pub messages: Vec<(usize, String)>,
-    /// Values of outputs without a column in [`Buffers::columns`]: index of the output, index of
-    /// the first row, and values of consecutive rows. All other rows have no value.
+    /// Values of outputs without a buffer in [`Buffers::columns`]. An entry contains the index of
+    /// the output, the index of the first row, and the values of consecutive rows. All other rows
+    /// have no value of this output.
     pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
 impl<'a> Buffers<'a> {
-    /// Divides the memory into parts with `stride` rows each.
+    /// Divides the buffers into parts for `stride` rows each.
     fn parts(self, stride: usize) -> Vec<ChunkPart<'a>> {
         let columns = self.columns.into_iter();
         let mut columns: Vec<_> = columns.map(|c| Some(c?.chunks_mut(stride))).collect();
@@ -79,34 +81,37 @@ impl RowReport {
     }
 }
 
-/// Consecutive rows of a chunk, with memory for their results.
+/// Consecutive rows of a chunk, and buffers for their results.
 struct ChunkPart<'a> {
-    /// Index of the first row in the chunk.
+    /// Index, within the chunk, of the first row.
     first: usize,
     verdicts: &'a mut [Verdict],
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
 impl Task {
-    /// Solves each row of a chunk and returns the results in the order of the rows. The case of a
-    /// row is the base case with the values of the row.
+    /// Solves all rows of a chunk, and returns their results in the order of the rows. The case of
+    /// a row is the base case, in which the values of the row replace the values of the base case.
     ///
-    /// A row that is not a valid point has the status `invalid_input`, and its message states the
-    /// reason. Results do not depend on how rows are divided into chunks, on the number of threads
-    /// or on the instruction set. The widest instruction set of the machine is used.
+    /// If a row is not a valid operating point, its status is `invalid_input`, and its message
+    /// states the reason. The widest instruction set of the machine is used. The results do not
+    /// depend on the instruction set, on the number of threads, or on the division of the rows into
+    /// chunks.
     pub fn solve(&self, chunk: &Chunk, columns: &Columns) -> Answers {
         self.solve_on(Arch::new(), chunk, columns)
     }
 
-    /// Same as [`solve`](Self::solve), but with the given instruction set.
+    /// Solves a chunk like [`solve`](Self::solve), but with the given instruction set.
     pub fn solve_on(&self, arch: Arch, chunk: &Chunk, columns: &Columns) -> Answers {
         Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
-    /// Same as [`solve`](Self::solve), but writes the results into memory that the caller provides.
+    /// Solves a chunk like [`solve`](Self::solve), but writes the results into buffers that the
+    /// caller provides.
     ///
-    /// * `stop`: stops the work when it becomes true; the results are then meaningless.
-    /// * `done`: counter of solved rows, which is updated while the chunk is being solved.
+    /// * `stop`: stop flag. If it becomes true, the calculation ends, and the results must not be
+    ///   used.
+    /// * `done`: number of solved rows, which is updated during the calculation.
     pub fn solve_into(
         &self,
         (chunk, columns): (&Chunk, &Columns),
@@ -117,23 +122,24 @@ impl Task {
         Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, room)
     }
 
-    /// Returns true if the given number of rows is solved on the calling thread. This is the case
-    /// for a small number of rows and a task without analyses, which may take long.
+    /// Returns true if the given number of rows is small enough to be solved on the calling thread,
+    /// and if no output needs an analysis, which may take long.
     pub fn is_quick(&self, rows: usize) -> bool {
         rows <= MAX_SERIAL_ROWS
             && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }
 
-/// Solves the rows of one table: the task together with the settings that apply to every row.
+/// Solves the rows of a table. It contains the task and the data that all rows have in common.
 pub(crate) struct Solver<'a> {
     task: &'a Task,
     columns: &'a Columns,
-    /// Kernel that solves the rows; `None` if each row is solved individually.
+    /// Kernel that solves the rows; `None` if the rows are solved one by one.
     plan: Option<ColumnPlan<'a>>,
-    /// Outputs to write, then outputs that fill in missing inputs, then the watched output.
+    /// Outputs in three groups: outputs that are written, outputs that replace missing inputs, and
+    /// the output that is displayed.
     outputs: Vec<&'static Output>,
-    /// Analyses that calculate these outputs.
+    /// Analyses that are needed to calculate the outputs.
     analyses: Vec<AnalysisKind>,
 }
 
@@ -144,9 +150,9 @@ impl<'a> Solver<'a> {
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
-            // The warm analysis also returns the results of the warm nut. If it covers all
-            // requested nut results, the nut analysis is omitted so that the warm state is
-            // calculated only once.
+            // The warm-state analysis also returns some results of the nut in its warm state. If
+            // these include all requested results of the nut, the nut analysis is omitted, so that
+            // the warm state is calculated only once.
             let has = |o: &Output| AnalysisKind::Warm.columns().any(|column| column.name == o.name);
             let of_nut = |o: &&&Output| o.analysis() == Some(AnalysisKind::Nut);
             if outputs.iter().filter(of_nut).all(|o| has(o)) {
@@ -154,7 +160,7 @@ impl<'a> Solver<'a> {
             }
         }
         let plan = || ColumnPlan::new(&task.base, &task.settings, columns);
-        // Kernels cannot estimate grooves and cannot solve a point for several possible grooves.
+        // Kernels cannot estimate grooves, and cannot solve a row for several possible grooves.
         let by_kernel = task.solves()
             && !task.estimates_rows
             && outputs.iter().all(|output| output.interval().is_none());
@@ -162,9 +168,9 @@ impl<'a> Solver<'a> {
         Self { task, columns, plan, outputs, analyses }
     }
 
-    /// Returns the results, which are incomplete if `stop` has become true. `stop` is checked
-    /// before every row that is solved individually and before every group of rows that a kernel
-    /// solves.
+    /// Solves a chunk and returns its results, which are incomplete if the flag `stop` has become
+    /// true. The flag is checked before each row or, if a kernel is used, before each group of
+    /// rows.
     pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
         let mut answers = Answers::room(chunk.len, self.outputs.len());
         let room = Buffers {
@@ -183,8 +189,8 @@ impl<'a> Solver<'a> {
         chunk: &Chunk,
         room: Buffers<'_>,
     ) -> RowReport {
-        // The caller may provide fewer columns than there are outputs. Outputs that fill in missing
-        // inputs are last in the list and are then not calculated.
+        // The caller may provide fewer columns than there are outputs. Outputs that replace missing
+        // inputs are at the end of the list, and are not calculated in this case.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
             Some(ModelChoice::Auto) => AUTO_STRIDE,
@@ -213,11 +219,11 @@ impl<'a> Solver<'a> {
     }
 }
 
-/// A chunk that is being solved.
+/// Data that are needed to solve the rows of a chunk.
 struct ChunkSolve<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,
-    /// Kernel inputs and model; `None` if each row is solved individually.
+    /// Inputs and model of the kernel; `None` if the rows are solved one by one.
     kernel: Option<(InputColumns<'a>, ModelChoice)>,
     outputs: &'a [&'static Output],
     wanted: Selection,
@@ -226,7 +232,7 @@ struct ChunkSolve<'a> {
 }
 
 impl ChunkSolve<'_> {
-    /// Solves some rows of the chunk.
+    /// Solves consecutive rows of the chunk.
     fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
         let column = |column: Option<_>| match column {
             Some(values) => {
@@ -240,8 +246,8 @@ impl ChunkSolve<'_> {
         let messages = self.rows(first, verdicts, &mut outputs);
         let mut values = Vec::new();
         for (index, column) in outputs.into_iter().enumerate() {
-            // Columns without any value are left out: a kernel may have stored values only for rows
-            // that it did not solve completely.
+            // A column may be empty even if the kernel has stored values in it, because values of
+            // rows that the kernel could not solve are erased. Empty columns are not returned.
             if let OutputColumn::OnDemand { values: column, .. } = column
                 && column.iter().any(|value| !value.is_nan())
             {
@@ -251,10 +257,10 @@ impl ChunkSolve<'_> {
         RowReport { messages, values }
     }
 
-    /// Solves rows, first with a kernel if possible, then the remaining rows individually. Returns
-    /// the messages of the rows.
+    /// Solves consecutive rows, if possible with a kernel. Rows that the kernel cannot solve are
+    /// solved one by one. Returns the messages of the rows.
     ///
-    /// * `outputs`: output columns, filled with NaN.
+    /// * `outputs`: output columns, which are filled with NaN at the beginning.
     fn rows(
         &self,
         first: usize,
@@ -280,7 +286,8 @@ impl ChunkSolve<'_> {
                 break;
             }
             if !done {
-                // The kernel may have written some outputs of this row before it gave up.
+                // The kernel may have stored some outputs of this row, although it could not solve
+                // the row.
                 for column in outputs.iter_mut() {
                     column.set(i, f64::NAN);
                 }
@@ -294,11 +301,11 @@ impl ChunkSolve<'_> {
         messages.into_iter().map(|(row, message)| (first + row, message)).collect()
     }
 
-    /// Solves a single row. Returns its message and its status. The status is `None` if a kernel
-    /// has already solved the row and only its analyses were calculated here.
+    /// Solves a single row, and returns its status and its message. The status is `None` if a
+    /// kernel has already solved the row, and only the analyses are calculated here.
     ///
-    /// * `words`: message that the kernel has returned for the row.
-    /// * `put`: stores the value of the output with the given index.
+    /// * `words`: messages of the kernel about the row.
+    /// * `put`: function that stores the value of the output with the given index.
     fn row(
         &self,
         row: usize,
@@ -308,7 +315,7 @@ impl ChunkSolve<'_> {
     ) -> (Option<Verdict>, Option<String>) {
         let task = self.solver.task;
         let given = self.chunk.case(self.solver.columns, &task.base, row);
-        // A case takes several kilobytes, so references are used instead of moving it.
+        // A case has a size of several kilobytes, so it is passed by reference.
         let estimated = match &given {
             Ok(case) if task.estimates_rows => Some(task.groove_of(case)),
             _ => None,
@@ -323,7 +330,7 @@ impl ChunkSolve<'_> {
         }
     }
 
-    /// Returns the status and message for a case that cannot be solved.
+    /// Returns status and message of a case that cannot be solved.
     fn invalid(&self, error: &CaseError) -> (Option<Verdict>, Option<String>) {
         let status = match error {
             CaseError::NoWarmState(_) => Status::NoSolution,
@@ -334,9 +341,9 @@ impl ChunkSolve<'_> {
         (Some(verdict), Some(error.to_string()))
     }
 
-    /// Calculates the ends of intervals over the possible grooves of a case. A case without an
-    /// estimated groove has no intervals. Returns a message on each output that only some of the
-    /// possible grooves have.
+    /// Calculates the limits of intervals over the possible grooves of a case. If the groove of the
+    /// case is not estimated, there are no intervals. Returns a message for each output that has a
+    /// value for only some of the possible grooves.
     fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) -> Vec<String> {
         let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
         let ends = ends().filter_map(|(index, end)| Some((index, end?)));
@@ -357,8 +364,10 @@ impl ChunkSolve<'_> {
         for ((index, (of, is_high)), values) in ends.into_iter().zip(values) {
             if values.len() < count {
                 let name = of.name;
-                let message =
-                    format!("{} of {count} possible grooves have a value of {name}", values.len());
+                let message = format!(
+                    "only {} of {count} possible grooves have a value of {name}",
+                    values.len()
+                );
                 if !partial.contains(&message) {
                     partial.push(message);
                 }
@@ -370,8 +379,8 @@ impl ChunkSolve<'_> {
         partial
     }
 
-    /// Calculates the given outputs of a case. Returns status and message as [`row`](Self::row)
-    /// does.
+    /// Calculates the given outputs of a case. Returns its status and its message, as
+    /// [`row`](Self::row) does.
     fn results(
         &self,
         case: &Case,
@@ -397,7 +406,7 @@ impl ChunkSolve<'_> {
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
                 for (index, output) in outputs.iter().enumerate() {
-                    // The bounds of intervals have already been stored.
+                    // The limits of intervals have already been stored by `intervals`.
                     if output.interval().is_none() {
                         put(index, record.value(output).unwrap_or(f64::NAN));
                     }

@@ -1,4 +1,4 @@
-//! Sources that provide the rows to solve.
+//! Sources of table rows that are to be solved.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use bsm_case::{Grid, InputKey};
 
 use crate::{Chunk, Columns, TableError};
 
-/// A source of rows, which provides chunks in the order of the rows.
+/// A source of table rows. It returns the rows in chunks, in their original order.
 pub trait Source: Send {
     /// Returns the columns of the table.
     fn columns(&self) -> &Columns;
@@ -16,18 +16,18 @@ pub trait Source: Send {
         None
     }
 
-    /// Returns the next rows (at most `rows`), or `None` at the end.
+    /// Returns the next chunk, which has at most `rows` rows, or `None` after the last row.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the next rows cannot be read.
+    /// Returns [`TableError`] if the next rows cannot be read.
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError>;
 
-    /// Skips the given number of rows, or all remaining rows if there are fewer.
+    /// Skips the given number of rows. If fewer rows remain, all remaining rows are skipped.
     ///
     /// # Errors
     ///
-    /// The errors of [`next`](Self::next).
+    /// Returns the same errors as [`next`](Self::next).
     fn skip(&mut self, rows: u64) -> Result<(), TableError> {
         const AT_ONCE: u64 = 65_536;
         let mut left = rows;
@@ -42,15 +42,15 @@ pub trait Source: Send {
     }
 }
 
-/// Points that are generated on demand: a grid or random points.
+/// A set of points that are calculated when they are needed, such as a grid or random points.
 pub trait PointSet: Send {
-    /// Returns the inputs of the points.
+    /// Returns the inputs that the points specify.
     fn inputs(&self) -> Vec<InputKey>;
 
     /// Returns the number of points.
     fn count(&self) -> u64;
 
-    /// Appends the values of an input for the given rows.
+    /// Appends the values of the input with the given index to `to`, for the given rows.
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>);
 }
 
@@ -70,7 +70,7 @@ impl PointSet for Grid {
     }
 }
 
-/// A source of rows for generated points.
+/// A source whose rows are calculated points, such as a grid or random points.
 #[derive(Debug, Clone)]
 pub struct PointSource<P> {
     points: P,
@@ -78,7 +78,7 @@ pub struct PointSource<P> {
     at: u64,
 }
 
-/// A source of rows for a grid. The last axis of the grid varies fastest.
+/// A source whose rows are the points of a grid. The last axis of the grid varies fastest.
 pub type GridSource = PointSource<Grid>;
 
 impl<P: PointSet> PointSource<P> {

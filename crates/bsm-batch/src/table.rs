@@ -1,4 +1,4 @@
-//! Tables. The file format is determined by the file extension.
+//! Reads and writes tables. The extension of the file name determines the file format.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Write};
@@ -15,22 +15,23 @@ use crate::rows::{Answers, Chunk, numbers};
 use crate::text::TextSink;
 use crate::{AnswerSink, CsvSource, JsonSource, ParquetSource, Source, TableError, TableFormat};
 
-/// Key in the metadata of a Parquet table. Its value describes the origin of the table as JSON.
+/// Key in the metadata of a Parquet table. Its value is JSON that describes how the table was
+/// calculated.
 pub const ABOUT: &str = "bsm";
 
 /// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// CSV: text with separated cells.
+    /// A text file in which separators divide the lines into cells.
     Csv,
-    /// JSON Lines: one JSON object per line.
+    /// A text file with one JSON object per line.
     JsonLines,
-    /// Parquet: binary columns.
+    /// A binary file that stores the values of each column together.
     Parquet,
 }
 
 impl Format {
-    /// Returns the format for the file extension, or `None` if the extension is unknown.
+    /// Returns the format for the extension of a file name, or `None` if the extension is unknown.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -41,15 +42,15 @@ impl Format {
         }
     }
 
-    /// Opens a table of this format and returns its rows.
+    /// Opens a table of this format, and returns a source of its rows.
     ///
-    /// * `table_format`: assignment of column names to inputs, and the separators and decimal sign
-    ///   of a text file.
+    /// * `table_format`: assignment of column names to inputs; for text files, also the separator
+    ///   and the decimal sign.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the file cannot be opened, or if a column is neither an input nor in
-    /// `keep`.
+    /// Returns [`TableError`] if the file cannot be opened, or if a column is neither an input nor
+    /// in `keep`.
     pub fn open(
         self,
         path: &Path,
@@ -68,18 +69,18 @@ impl Format {
     }
 }
 
-/// Header of a column in a table that does not contain solved points.
+/// Name, unit and type of a column in a table that does not contain solved points.
 #[derive(Debug, Clone, Copy)]
 pub struct TableHead<'a> {
     /// Column name.
     pub name: &'a str,
     /// Unit of the column as text.
     pub unit: &'a str,
-    /// True for a text column.
+    /// True if the column contains text instead of numbers.
     pub is_text: bool,
 }
 
-/// A CSV, JSON Lines or Parquet table that is being written.
+/// Writes a CSV, JSON Lines or Parquet table.
 pub struct TableSink<W: Write + Send> {
     schema: SchemaRef,
     outputs: Vec<&'static Output>,
@@ -92,14 +93,14 @@ enum Form<W: Write + Send> {
 }
 
 impl<W: Write + Send> TableSink<W> {
-    /// Starts a table and writes its column names: first the columns of the source, then model,
-    /// status, message and outputs.
+    /// Starts a table and writes its column names. The columns are the columns of the source,
+    /// followed by model, status, message and the outputs.
     ///
-    /// * `table_format`: separators and decimal sign of a CSV file.
+    /// * `table_format`: separator and decimal sign of a CSV file.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the table cannot be written.
+    /// Returns [`TableError`] if the table cannot be written.
     pub fn new(
         format: Format,
         out: W,
@@ -110,11 +111,11 @@ impl<W: Write + Send> TableSink<W> {
         Self::with_schema(format, out, (columns.schema(outputs), outputs), table_format)
     }
 
-    /// Works like [`new`](Self::new), with other names and units of the columns.
+    /// Starts a table like [`new`](Self::new), but with the names and units in `schema`.
     ///
     /// # Errors
     ///
-    /// [`TableError`].
+    /// Returns [`TableError`] if the table cannot be written.
     pub fn with_schema(
         format: Format,
         out: W,
@@ -125,11 +126,11 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 
-    /// Starts a table that does not contain solved points.
+    /// Starts a table whose rows are not solved points.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the table cannot be written.
+    /// Returns [`TableError`] if the table cannot be written.
     pub fn of_columns<'a>(
         format: Format,
         out: W,
@@ -156,11 +157,12 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { schema, outputs: Vec::new(), file })
     }
 
-    /// Writes rows that are given as columns of equal length.
+    /// Writes rows. The values of each column are given as a list, and all lists have the same
+    /// length.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the rows cannot be written.
+    /// Returns [`TableError`] if the rows cannot be written.
     pub fn write_columns(&mut self, columns: Vec<ColumnValues>) -> Result<(), TableError> {
         let arrays = columns.into_iter().map(|values| match values {
             ColumnValues::Numbers(values) => Arc::new(numbers(values)) as ArrayRef,
@@ -177,20 +179,21 @@ impl<W: Write + Send> TableSink<W> {
         }
     }
 
-    /// Writes the end of the table and returns the writer.
+    /// Writes the remaining rows and the end of the table, and returns the underlying writer.
     ///
-    /// * `about`: description of the table's origin, which is stored in the metadata of a Parquet
-    ///   file with the key [`ABOUT`].
+    /// * `about`: description of how the table was calculated. It is stored in the metadata of a
+    ///   Parquet file with the key [`ABOUT`].
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the end of the table cannot be written.
+    /// Returns [`TableError`] if the end of the table cannot be written.
     pub fn finish(self, about: Option<&str>) -> Result<W, TableError> {
         self.finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect())
     }
 
-    /// Same as [`finish`](Self::finish), but writes several metadata keys to a Parquet file. `keys`
-    /// is called after everything before the footer has been written.
+    /// Finishes a table like [`finish`](Self::finish), but writes several metadata keys to a
+    /// Parquet file. The function `keys` is called after everything before the footer has been
+    /// written.
     pub(crate) fn finish_with(
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
@@ -209,7 +212,7 @@ impl<W: Write + Send> AnswerSink for TableSink<W> {
     }
 }
 
-/// A sink that keeps results in memory, with one table for each chunk.
+/// A sink that stores the results in memory, as one table per chunk.
 pub(crate) struct MemorySink {
     pub(crate) schema: SchemaRef,
     pub(crate) tables: Vec<RecordBatch>,

@@ -1,30 +1,31 @@
-//! The task that is performed for each row of a table.
+//! The calculation that is carried out for each row of a table.
 
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Output, Settings};
 
 use crate::Columns;
 
-/// Settings that apply to all rows of a table.
+/// The calculation for the rows of a table: base case, settings and outputs.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// Base case: values of the inputs that are not table columns.
+    /// Base case, which contains the values of all inputs that are not columns of the table.
     pub base: Case,
-    /// Model and model settings.
+    /// Model, and settings of the model.
     pub settings: Settings,
-    /// Outputs that are written for each row.
+    /// Outputs that are written to the table of results.
     pub outputs: Vec<&'static Output>,
-    /// An output that is displayed but not written. In the results, its column is the last one.
+    /// An output that is calculated for display but is not written. It is the last column of the
+    /// results.
     pub watched: Option<&'static Output>,
-    /// Requested outputs that are also input columns of the table, such as a temperature. In rows
-    /// where the input is missing, the calculated value is filled in.
+    /// Requested outputs that are also input columns of the table, such as a temperature. If the
+    /// input is missing in a row, the calculated value is written instead.
     pub filled: Vec<&'static Output>,
     /// True if the groove is estimated separately for each row, because the estimate depends on a
-    /// column.
+    /// column of the table.
     pub estimates_rows: bool,
 }
 
-/// Divides outputs into outputs that are not input columns of the table and outputs that are also
-/// input columns, such as a temperature.
+/// Divides the requested outputs into two lists: outputs that are not input columns of the table,
+/// and outputs that are also input columns, such as a temperature.
 fn besides(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
@@ -38,15 +39,15 @@ impl Task {
         Self { base, settings, outputs, watched: None, filled: Vec::new(), estimates_rows: false }
     }
 
-    /// Returns true if the points must be solved. Otherwise all outputs can be read from the
-    /// inputs.
+    /// Returns true if the outputs require a solution of each row. Otherwise, they can be
+    /// calculated from the inputs alone.
     pub(crate) fn solves(&self) -> bool {
         let mut outputs = self.outputs.iter().copied().chain(self.watched);
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
     }
 
-    /// Prepares the estimation of the groove if it is not fully specified. The groove is estimated
-    /// once for the base case, or separately for each row if a column changes the estimate.
+    /// Decides how the groove is estimated if it is not fully specified. It is estimated once for
+    /// the base case or, if a column changes the estimate, separately for each row.
     fn with_groove(mut self, columns: InputSet) -> Result<Self, CaseError> {
         if columns.changes_groove() {
             self.base = self.base.without_estimates();
@@ -58,19 +59,19 @@ impl Task {
         Ok(self)
     }
 
-    /// Returns a note about the estimated groove, or `None` if the groove is given.
+    /// Returns a note about the estimated groove, or `None` if the groove is fully specified.
     pub fn groove_note(&self) -> Option<String> {
         if self.estimates_rows {
-            let note = "The groove of each row that does not give it in full is estimated from the load ratings. Columns with `low` or \
+            let note = "In rows that do not specify the groove completely, the groove is estimated from the load ratings. Columns with `low` or \
                         `high` before the unit contain 90 % intervals over the possible grooves.";
             return Some(note.to_owned());
         }
         self.base.groove_note()
     }
 
-    /// Returns the case with a given or estimated groove. If the groove cannot be estimated, the
-    /// case is returned without a groove, provided that the requested results concern only the axis
-    /// and need no groove.
+    /// Returns the case with its groove, which is estimated if it is not given. If the groove
+    /// cannot be estimated, the case is returned without a groove, provided that all outputs are
+    /// results of the axis that do not depend on the groove.
     pub(crate) fn groove_of(&self, case: &Case) -> Result<Case, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         match case.with_groove() {
@@ -84,8 +85,8 @@ impl Task {
         }
     }
 
-    /// If an output depends on the motion of the ball, selects one model for all points and
-    /// outputs.
+    /// Selects a single model for all rows and outputs if an output depends on the motion of the
+    /// ball.
     fn of_motion(mut self, given: InputSet) -> Self {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
@@ -94,22 +95,22 @@ impl Task {
         self
     }
 
-    /// Checks that all outputs can be calculated for points with the inputs `given` and the model
-    /// `model`, and returns the task.
+    /// Returns this task if all outputs can be calculated with the model `model` for points with
+    /// the inputs `given`.
     fn checked(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         outputs.try_for_each(|output| output.check(&self.base, given, model))?;
         Ok(self)
     }
 
-    /// Returns a task that solves all points of a grid with one model. Required inputs must be
-    /// given by the base case or the grid.
+    /// Returns a task that solves all points of a grid with the same model. The base case or the
+    /// grid must specify all required inputs.
     ///
-    /// * `watched`: an output that is displayed but not written.
+    /// * `watched`: output that is displayed but not written.
     ///
     /// # Errors
     ///
-    /// The errors of [`Grid::choose`] and of [`Output::check`].
+    /// Returns the same errors as [`Grid::choose`] and [`Output::check`].
     pub fn over_grid(
         base: Case,
         settings: Settings,
@@ -131,13 +132,13 @@ impl Task {
         task.checked(given, model)
     }
 
-    /// Returns a task for the rows of a table. Required inputs must be given by the base case or by
-    /// a column.
+    /// Returns a task that solves the rows of a table. The base case or a column must specify each
+    /// required input.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if an input of the model is neither in the base case nor a column, and
-    /// the errors of [`Output::check`].
+    /// Returns [`CaseError::Entry`] if an input that the model requires is neither in the base case
+    /// nor a column, or an error of [`Output::check`].
     pub fn over_table(
         base: Case,
         settings: Settings,

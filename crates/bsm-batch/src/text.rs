@@ -1,4 +1,4 @@
-//! Text tables: CSV and JSON Lines.
+//! Reads and writes text tables, which are CSV or JSON Lines files.
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -17,7 +17,7 @@ use crate::columns::{Columns, is_answer};
 use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat};
 
-/// Parses the text of a cell.
+/// Parses the text of a table cell.
 fn parse(text: &str, decimal: char) -> Cell<'_> {
     let text = text.trim();
     if text.is_empty() {
@@ -32,14 +32,14 @@ fn parse(text: &str, decimal: char) -> Cell<'_> {
 pub struct CsvSource<R> {
     lines: Lines<R>,
     columns: Columns,
-    /// Destination of each cell of a line.
+    /// For each cell of a line, the input or the copied column to which the cell belongs.
     targets: Vec<CellTarget>,
     delimiter: char,
     decimal: char,
     row: u64,
 }
 
-/// Destination of a cell.
+/// Input or copied column to which a cell belongs.
 #[derive(Debug, Clone, Copy)]
 enum CellTarget {
     Nothing,
@@ -48,13 +48,13 @@ enum CellTarget {
 }
 
 impl<R: Read> CsvSource<R> {
-    /// Reads the column names.
+    /// Reads the first line of the table, which contains the column names.
     ///
     /// * `table_format`: separators, decimal sign and column names.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a column is neither an input nor in `keep`.
+    /// Returns [`TableError`] if a column is neither an input nor in `keep`.
     pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let TableFormat { delimiter, decimal, .. } = *table_format;
         let mut lines = Lines::new(reader);
@@ -87,8 +87,8 @@ impl<R: Read + Send> Source for CsvSource<R> {
         let Self { lines, columns, targets, delimiter, decimal, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
-        // In a table with a single text column, a cell may be a space; in other tables, a row may
-        // consist of delimiters only.
+        // In a table with a single text column, a line of spaces is a row with one cell. In all
+        // other tables, a line of delimiters is a row of empty cells.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
         while chunk.len() < rows && text < MAX_TEXT_BYTES {
             let line = lines.number() + 1;
@@ -111,11 +111,11 @@ impl<R: Read + Send> Source for CsvSource<R> {
     }
 }
 
-/// A JSON object whose keys keep their order.
+/// A JSON object whose keys are kept in their original order.
 type Object = Vec<(String, Value)>;
 
-/// Reads the rows of a JSON Lines table, with one object per line. The first object defines the
-/// columns; later objects may omit some of them.
+/// Reads the rows of a JSON Lines table, which has one JSON object per line. The first object
+/// defines the columns; later objects may omit some of its keys.
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,
@@ -124,14 +124,14 @@ pub struct JsonSource<R> {
 }
 
 impl<R: Read> JsonSource<R> {
-    /// Reads the first line of the table.
+    /// Reads the first line of the table, whose keys are the column names.
     ///
     /// * `table_format`: assignment of column names to inputs.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the first line is not an object, or if a key is neither an input nor in
-    /// `keep`.
+    /// Returns [`TableError`] if the first line is not an object, or if a key is neither an input
+    /// nor in `keep`.
     pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or_else(TableError::no_header)?;
@@ -140,7 +140,7 @@ impl<R: Read> JsonSource<R> {
     }
 }
 
-/// Returns the object in the next line and the length of the line.
+/// Returns the JSON object in the next line, and the length of the line.
 fn object<R: Read>(lines: &mut Lines<R>) -> Result<Option<(Object, usize)>, TableError> {
     let Some(text) = lines.next_line()? else { return Ok(None) };
     let (read, length) = (entries(text.as_bytes()), text.len());
@@ -182,14 +182,14 @@ impl<R: Read + Send> Source for JsonSource<R> {
                     Some(other) => chunk.keep(index, Some(&other.to_string())),
                 }
             }
-            // An output of an earlier run may have the same name as an input. Such a column is read
-            // as an input only if it appears in the first line.
+            // An output of an earlier run may have the same name as an input. A key with such a
+            // name is read as an input only if it occurs in the first line.
             let passed_over = |name: &String| {
                 columns.unread.contains(name) || is_answer(name) && InputKey::in_unit(name).is_err()
             };
             if let Some(name) = object.keys().find(|name| !passed_over(name)) {
                 let (line, name) = (lines.number(), brief(name));
-                let message = format!("line {line}: `{name}` is not in the first line");
+                let message = format!("line {line}: key `{name}` is not in the first line");
                 return Err(TableError::Malformed(message));
             }
             chunk.end_row();
@@ -200,22 +200,22 @@ impl<R: Read + Send> Source for JsonSource<R> {
     }
 }
 
-/// Number of rows that a thread converts to text at a time (one slice).
+/// Number of rows that a thread converts to text at a time. These rows are called a slice.
 const SLICE_ROWS: usize = 512;
 
-/// Maximum number of slices whose text is in memory at the same time.
+/// Maximum number of slices whose text is held in memory at the same time.
 const SLICES: usize = 32;
 
-/// Text format of the rows.
+/// Format in which rows are written as text.
 enum RowForm {
     Csv {
-        /// Writer settings, boxed because of their size.
+        /// Settings of the CSV writer, in a `Box` because they are large.
         writer: Box<WriterBuilder>,
-        /// Decimal sign.
+        /// Character that is written as the decimal sign.
         decimal: u8,
     },
     JsonLines {
-        /// Text before each cell: a brace or comma, and the column name.
+        /// Text that precedes each cell: an opening brace or a comma, followed by the column name.
         before: Vec<Vec<u8>>,
     },
 }
@@ -229,7 +229,7 @@ impl RowForm {
     }
 }
 
-/// Returns rows as CSV text.
+/// Converts rows to CSV text.
 fn csv_rows(
     writer: &WriterBuilder,
     decimal: u8,
@@ -263,7 +263,7 @@ fn csv_rows(
     Ok(to)
 }
 
-/// Returns rows as JSON objects, with one object per line.
+/// Converts rows to JSON Lines text, with one JSON object per line.
 fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
     let mut to = Vec::new();
     for row in rows {
@@ -282,7 +282,7 @@ fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::R
     Ok(to)
 }
 
-/// A CSV or JSON Lines table that is being written.
+/// Writes a CSV or JSON Lines table.
 pub(crate) struct TextSink<W> {
     writer: W,
     form: RowForm,
@@ -317,7 +317,8 @@ impl<W: Write> TextSink<W> {
         Self { writer, form: RowForm::JsonLines { before } }
     }
 
-    /// Writes the rows of a chunk. Rows are converted to text in parallel and written in order.
+    /// Writes the rows of a chunk. The rows are converted to text in parallel, and are written in
+    /// their original order.
     pub(crate) fn write(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
         let (cells, rows, form) = (Cells::of(table, chunk)?, table.num_rows(), &self.form);
         for first in (0..rows).step_by(SLICE_ROWS * SLICES) {
@@ -331,7 +332,7 @@ impl<W: Write> TextSink<W> {
         Ok(())
     }
 
-    /// Flushes and returns the writer.
+    /// Flushes the underlying writer and returns it.
     pub(crate) fn finish(mut self) -> Result<W, TableError> {
         self.writer.flush()?;
         Ok(self.writer)

@@ -1,6 +1,6 @@
-//! Model selection by error bounds for lanes, Eqs (A2) to (A5). Rows with skidding balls are
-//! collected and solved side by side. Rows that require the traction model are passed to the scalar
-//! solver.
+//! Model selection by error bounds, vectorized over the points of a block, Eqs (A2) to (A5). Rows
+//! with skidding balls are collected and solved together. Rows that require the traction model are
+//! left to the scalar solver.
 
 use std::iter::repeat_with;
 
@@ -18,15 +18,16 @@ use crate::kernel::{Kernel, OutputColumn, RowChoice, RowKernel, Rows, Selection,
 use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
-/// Additional outputs that the model selection requires.
+/// Outputs that the model selection requires in addition to the requested outputs.
 const REQUIRED: [OutputKey; 1] = [OutputKey::efficiency];
 
-/// Outputs of raceway control that are kept if the result comes from the gross-slip model.
+/// Outputs that keep their values from the raceway-control model if all other results come from the
+/// gross-slip model.
 const RETAINED: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
 
 /// Solves all rows for which the raceway-control kernel or the gross-slip kernel meets the
-/// tolerance, and returns the reasons for the selected models. All other rows are passed to the
-/// scalar solver.
+/// tolerance. Returns the selected model of each of these rows, with the reason for its selection.
+/// All other rows are left to the scalar solver.
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
     let rolling = arch.dispatch(RollingRows(&mut rows));
     let selection = rows.wanted.with(&REQUIRED, rows.columns.len());
@@ -37,7 +38,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
             Some(basis @ Basis::Rolling { .. }) if ball.is_unique => {
                 auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);
             }
-            // Only the scalar solver can search for further solutions.
+            // Further solutions may exist, and only the scalar solver can search for them.
             Some(Basis::Rolling { .. }) | None => {}
             Some(basis) => skidding.push((ball, basis)),
         }
@@ -56,18 +57,18 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
     auto.chosen
 }
 
-/// Rows for which a model is selected.
+/// Table rows for which `auto` selects a model.
 struct AutoRows<'a, 'b> {
     rows: Rows<'a, 'b>,
-    /// Requested outputs and outputs that the model selection requires.
+    /// Requested outputs, and outputs that the model selection requires.
     selection: Selection,
     /// Largest permitted error of the efficiency.
     tolerance: f64,
-    /// Selected models of the solved rows.
+    /// Selected model of each solved row.
     chosen: Vec<RowChoice>,
 }
 
-/// Results of a kernel for a subset of the rows.
+/// Results of a kernel for some of the rows.
 struct Group {
     columns: Vec<OutputColumn<'static>>,
     /// Index of the efficiency column.
@@ -84,7 +85,7 @@ impl Group {
 }
 
 impl AutoRows<'_, '_> {
-    /// Solves a subset of the rows with a kernel.
+    /// Solves the rows of the given balls with a kernel.
     fn solve_group<'c>(
         &self,
         balls: impl Iterator<Item = &'c RollingRow>,
@@ -103,7 +104,8 @@ impl AutoRows<'_, '_> {
         Group { columns, efficiency, done }
     }
 
-    /// Copies the results of a kernel for one row, except for the retained outputs.
+    /// Copies the results of a kernel for one row into the output columns. Outputs in `retained`
+    /// are not overwritten.
     fn copy(&mut self, ball: &RollingRow, (group, i): (&Group, usize), retained: &[OutputKey]) {
         let retained = retained.iter().filter_map(|key| self.rows.wanted.index(*key));
         let retained: Vec<_> = retained.collect();
@@ -135,7 +137,7 @@ impl AutoRows<'_, '_> {
 /// A row whose ball rolls according to the raceway-control model.
 struct RollingRow {
     row: usize,
-    /// Relative speed `$W$`.
+    /// Relative speed between screw and nut, `$W$`.
     speed: f64,
     efficiency: f64,
     errors: ModelErrors,
@@ -143,7 +145,8 @@ struct RollingRow {
     is_unique: bool,
 }
 
-/// Solves rows with the raceway-control model and returns the solved rows with their error bounds.
+/// Function object that solves rows with the raceway-control model and returns the solved rows with
+/// their error bounds.
 struct RollingRows<'a, 'b, 'c>(&'c mut Rows<'a, 'b>);
 
 impl WithSimd for RollingRows<'_, '_, '_> {

@@ -1,4 +1,4 @@
-//! Closed-form model for lanes, Eqs (C1) to (C11).
+//! Closed-form model, vectorized over the points of a block, Eqs (C1) to (C11).
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};
@@ -35,15 +35,16 @@ impl Kernel for ClosedFormKernel {
     }
 }
 
-/// Returns a mask that is true for points at which the load back-drives the screw. If the speed is
-/// unknown, the mask is false.
+/// Returns a mask that is true for points at which the load back-drives the screw. If the speeds
+/// are missing, the mask is false for all points.
 #[inline(always)]
 pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
     given.drive().map_or(zero.mask(false), |drive| drive.relative_speed().lt(zero))
 }
 
-/// Returns dimensions and load of the screw, or `None` if an input is missing.
+/// Returns pitch circle radius, load and speed of the screw, or `None` if radius or load is
+/// missing.
 #[inline(always)]
 pub(super) fn screw_size<S: Simd>(given: &LaneInputs<'_, S>) -> Option<ScrewSize<Lane<S>>> {
     let pitch_radius = given.try_get(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM);

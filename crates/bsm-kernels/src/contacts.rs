@@ -1,5 +1,5 @@
-//! Ball between elastic raceways for lanes, with its reference units and the outputs for its
-//! contacts.
+//! A ball between elastic raceways, vectorized over the points of a block: dimensionless
+//! quantities, and outputs for the contacts.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
@@ -10,17 +10,17 @@ use crate::kernel::Sink;
 use crate::operand::{Lane, LaneInputs};
 use crate::units::{Units, modulus};
 
-/// Ball and contacts of each point in a lane, with quantities divided by ball radius, axial load
+/// Ball and contacts at each point of a block. Quantities are divided by ball radius, axial load
 /// per ball and relative speed.
 pub(super) type Contacts<S> = BallContacts<Lane<S>>;
 
-/// A loaded contact of each point in a lane, in the same units as [`Contacts`].
+/// A loaded contact at each point of a block, in the same units as [`Contacts`].
 pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
 
-/// Function object that reads a lane of points in SI units and converts it to dimensionless units.
-/// It is compiled as a separate function because three kernels share it.
+/// Function object that reads the inputs of a block of points in SI units and converts them to
+/// dimensionless quantities. It is compiled as a separate function because three kernels share it.
 ///
-/// It is a type instead of a closure, because a closure would be called through a shim that is
+/// A closure cannot replace this type, because closures are called through a function that is
 /// compiled for another instruction set.
 pub(super) struct UnitsCall<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
 
@@ -43,7 +43,8 @@ impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
     }
 }
 
-/// Outputs for the contact angles, each of which requires an arctangent.
+/// Contact-angle outputs. They are calculated only on request, because each angle requires an
+/// arctangent.
 const ANGLES: [OutputKey; 2] =
     [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
 

@@ -1,4 +1,4 @@
-//! Elastic model for lanes.
+//! Elastic model, vectorized over the points of a block.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
@@ -59,11 +59,11 @@ impl Kernel for ElasticKernel {
     }
 }
 
-/// Function object that solves the elastic model directly. It is compiled as a separate function
-/// because its code is long.
+/// Function object that calculates the direct solution of the elastic model. It is compiled as a
+/// separate function because its code is long.
 struct GrossSlipCall<'a, S: Simd> {
     contacts: &'a Contacts<S>,
-    /// Friction coefficient with the sign of the speed.
+    /// Friction coefficient, with the sign of the relative speed.
     friction: Lane<S>,
 }
 

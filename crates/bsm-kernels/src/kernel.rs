@@ -1,4 +1,4 @@
-//! Trait of the kernels, and the rows of a table that a kernel solves.
+//! The trait that all kernels implement, and the table rows that a kernel solves.
 
 use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
 use bsm_dyn::{Model, SteadyState, model::Choice};
@@ -6,22 +6,23 @@ use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
 
-/// A model that can be solved directly for lanes of points.
+/// A model that can be solved directly for a block of points. A block consists of the points in one
+/// [`Lane`].
 pub(crate) trait Kernel {
     /// Model that the kernel solves.
     const MODEL: Model;
 
-    /// Solves a lane of points, stores the requested outputs, and returns a mask that is true for
+    /// Solves a block of points, stores the requested outputs, and returns a mask that is true for
     /// the solved points.
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S>;
 }
 
-/// Requested outputs with the indices of their columns.
+/// Requested outputs, with the index of the column for each output.
 #[derive(Debug, Clone)]
 pub struct Selection([Option<usize>; OUTPUTS.len()]);
 
 impl Selection {
-    /// Creates a selection from outputs in the order of their columns.
+    /// Creates a selection from outputs that are given in the order of their columns.
     pub fn of(outputs: &[&Output]) -> Self {
         let mut indices = [None; OUTPUTS.len()];
         for (index, output) in outputs.iter().enumerate() {
@@ -32,8 +33,8 @@ impl Selection {
         Self(indices)
     }
 
-    /// Returns the selection with missing outputs added. The columns of added outputs follow the
-    /// first `len` columns.
+    /// Returns a selection that also contains the outputs `keys`. Outputs that were not yet
+    /// selected get columns after the first `len` columns.
     pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
         let mut this = self.clone();
         let missing = keys.iter().filter(|key| self.index(**key).is_none());
@@ -49,28 +50,28 @@ impl Selection {
     }
 }
 
-/// Column with the values of an output for some rows. Missing values are NaN.
+/// Values of one output for several rows. Missing values are NaN.
 #[derive(Debug)]
 pub enum OutputColumn<'a> {
-    /// Memory provided by the caller, which initially must contain only NaN.
+    /// Buffer that the caller provides. It must contain only NaN at the beginning.
     Given(&'a mut [f64]),
-    /// Memory that is allocated when the first value is stored. Most outputs belong to other models
-    /// and never require memory.
+    /// Buffer that is allocated when the first value is stored. Outputs that the model does not
+    /// calculate, which are the majority, never need a buffer.
     OnDemand {
-        /// Number of rows.
+        /// Number of rows in the column.
         rows: usize,
-        /// Values of all rows; empty before the first value is stored.
+        /// Values of all rows. The vector is empty until the first value is stored.
         values: Vec<f64>,
     },
 }
 
 impl OutputColumn<'_> {
-    /// Creates a column that does not own any memory yet.
+    /// Creates a column without allocating its buffer.
     pub fn on_demand(rows: usize) -> Self {
         Self::OnDemand { rows, values: Vec::new() }
     }
 
-    /// Returns the value of a row.
+    /// Returns the value of the output in a row.
     pub fn value(&self, row: usize) -> f64 {
         match self {
             Self::Given(values) => values[row],
@@ -78,7 +79,7 @@ impl OutputColumn<'_> {
         }
     }
 
-    /// Stores the value of a row.
+    /// Stores the value of the output in a row.
     pub fn set(&mut self, row: usize, value: f64) {
         if !value.is_nan() || self.is_allocated() {
             self.values_mut()[row] = value;
@@ -92,7 +93,7 @@ impl OutputColumn<'_> {
         }
     }
 
-    /// Returns the values of all rows, and allocates their memory if necessary.
+    /// Returns the values of all rows, after allocating the buffer if necessary.
     #[inline(always)]
     pub(crate) fn values_mut(&mut self) -> &mut [f64] {
         match self {
@@ -107,25 +108,25 @@ impl OutputColumn<'_> {
     }
 }
 
-/// Destination for the outputs of a lane of points.
+/// Output columns, together with the row at which the results of a block of points are stored.
 pub(crate) struct Sink<'a, 'b> {
-    /// Requested outputs with the indices of their columns.
+    /// Requested outputs, with the index of the column for each output.
     pub(crate) wanted: &'a Selection,
     /// Columns in which the outputs are stored.
     pub(crate) columns: &'a mut [OutputColumn<'b>],
-    /// Row index of the first point in the lane.
+    /// Row index of the first point in the block.
     pub(crate) row: usize,
 }
 
 impl Sink<'_, '_> {
-    /// Returns true if any of the given outputs is requested. This lets a kernel skip expensive
-    /// quantities.
+    /// Returns true if any of the given outputs is requested. Kernels use this function to skip
+    /// expensive calculations.
     #[inline(always)]
     pub(crate) fn wants(&self, keys: &[OutputKey]) -> bool {
         keys.iter().any(|key| self.wanted.index(*key).is_some())
     }
 
-    /// Stores the values of an output, in the unit of this output.
+    /// Stores the values of an output at all points of the block, in the unit of the output.
     #[inline(always)]
     pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
         if let Some(index) = self.wanted.index(key) {
@@ -147,29 +148,30 @@ impl Sink<'_, '_> {
     }
 }
 
-/// Consecutive rows of a chunk, together with the memory for their results.
+/// Consecutive rows of a chunk, together with the buffers for their results.
 #[derive(Debug)]
 pub struct Rows<'a, 'b> {
     /// Inputs of all rows in the chunk.
     pub inputs: &'a InputColumns<'a>,
-    /// Requested outputs with the indices of their columns.
+    /// Requested outputs, with the index of the column for each output.
     pub wanted: &'a Selection,
-    /// Index of the first of these rows in the chunk.
+    /// Index, within the chunk, of the first of these rows.
     pub first: usize,
-    /// Output columns, which cover only these rows.
+    /// Output columns, which contain only these rows.
     pub columns: &'a mut [OutputColumn<'b>],
-    /// True for each row that has been solved.
+    /// Flags of the rows, true for each row that has been solved.
     pub done: &'a mut [bool],
 }
 
-/// Model that `auto` selected for a row by its error bounds, with the reason for the selection.
+/// Model that `auto` selected for a row according to its error bounds, with the reason for the
+/// selection.
 #[derive(Debug, Clone, Copy)]
 pub struct RowChoice {
     /// Index of the row in [`Rows`].
     pub row: usize,
-    /// Reason for the selection.
+    /// Reason why this model was selected.
     pub choice: Choice,
-    /// Error bound of the efficiency.
+    /// Upper bound of the efficiency error.
     pub bound: f64,
 }
 

@@ -1,9 +1,10 @@
-//! Vector kernels that solve the models for several points at a time, with the widest instruction
-//! set of the machine.
+//! Vectorized kernels, which solve the models for several points at a time, using the widest
+//! instruction set of the machine.
 //!
-//! A kernel evaluates the direct solution of its model for lanes. Rows that a kernel cannot solve
-//! are passed to the scalar solver, `Problem::solve` of `bsm-dyn`, which also generates the
-//! messages. Tests compare the results of kernels and models.
+//! A kernel calculates the direct solution of its model for a block of points, one SIMD element per
+//! point. Rows that a kernel cannot solve are left to the scalar solver, `Problem::solve` of
+//! `bsm-dyn`, which also generates the messages. Tests compare the results of the kernels with the
+//! results of the scalar solver.
 
 mod auto;
 mod closed_form;
@@ -32,7 +33,7 @@ pub use operand::{InputColumn, InputColumns, is_plain};
 
 impl Rows<'_, '_> {
     /// Solves all rows for which the model has a direct solution. For `auto`, returns the selected
-    /// model of each solved row; otherwise, returns an empty vector.
+    /// model of each solved row; for all other models, returns an empty vector.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),
@@ -52,8 +53,8 @@ impl Rows<'_, '_> {
             ModelChoice::Fixed(Model::Elastic) => {
                 arch.dispatch(RowKernel { kernel: ElasticKernel, rows: self });
             }
-            // Traction has no kernel, because the friction integrals of a single point already fill
-            // the lanes.
+            // The traction model has no kernel, because its friction integrals for a single point
+            // already use all elements of the SIMD vectors.
             ModelChoice::Fixed(Model::Traction) => {}
         }
         Vec::new()

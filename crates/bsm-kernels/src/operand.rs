@@ -1,4 +1,5 @@
-//! Inputs of many points for lanes, which come from columns or constants.
+//! Inputs of many points for the vectorized kernels. An input is a column with one value per point,
+//! or a constant.
 
 use std::borrow::Cow;
 
@@ -8,44 +9,46 @@ use bsm_dyn::{Model, angles::Sines, lubrication::Lubricant, model::RacewayFricti
 use bsm_kin::{Drive, Real};
 use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 
-/// Number of vectors per lane. According to benchmarks, this number is the fastest for the rigid
-/// model.
+/// Number of SIMD vectors per [`Lane`]. In benchmarks of the rigid model, this number is the
+/// fastest.
 const UNROLL: usize = 2;
 
 pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
 pub(crate) type Mask<S> = bsm_simd::Mask<S, UNROLL>;
 
-/// Maximum number of points in a lane.
+/// Maximum number of points in a block, which is the number of points in a [`Lane`] with the widest
+/// instruction set.
 pub(crate) const MANY: usize = UNROLL * BLOCK;
 
-/// Source of the values of an input.
+/// Values of one input at all points.
 #[derive(Debug)]
 pub enum InputColumn<'a> {
     /// No point has a value for the input.
     Absent,
-    /// All points have the same value, which has already been checked against the rule of the input
-    /// and is plain ([`is_plain`]).
+    /// All points have the same value. The value already satisfies the rule of the input and is
+    /// plain ([`is_plain`]).
     Constant(f64),
-    /// Each point has its own value, which must be checked against the rule.
+    /// Each point has its own value. The kernel must check the values against the rule of the
+    /// input.
     Column(Rule, Cow<'a, [f64]>),
 }
 
-/// Inputs of several points for one model.
+/// Inputs that one model needs at several points.
 #[derive(Debug)]
 pub struct InputColumns<'a> {
     inputs: [InputColumn<'a>; INPUTS.len()],
-    /// Indices of all inputs that are columns.
+    /// Indices of all inputs that have a value for each point.
     columns: Vec<usize>,
-    /// Lubricant without its temperature, and the method for raceway friction; `None` for a
-    /// constant friction coefficient.
+    /// Lubricant (without its temperature) and method for calculating the raceway friction; `None`
+    /// for a constant friction coefficient.
     pub(crate) lubricant: Option<(Lubricant, RacewayFriction)>,
 }
 
 impl<'a> InputColumns<'a> {
-    /// Creates the columns from the inputs in the order of [`INPUTS`].
+    /// Creates the input columns from all inputs, in the order of [`INPUTS`].
     ///
-    /// * `lubricant`: lubricant without its temperature, and the method for raceway friction;
-    ///   `None` for a constant friction coefficient.
+    /// * `lubricant`: lubricant (without its temperature) and method for calculating the raceway
+    ///   friction; `None` for a constant friction coefficient.
     pub fn new(
         inputs: [InputColumn<'a>; INPUTS.len()],
         lubricant: Option<(Lubricant, RacewayFriction)>,
@@ -72,15 +75,14 @@ impl<'a> InputColumns<'a> {
     }
 }
 
-/// Minimum absolute value of a nonzero plain number, in any unit.
+/// Minimum absolute value of a plain number (see [`is_plain`]) other than zero, in any unit.
 const MIN_PLAIN: f64 = 1e-60;
 
-/// Maximum absolute value of a plain number, in any unit.
+/// Maximum absolute value of a plain number (see [`is_plain`]), in any unit.
 const MAX_PLAIN: f64 = 1e60;
 
-/// Returns true if the number is plain, which means that it is zero, or that products of a few such
-/// numbers neither overflow nor underflow. Points with other values are passed to the scalar
-/// solver.
+/// Returns true if a number is plain: it is zero, or its size is such that products of a few plain
+/// numbers neither overflow nor underflow. Points with other values are left to the scalar solver.
 #[inline(always)]
 pub fn is_plain<F: Real>(value: F) -> F::Mask {
     let size = value.abs();
@@ -88,23 +90,24 @@ pub fn is_plain<F: Real>(value: F) -> F::Mask {
         | (size.constant(MIN_PLAIN).le(size) & size.le(size.constant(MAX_PLAIN)))
 }
 
-/// Inputs of the points in one lane.
+/// Inputs of the points in one block.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneInputs<'a, S> {
     pub(crate) simd: S,
     pub(crate) inputs: &'a InputColumns<'a>,
-    /// Row index of the first point in the lane.
+    /// Row index of the first point in the block.
     pub(crate) row: usize,
 }
 
 impl<S: Simd> LaneInputs<'_, S> {
-    /// Loads the values of the points in the lane from a column.
+    /// Loads the values of the points in the block from a column.
     #[inline(always)]
     fn load(&self, values: &[f64]) -> Lane<S> {
         Lane::load(self.simd, &values[self.row..])
     }
 
-    /// Returns the values of an input, or `None` if no point has a value for it.
+    /// Returns the values of an input at the points of the block, or `None` if no point has a value
+    /// for this input.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
         match &self.inputs.inputs[key as usize] {
@@ -114,20 +117,21 @@ impl<S: Simd> LaneInputs<'_, S> {
         }
     }
 
-    /// Returns the values of an input that the model requires or that has a default, or NaN if
-    /// there is no value.
+    /// Returns the values of an input that has a default or that the model requires. The values are
+    /// NaN if the input is missing.
     #[inline(always)]
     pub(crate) fn get(&self, key: InputKey) -> Lane<S> {
         self.try_get(key).unwrap_or(Lane::splat(self.simd, f64::NAN))
     }
 
-    /// Returns sine and cosine of an angle between 0 and 90 degrees.
+    /// Returns sine and cosine of an input that is an angle between 0 and 90 degrees.
     #[inline(always)]
     pub(crate) fn sin_cos(&self, key: InputKey) -> (Lane<S>, Lane<S>) {
         (self.get(key) * DEG).sin_cos_first_quadrant()
     }
 
-    /// Returns sine and cosine of the lead angle, calculated from the angle or from the lead.
+    /// Returns sine and cosine of the lead angle. The lead angle is an input or is calculated from
+    /// the lead.
     #[inline(always)]
     pub(crate) fn lead(&self) -> (Lane<S>, Lane<S>) {
         if self.try_get(InputKey::lead_angle_deg).is_some() {
@@ -154,14 +158,14 @@ impl<S: Simd> LaneInputs<'_, S> {
         Some(drive_of_rpm(screw, self.get(InputKey::nut_speed_rpm)))
     }
 
-    /// Returns a mask that is true for points that the kernel may solve. Their values satisfy the
-    /// rules for single inputs and for combinations of inputs, and they are within the range of the
-    /// model.
+    /// Returns a mask that is true for points that the kernel may solve. The inputs of these points
+    /// satisfy the rules for single inputs and for combinations of inputs, and are within the range
+    /// of the model.
     #[inline(always)]
     fn valid(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
         let mut valid = zero.mask(true);
-        // Constants have already been checked.
+        // Only columns are checked here, because constants were checked when they were read.
         for index in &self.inputs.columns {
             let InputColumn::Column(rule, values) = &self.inputs.inputs[*index] else { continue };
             let x = self.load(values);
@@ -179,8 +183,8 @@ impl<S: Simd> LaneInputs<'_, S> {
     }
 }
 
-/// Function object for [`LaneInputs::valid`]. It is compiled as a separate function because all
-/// kernels share it.
+/// Function object that calls [`LaneInputs::valid`]. It is compiled as a separate function because
+/// all kernels share it.
 pub(crate) struct ValidCall<'a, 'b, S> {
     pub(crate) given: &'a LaneInputs<'b, S>,
     pub(crate) model: Model,

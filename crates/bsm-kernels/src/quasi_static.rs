@@ -1,4 +1,4 @@
-//! Quasi-static model for lanes, Eqs (Q1) to (Q4).
+//! Quasi-static model, vectorized over the points of a block, Eqs (Q1) to (Q4).
 
 use bsm_case::InputKey;
 use bsm_case::units::DEG;

@@ -1,4 +1,4 @@
-//! Raceway-control model for lanes.
+//! Raceway-control model, vectorized over the points of a block.
 
 mod friction;
 mod oil;
@@ -19,17 +19,17 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-/// Result of the direct solution for a lane of points.
+/// Direct solution at each point of a block.
 pub(super) type RollingRoot<S> = bsm_dyn::internals::RollingRoot<Lane<S>>;
 
-/// Motion of the rolling balls in a lane.
+/// Motion of the rolling ball at each point of a block.
 pub(super) type RollingMotion<S> = bsm_dyn::internals::RollingMotion<Lane<S>>;
 
-/// Function object that solves the raceway-control model directly. It is compiled as a separate
-/// function because two kernels share it.
+/// Function object that calculates the direct solution of the raceway-control model. It is compiled
+/// as a separate function because two kernels share it.
 pub(super) struct RollingCall<'a, S: Simd> {
     pub(super) contacts: &'a Contacts<S>,
-    /// Controlling raceway; if `None`, it is selected by (W7).
+    /// Controlling raceway. If it is `None`, (W7) determines the controlling raceway.
     pub(super) control: Option<Control>,
 }
 
@@ -43,7 +43,7 @@ impl<S: Simd> NullaryFnOnce for RollingCall<'_, S> {
 }
 
 pub(super) struct RacewayKernel {
-    /// Controlling raceway; if `None`, it is selected by (W7).
+    /// Controlling raceway. If it is `None`, (W7) determines the controlling raceway.
     pub(super) control: Option<Control>,
 }
 
@@ -65,8 +65,8 @@ impl Kernel for RacewayKernel {
     }
 }
 
-/// Function object that solves a lane of points. It is compiled as a separate function because the
-/// model selection by error bounds also uses it.
+/// Function object that solves a block of points with the raceway-control model. It is compiled as
+/// a separate function because the model selection by error bounds also uses it.
 pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) given: &'a LaneInputs<'b, S>,
     pub(super) units: &'a Units<S>,
@@ -75,14 +75,15 @@ pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) out: &'a mut Sink<'c, 'd>,
 }
 
-/// Results for rolling balls that the model selection by error bounds requires.
+/// Results for rolling balls that the model selection by error bounds uses.
 pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
-    /// Onset number (W11), and cross slip.
+    /// Onset number (W11), and slip across the groove.
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],
-    /// Masks of the points for which a solution was found, and for which it is the only solution.
+    /// Mask of the points for which a solution was found, and mask of the points for which the
+    /// solution is the only one.
     pub(super) found: Mask<S>,
     pub(super) unique: Mask<S>,
 }
@@ -108,8 +109,8 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let RacewayLosses { transmission, friction, film, resolved } =
             losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
-        // Both contact centers roll without slip along the groove. The slip due to the lead is
-        // shared equally, and friction acts along e_x.
+        // Both contact centers roll without slip along the groove. Each contact takes half of the
+        // slip due to the lead, and friction acts along e_x.
         let elastic = ElasticMotion {
             slip: [contacts.scaled.lead.0 * 0.5; 2],
             spin: motion.spin,
@@ -132,7 +133,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         out.set(OutputKey::iterations, state.steps);
         out.set(OutputKey::residual_norm, state.residual);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
-        // With a lubricant, the model does not search for further solutions.
+        // If the balls are lubricated, the model does not search for further solutions.
         if given.inputs.lubricant.is_none() {
             if control.is_none() {
                 out.set(OutputKey::control_consistent, one);
@@ -146,7 +147,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     }
 }
 
-/// Returns the contact ellipse and its motion at the nut (index 0) or the screw (index 1).
+/// Returns the contact ellipse and its motion, at the nut for index 0 or at the screw for index 1.
 #[inline(always)]
 fn ellipse<S: Simd>(
     i: usize,
@@ -165,14 +166,14 @@ fn ellipse<S: Simd>(
     }
 }
 
-/// Friction losses in both contact ellipses.
+/// Friction losses in the contact ellipses at nut and screw.
 struct RacewayLosses<S: Simd> {
     transmission: Transmission<Lane<S>>,
     /// Friction coefficient, or the equivalent friction coefficient of a lubricant.
     friction: Lane<S>,
     film: Option<FilmState<Lane<S>>>,
-    /// Mask of the points at which the quadrature resolves the losses. The mask must not depend on
-    /// the requested outputs.
+    /// Mask of the points at which the quadrature is fine enough for the losses. The mask must not
+    /// depend on the requested outputs.
     resolved: Mask<S>,
 }
 
@@ -211,8 +212,8 @@ fn losses<S: Simd>(
     RacewayLosses { transmission, friction, film, resolved: resolved & finite }
 }
 
-/// Stores the skid number and the onset number where they are defined. Returns the onset number and
-/// the cross slip.
+/// Stores skid number and onset number at the points where they are defined. Returns the onset
+/// number and the slip across the groove.
 #[inline(always)]
 fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,

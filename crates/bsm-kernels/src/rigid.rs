@@ -1,6 +1,6 @@
-//! Rigid model for lanes, solved by direct sweeps.
+//! Rigid model, vectorized over the points of a block and solved by direct sweeps.
 //!
-//! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
+//! Theory: `docs/theory/04-rigid.md`, the section on direct sweeps.
 
 use bsm_case::units::DEG;
 use bsm_case::{InputKey, OutputKey};
@@ -12,15 +12,17 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-/// Outputs for friction directions, each of which requires an arctangent.
+/// Outputs for the directions of friction. They are calculated only on request, because each
+/// direction requires an arctangent.
 const DIRECTIONS: [OutputKey; 3] = [
     OutputKey::nut_slip_angle_deg,
     OutputKey::screw_slip_angle_deg,
     OutputKey::unloaded_flank_slip_angle_deg,
 ];
 
-/// Returns the directions of friction at nut and screw \[rad\], or `None` if they are not
-/// requested. The arguments are the friction components across the groove and along the helix.
+/// Returns the directions of friction at nut and screw \[rad\], or `None` if no output needs them.
+/// The arguments `nut` and `screw` are the friction components across the groove and along the
+/// helix.
 #[inline(always)]
 pub(super) fn slip_angles<S: Simd>(
     out: &Sink<'_, '_>,
@@ -55,7 +57,8 @@ impl Kernel for RigidKernel {
         out.put(&solved);
         out.set(OutputKey::iterations, swept.count);
         out.set(OutputKey::residual_norm, swept.residual);
-        // If no search is carried out, the number of further solutions is unknown.
+        // Unless the solution is known to be unique, the number of further solutions is unknown
+        // (NaN), because the kernel does not search for them.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
         found & solved.transmission.is_balanced()

@@ -1,5 +1,5 @@
-//! Reference units of the equations for lanes: ball radius, axial load per ball, and relative
-//! speed.
+//! Units in which the vectorized equations are dimensionless: ball radius, axial load per ball, and
+//! relative speed.
 
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
@@ -10,7 +10,8 @@ use bsm_simd::Simd;
 
 use crate::operand::{Lane, LaneInputs};
 
-/// Inputs in SI units, together with the dimensionless mass of the ball.
+/// Inputs in SI units, from which the dimensionless quantities are calculated, and the
+/// dimensionless ball mass.
 pub(super) struct Units<S: Simd> {
     /// Ball radius `$r_b$` \[m\].
     pub(super) ball: Lane<S>,
@@ -20,7 +21,7 @@ pub(super) struct Units<S: Simd> {
     pub(super) axial: Lane<S>,
     /// Axial load per ball `$F_a$` \[N\].
     pub(super) load: Lane<S>,
-    /// Relative speed `$W$` \[rad/s\].
+    /// Relative speed between screw and nut, `$W$` \[rad/s\].
     pub(super) speed: Lane<S>,
     /// Nut speed `$\Omega_n$` \[rad/s\].
     pub(super) nut_speed: Lane<S>,
@@ -29,7 +30,7 @@ pub(super) struct Units<S: Simd> {
 }
 
 impl<S: Simd> Units<S> {
-    /// Reads the inputs for a lane of points.
+    /// Converts the inputs of a block of points to SI units.
     #[inline(always)]
     pub(super) fn of(given: &LaneInputs<'_, S>) -> Self {
         let ball = given.get(InputKey::ball_diameter_mm) * (0.5 * MM);
@@ -58,8 +59,8 @@ impl<S: Simd> Units<S> {
     }
 }
 
-/// Returns the dimensionless contact modulus `$E^* r_b^2/F_a$`. The material of the balls defaults
-/// to the material of the raceways.
+/// Returns the dimensionless contact modulus `$E^* r_b^2/F_a$`. If no material is given for the
+/// balls, they have the material of the raceways.
 #[inline(always)]
 pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);

@@ -1,4 +1,4 @@
-//! Prints the median solution time of a nut with elastic bodies for several numbers of balls, as
+//! Prints the median solution time of nuts with elastic bodies and various numbers of balls, as
 //! JSON. `benches/peers/nut.sh` compares these times with SciPy.
 
 use std::f64::consts::PI;
@@ -17,8 +17,8 @@ fn nut(balls: u16) -> BallNut {
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
     let arc = f64::from(balls) / 20.4 * 2.0 * PI;
     let length = lead * arc / (2.0 * PI);
-    // For a given load per ball, the strain of the bodies does not depend on the length of the nut,
-    // so the displacements of all nuts have the same magnitude.
+    // The rigidity EA of the bodies is proportional to the square of their length. For a given load
+    // per ball, the displacements of all nuts therefore have the same magnitude.
     let bodies = f64::from(balls) / 100.0;
     let circuit = Circuit {
         start: 0.0,

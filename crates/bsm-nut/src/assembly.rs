@@ -1,4 +1,4 @@
-//! Equilibrium equations of a nut: energy, forces and their derivatives as functions of the
+//! Equilibrium equations of a nut: energy, forces and derivatives of the forces as functions of the
 //! unknowns.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U2) to (U5) and (U15) to (U17).
@@ -13,21 +13,23 @@ use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
 use crate::geometry::{BallNut, BallPosition, count};
 
-/// A ball with the data that remain constant during the iteration.
+/// A ball, and the data of this ball that remain constant during the iteration.
 struct BallSite {
     position: BallPosition,
-    /// Displacement of the groove due to manufacturing errors \[m\], and excess of the ball radius
-    /// \[m\].
+    /// Groove displacement due to manufacturing errors \[m\], and excess of the ball radius over
+    /// the nominal radius \[m\].
     error: ([f64; 2], f64),
     /// Vector from the reference point to the ball \[m\]. The first two components are transverse,
     /// and the third is axial.
     lever_arm: [f64; 3],
-    /// Displacement of the groove per unit of each degree of freedom of the nut (U4).
+    /// Groove displacement at the ball per unit displacement of the nut, for each degree of freedom
+    /// (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
-    /// Index of the section of the elastic bodies at the ball; `None` if both bodies are rigid.
+    /// Index of the node of the elastic bodies at which the ball is located; `None` if both bodies
+    /// are rigid.
     node: Option<usize>,
-    /// Index of the unknown for the radial expansion of the ring around the ball; `None` if the nut
-    /// is rigid.
+    /// Index of the unknown that is the radial expansion of the nut around the ball; `None` if the
+    /// nut is rigid.
     ring: Option<usize>,
 }
 
@@ -37,40 +39,39 @@ struct Spring {
     stiffness: f64,
 }
 
-/// Selection of the springs whose stiffness is added to the matrix.
+/// Selects the springs whose stiffness is added to the matrix, and the unknowns that are fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StiffnessScope {
-    /// All springs that take part in a Newton step. Degrees of freedom that are fixed by the guides
-    /// are left out.
+    /// All springs, for a Newton step. Degrees of freedom that are held by the guides are fixed.
     Step = 0,
     /// The springs of the nut itself, without the guides.
     Nut = 1,
 }
 
-/// The equilibrium problem (U15). The unknowns are ordered as follows: displacements of nut and
-/// screw at each section, degrees of freedom of the nut, and radial expansion of each ring.
+/// The equilibrium problem (U15). The unknowns are, in this order: displacements of nut and screw
+/// at each node, degrees of freedom of the nut, and radial expansion of the nut at each circuit.
 pub(crate) struct Assembly<'a> {
     pub(crate) nut: &'a BallNut,
     support: Support,
     ball: FourContacts,
     seats: Vec<BallSite>,
     nodes: usize,
-    /// Displacement along the binormal per unit of axial displacement, `$\cos\alpha$`.
+    /// Displacement along the binormal divided by the axial displacement, `$\cos\alpha$`.
     along: f64,
-    /// Springs that represent bars and rings.
+    /// Springs that represent the elastic bodies (bars and rings).
     bodies: Vec<Spring>,
     guides: Vec<Spring>,
     rings: usize,
-    /// Flags of the fixed unknowns, for each [`StiffnessScope`].
+    /// Whether each unknown is fixed, for each [`StiffnessScope`].
     fixed: [Vec<bool>; 2],
     pub(crate) matrix: BorderedMatrix<2>,
 }
 
-/// Energy, forces and ball states for given unknowns.
+/// Energy and forces of the nut, and states of all balls, for given values of the unknowns.
 #[derive(Default)]
 pub(crate) struct EnergyState {
     pub(crate) energy: f64,
-    /// Sum of the absolute values of all energies.
+    /// Sum of the absolute values of all contributions to the energy \[J\].
     pub(crate) energies: f64,
     pub(crate) residual: Vec<f64>,
     /// Sum of the absolute values of all forces \[N\].
@@ -93,7 +94,7 @@ impl<'a> Assembly<'a> {
             nodes.sort_by(f64::total_cmp);
         }
         let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
-        // Balls on different threads may have the same axial position.
+        // Balls on different threads may have the same axial position. They share a node.
         nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
         let first = 2 * nodes.len();
         let (mut bodies, mut guides) = (Vec::new(), Vec::new());
@@ -167,14 +168,13 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Returns the index of the unknown that is the first degree of freedom of the nut.
+    /// Returns the index of the first degree of freedom of the nut in the vector of unknowns.
     pub(crate) fn freedoms(&self) -> usize {
         2 * self.nodes
     }
 
-    /// Returns initial values for the unknowns. If a neighboring solution is available, its
-    /// displacements are used. Otherwise, the axial displacement of a loaded nut is calculated for
-    /// equal load sharing.
+    /// Returns initial values of the unknowns. If `neighbor` is given, its displacements are used.
+    /// Otherwise, the axial displacement of a loaded nut is calculated for equal load sharing.
     pub(crate) fn start(&self, neighbor: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
         let first = self.freedoms();
         let mut y = vec![0.0; self.fixed[0].len()];
@@ -193,11 +193,11 @@ impl<'a> Assembly<'a> {
         y
     }
 
-    /// Returns energy, forces and ball states for the unknowns `y`.
+    /// Returns energy, forces and ball states for the values `y` of the unknowns.
     ///
     /// # Errors
     ///
-    /// Returns the index of a ball for which no equilibrium position is found.
+    /// Returns the index of the first ball for which no equilibrium position was found.
     pub(crate) fn state(&self, y: &[f64]) -> Result<EnergyState, usize> {
         let first = self.freedoms();
         let mut state = EnergyState { residual: vec![0.0; y.len()], ..EnergyState::default() };
@@ -248,7 +248,8 @@ impl<'a> Assembly<'a> {
             state.energy -= load * y[first + i];
             state.energies += (load * y[first + i]).abs();
             state.residual[first + i] -= load;
-            // Moments are converted to forces at the balls.
+            // Moments are divided by the pitch circle radius, so that they can be compared with
+            // forces.
             let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
             state.forces += load.abs() / lever_arm;
         }
@@ -260,7 +261,8 @@ impl<'a> Assembly<'a> {
         Ok(state)
     }
 
-    /// Fills the matrix with the derivatives of the forces at the given state (U16).
+    /// Fills the matrix with the derivatives of all forces with respect to the unknowns at the
+    /// given state (U16).
     pub(crate) fn linearize(&mut self, state: &EnergyState, of: StiffnessScope) {
         let (first, along) = (self.freedoms(), self.along);
         let matrix = &mut self.matrix;
@@ -308,7 +310,7 @@ impl<'a> Assembly<'a> {
                 matrix.add(first + i, first + k, *entry);
             }
         }
-        // The forces of the guides are not part of the stiffness of the nut.
+        // The stiffness of the nut does not include the springs of the guides.
         let guides = self.guides.iter().filter(|_| of == StiffnessScope::Step);
         for &Spring { ends: (i, other), stiffness } in self.bodies.iter().chain(guides) {
             matrix.add(i, i, stiffness);
@@ -323,8 +325,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds to each diagonal entry a fraction of the stiffness that this unknown would have if all
-    /// balls carried equal loads.
+    /// Adds damping to the diagonal of the matrix. Each entry increases by a fraction of the
+    /// stiffness of its unknown if all balls carried equal loads.
     pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
         let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
@@ -353,9 +355,9 @@ impl<'a> Assembly<'a> {
         if imbalance == 0.0 { 0.0 } else { imbalance / state.forces }
     }
 
-    /// Returns the displacement of the nut relative to the screw \[m\]. For elastic bodies, it is
-    /// the displacement at the ball with the smallest displacement. Motion along the groove is
-    /// included because nothing resists it.
+    /// Returns how far the nut has moved relative to the screw \[m\]. If the bodies are elastic,
+    /// the result is the smallest displacement at any ball. It includes motion along the groove,
+    /// because nothing resists this motion.
     pub(crate) fn moved(&self, y: &[f64]) -> f64 {
         let [u_z, u_x, u_y, phi_x, phi_y]: [f64; FREEDOMS] = from_fn(|i| y[self.freedoms() + i]);
         if self.nodes == 0 {
@@ -371,8 +373,8 @@ impl<'a> Assembly<'a> {
         self.seats.iter().map(at).fold(f64::MAX, f64::min)
     }
 
-    /// Returns the force and moment that the nut exerts on its balls, by degree of freedom, and the
-    /// axial force of each nut body.
+    /// Returns the forces and moments that the nut exerts on its balls, one for each degree of
+    /// freedom, and the axial force of each nut body.
     pub(crate) fn carried(&self, state: &EnergyState) -> ([f64; FREEDOMS], Vec<f64>) {
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
@@ -395,17 +397,19 @@ impl<'a> Assembly<'a> {
         self.seats.iter().map(|seat| seat.position).collect()
     }
 
-    /// Returns the stiffness matrix, condensed to the degrees of freedom of the nut (U17).
+    /// Returns the stiffness matrix of the nut, from which all unknowns other than the five degrees
+    /// of freedom are eliminated (U17).
     pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
-        // If nothing supports the nut in some direction, the border of the matrix is singular. The
-        // chain is eliminated before the border, so the Schur complement is still valid.
+        // If nothing holds the nut in some direction, the last block of the matrix is singular, and
+        // the factorization fails. The Schur complement is valid nevertheless, because the other
+        // blocks are eliminated first.
         let _ = self.matrix.factorize();
         let (rings, border) = (self.rings, FREEDOMS + self.rings);
         let all = DMatrix::from_row_slice(border, border, self.matrix.condensed());
         let mut condensed = all.fixed_view::<FREEDOMS, FREEDOMS>(0, 0).into_owned();
         let of_rings = all.view((FREEDOMS, FREEDOMS), (rings, rings)).into_owned().lu();
         let coupled = all.view((FREEDOMS, 0), (rings, FREEDOMS)).into_owned();
-        // Solving with an empty matrix would read out of bounds.
+        // A rigid nut has no ring, and solving with an empty matrix would read out of bounds.
         if rings > 0
             && let Some(moved) = of_rings.solve(&coupled)
         {
@@ -420,11 +424,11 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Returns the displacement of the groove at a ball, along binormal and principal normal, per unit
-/// of each degree of freedom of the nut (U4).
+/// Returns the groove displacement at a ball, along binormal and principal normal, per unit
+/// displacement of the nut in each degree of freedom (U4).
 ///
 /// * `frame`: Frenet-Serret triad of the helix at the ball.
-/// * `lever_arm`: vector from the reference point to the ball.
+/// * `lever_arm`: vector from the reference point of the nut to the ball.
 fn kinematics(
     FrenetFrame { n_W, b_W, .. }: &FrenetFrame<f64>,
     [x, y, zeta]: [f64; 3],

@@ -1,5 +1,5 @@
-//! Equilibrium of a single ball between both flanks of nut and screw, for a given displacement of
-//! its grooves.
+//! Equilibrium of a single ball between the flanks of nut and screw, for a given displacement of
+//! the grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U8) to (U12).
 
@@ -11,56 +11,57 @@ use bsm_dyn::{
 };
 use nalgebra::{Matrix2, Vector2};
 
-/// Flanks of a circuit that the balls can load.
+/// Flanks on which the balls of a circuit can carry load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flanks {
-    /// The flanks on which balls push the nut along +z relative to the screw.
+    /// Only the flanks on which balls push the nut along +z relative to the screw.
     Plus,
-    /// The flanks on which balls push the nut along −z relative to the screw.
+    /// Only the flanks on which balls push the nut along −z relative to the screw.
     Minus,
     /// Both flanks of the gothic arches.
     Both,
 }
 
 impl Flanks {
-    /// Returns whether the + diagonal and the − diagonal exist.
+    /// Returns whether balls can be loaded along the + diagonal and along the − diagonal.
     pub(crate) fn diagonals(self) -> [bool; 2] {
         [self != Self::Minus, self != Self::Plus]
     }
 }
 
-/// Data of ball and grooves that are shared by all balls of a nut.
+/// Dimensions and contact stiffness of ball and grooves, which are the same for all balls of a nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourContacts {
     /// Gothic arches around a ball, without axial play (U8).
     pub grooves: Grooves,
-    /// Hertzian stiffness of the two contacts of a diagonal in series.
+    /// A ball between two opposite flanks, whose two Hertzian contacts act in series.
     pub series: StaticBall,
-    /// Fraction of the total approach that occurs at the nut.
+    /// Fraction of the elastic approach of both contacts that occurs at the nut.
     pub nut_share: f64,
-    /// Centrifugal force on the ball, away from the axis \[N\].
+    /// Centrifugal force on a ball \[N\], directed away from the screw axis.
     pub outward: f64,
 }
 
-/// State of a ball in its displaced grooves. The order of the contacts is nut +, nut −, screw +,
-/// screw −. Balls on the + flanks push the nut along +z relative to the screw, and balls on the −
-/// flanks push it along −z.
+/// State of a ball in displaced grooves. The contacts are in the order nut +, nut −, screw +, screw
+/// −. Balls on the + flanks push the nut along +z relative to the screw, and balls on the − flanks
+/// push it along −z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInGrooves {
     /// Normal loads of the contacts \[N\], which are zero for unloaded contacts.
     pub loads: [f64; 4],
     /// Contact angles \[rad\], which are meaningful only for loaded contacts.
     pub angles: [f64; 4],
-    /// Energy of the ball `$V$` \[J\].
+    /// Potential energy `$V$` of the ball \[J\].
     pub energy: f64,
-    /// Force required to displace the nut groove, `$\partial V/\partial w$` \[N\].
+    /// Force that displaces the nut groove by `$w$`, `$\partial V/\partial w$` \[N\].
     pub force: [f64; 2],
-    /// Derivative of this force, `$\partial^2 V/\partial w^2$` \[N/m\].
+    /// Derivative of `force` with respect to the displacement, `$\partial^2 V/\partial w^2$`
+    /// \[N/m\].
     pub slope: [[f64; 2]; 2],
 }
 
 impl BallInGrooves {
-    /// Returns whether the + flanks and the − flanks are loaded.
+    /// Returns whether the ball is loaded on the + flanks and on the − flanks.
     pub fn flanks_pressed(&self) -> [bool; 2] {
         [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
     }
@@ -74,8 +75,8 @@ impl BallInGrooves {
 /// Signs of the + and − flanks.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Maximum number of iterations for the position of a ball. Four iterations are usually sufficient.
-/// A lightly loaded ball that slides along a flank needs more iterations.
+/// Maximum number of iterations for the position of a ball. Usually, four iterations are
+/// sufficient, but a lightly loaded ball that slides along a flank needs more.
 const MAX_BALL_STEPS: usize = 1000;
 
 impl FourContacts {
@@ -109,18 +110,19 @@ impl FourContacts {
         self.least_energy((grooves, w[0]), starts, flanks)
     }
 
-    /// Returns the position of a ball that is loaded along one diagonal. It lies on the contact
-    /// normal that passes through the arc center of the screw groove.
+    /// Returns the position of a ball that is loaded along one diagonal. The ball center is on the
+    /// contact normal through the arc center of the screw groove.
     fn center(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
-        // The energy V = ⅖ Q δ contains the total approach δ, from which the approach at the screw
-        // is calculated.
+        // The approach δ of both contacts follows from the energy V = ⅖ Q δ. The contact at the
+        // screw has a fixed fraction of this approach.
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
         let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);
         Vector2::new(SIGNS[diagonal] * x_b, x_n)
     }
 
-    /// Returns the position of a loose ball that the centrifugal force presses into the nut groove.
-    /// The ball touches both flanks or, if only one flank exists, the bottom of this flank.
+    /// Returns the position of a ball that carries no external load and is pressed into the nut
+    /// groove by the centrifugal force. The ball touches both flanks or, if balls can be loaded on
+    /// only one flank, the bottom of this flank.
     fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let (l, stiffness) = (self.grooves.offsets[0], self.grooves.stiffness[0]);
@@ -136,8 +138,8 @@ impl FourContacts {
         }
     }
 
-    /// Returns the state of the ball at the position with the smallest energy, starting from the
-    /// better of two starting points (U10).
+    /// Returns the state of the ball at the position of minimum energy (U10). The search starts at
+    /// the starting point with the lower energy.
     fn least_energy(
         &self,
         (grooves, w_b): (&Grooves, f64),
@@ -154,13 +156,14 @@ impl FourContacts {
         let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MAX_BALL_STEPS {
-            // In a direction without resistance, the step is limited to the depth of the groove.
+            // If nothing resists motion in some direction, a small stiffness limits the step to the
+            // depth of the groove.
             let held = Matrix2::identity() * (self.outward.max(here.size) / grooves.offsets[0]);
             let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;
             let step = inverse * here.pull;
             let fall = step.dot(&here.pull);
-            // The accuracy of the position is limited by the rounding error of distances of the
-            // order of the groove radius.
+            // The position cannot be more accurate than the rounding error of the distance between
+            // the groove-arc centers.
             let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
             if still || fall <= 0.0 {
                 return here.balanced(self.series.distance);
@@ -169,8 +172,9 @@ impl FourContacts {
             let next = loop {
                 let y = x + step * share;
                 let next = at(y);
-                // The step must satisfy the Armijo condition. Near the solution, differences of the
-                // energy are only rounding errors, so the force decides.
+                // A step is accepted if it satisfies the Armijo condition. Near the solution,
+                // energy differences are only rounding errors, so a step is also accepted if it
+                // reduces the resulting force.
                 let rounding =
                     64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
                 let level = (next.energy - here.energy).abs() <= rounding;
@@ -185,7 +189,8 @@ impl FourContacts {
             };
             match next {
                 Some((y, next)) => (x, here) = (y, next),
-                // The remaining residual is due to rounding errors.
+                // No step reduces the resulting force, so the remaining force may be a rounding
+                // error.
                 None => return here.balanced(self.series.distance),
             }
         }
@@ -193,15 +198,15 @@ impl FourContacts {
     }
 }
 
-/// Returns the inverse of a symmetric semidefinite matrix, or `None` if it is singular within
-/// rounding errors.
+/// Returns the inverse of a symmetric positive semidefinite matrix, or `None` if the matrix is
+/// singular except for rounding errors.
 fn inverse(a: Matrix2<f64>) -> Option<Matrix2<f64>> {
     let determinant = a.determinant();
     let is_regular = determinant > 1e-13 * a[(0, 0)] * a[(1, 1)] && determinant.is_finite();
     a.try_inverse().filter(|_| is_regular)
 }
 
-/// Forces at one contact for a given position of the ball.
+/// Load and energy of one contact for a given position of the ball.
 #[derive(Debug, Clone, Copy)]
 struct ContactForce {
     load: f64,
@@ -212,7 +217,7 @@ struct ContactForce {
 }
 
 impl ContactForce {
-    /// Calculates the forces at a contact for a given position of ball and nut groove.
+    /// Calculates load and energy of a contact for a given position of ball and nut groove.
     fn of(grooves: &Grooves, contact: usize, place: &[f64; 3]) -> Self {
         let FlankApproach { approach, length, normal } = grooves.flank(contact, place);
         let m = Vector2::from(normal);
@@ -236,9 +241,9 @@ impl ContactForce {
 struct BallEnergy {
     contacts: [Option<ContactForce>; 4],
     energy: f64,
-    /// Resulting force on the ball.
+    /// Resulting force on the ball \[N\].
     pull: Vector2<f64>,
-    /// Sum of the absolute values of the forces.
+    /// Sum of the absolute values of all forces on the ball \[N\].
     size: f64,
     slope: Matrix2<f64>,
 }
@@ -267,12 +272,13 @@ impl BallEnergy {
         self.pull[0].hypot(self.pull[1])
     }
 
-    /// Returns the state of the ball if its forces are balanced within rounding errors.
+    /// Returns the state of the ball if the forces on the ball are balanced except for rounding
+    /// errors.
     ///
     /// * `distance`: distance between the groove-arc centers of nut and screw \[m\].
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
-        // The accuracy of the position is limited by the rounding error of the distance. The
-        // stiffness converts this error to a force.
+        // The position cannot be more accurate than the rounding error of the distance between the
+        // groove-arc centers. The stiffness converts this error to a force.
         let stiffness = self.slope.trace();
         let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
         (self.residual() <= 1e-7 * self.size + rounding).then(|| self.ball())

@@ -9,11 +9,11 @@ use std::f64::consts::TAU;
 pub struct Bar {
     /// Axial rigidity `$EA$`, Young's modulus times cross-sectional area \[N\], positive.
     pub stiffness: f64,
-    /// Axial position at which the axial force leaves the body \[m\].
+    /// Axial position of the anchor, where the axial force leaves the body \[m\].
     pub anchor: f64,
 }
 
-/// The tube of nut material around the balls.
+/// The part of the nut that surrounds the balls, modeled as a tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
     /// Outer diameter \[m\], larger than the inner diameter.
@@ -37,18 +37,18 @@ impl Ring {
     }
 }
 
-/// A spring of a bar: index of a node, index of the second node (or `None` for the anchor), and
-/// stiffness \[N/m\].
+/// A spring that represents a section of a bar. It consists of the index of a node, the index of
+/// the second node (or `None` for the anchor), and the stiffness \[N/m\].
 type BarSpring = (usize, Option<usize>, f64);
 
 impl Bar {
-    /// Returns the springs that represent the bar between nodes at axial positions in ascending
-    /// order. Each spring connects two nodes, or a node with the anchor. The second value is the
-    /// index of the node at the anchor, if there is one.
+    /// Returns the springs that represent the bar. Nodes are given by their axial positions in
+    /// ascending order, and each spring connects two nodes, or a node with the anchor. The second
+    /// value is the index of the node at the anchor, if there is one.
     pub(crate) fn springs(&self, nodes: &[f64]) -> (Vec<BarSpring>, Option<usize>) {
         let mut springs = Vec::new();
-        // Positions that differ by less than the rounding error of the helix angle are treated as
-        // equal.
+        // Two positions count as equal if their difference is within the rounding error of the
+        // helix angle.
         let near = 1e-12 * nodes.iter().fold(self.anchor.abs(), |most, z| most.max(z.abs()));
         let at = nodes.iter().position(|z| (z - self.anchor).abs() <= near);
         let held = |node: usize| (node, None, self.stiffness / (nodes[node] - self.anchor).abs());

@@ -4,22 +4,24 @@ use bsm_dyn::{Reason, Status};
 
 use crate::{BallInGrooves, BallPosition};
 
-/// Number of degrees of freedom of the nut relative to the screw, `$u_z, u_x, u_y$` \[m\] and
-/// `$\varphi_x, \varphi_y$` \[rad\]. Rotation about the axis is excluded.
+/// Number of degrees of freedom of the nut relative to the screw: `$u_z, u_x, u_y$` \[m\] and
+/// `$\varphi_x, \varphi_y$` \[rad\]. Rotation about the screw axis is not included.
 pub(crate) const FREEDOMS: usize = 5;
 
-/// Load condition or displacement condition for one degree of freedom of the nut.
+/// Boundary condition for one degree of freedom of the nut: a given load, a given displacement, or
+/// a spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Freedom {
-    /// The load is given \[N\] or \[N·m\], and the displacement is calculated.
+    /// The load \[N\] or moment \[N·m\] is given, and the displacement is calculated.
     Loaded(f64),
-    /// The displacement is given \[m\] or \[rad\], and the guides carry the required load.
+    /// The displacement \[m\] or rotation \[rad\] is given, and the load on the guides is
+    /// calculated.
     Held(f64),
-    /// A spring connects the nut to the guides, and an external load acts.
+    /// A spring connects the nut to the guides, and an external load acts on the nut.
     Sprung {
         /// Stiffness of the spring \[N/m\] or \[N·m/rad\].
         stiffness: f64,
-        /// External load \[N\] or \[N·m\].
+        /// External load \[N\] or moment \[N·m\].
         load: f64,
     },
 }
@@ -38,24 +40,25 @@ impl Freedom {
     }
 }
 
-/// Conditions for the five degrees of freedom of a nut: along the axis, along x and y, and about x
-/// and y, all at the reference point.
+/// Boundary conditions for the five degrees of freedom of a nut: displacements along z, x and y,
+/// and rotations about x and y. All displacements refer to the reference point of the nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support(pub [Freedom; FREEDOMS]);
 
 impl Support {
-    /// Returns a support with an axial load \[N\] and all other degrees of freedom fixed, which
-    /// represents a table on stiff guides.
+    /// Returns a support with an axial load \[N\] on the nut, in which all other degrees of freedom
+    /// are fixed. It represents a table on stiff guides.
     pub fn guided(axial: f64) -> Self {
         Self([Freedom::Held(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// Returns a support with an axial load \[N\] and all other degrees of freedom free.
+    /// Returns a support with an axial load \[N\] on the nut, in which the nut is not held in any
+    /// direction.
     pub fn free(axial: f64) -> Self {
         Self([Freedom::Loaded(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// Returns a copy of this support with another axial load \[N\].
+    /// Returns a copy of this support in which the axial load \[N\] is replaced.
     #[must_use]
     pub fn with_axial(mut self, axial: f64) -> Self {
         self.0[0] = Freedom::Loaded(axial);
@@ -66,12 +69,14 @@ impl Support {
 /// Equilibrium of a nut under a load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// Displacement of the nut relative to the screw, measured between the anchor sections of both
-    /// bodies, `$u_z, u_x, u_y, \varphi_x, \varphi_y$` \[m\] and \[rad\].
+    /// Displacement of the nut relative to the screw, `$u_z, u_x, u_y$` \[m\] and `$\varphi_x,
+    /// \varphi_y$` \[rad\]. If nut and screw are elastic, it is measured between their anchors.
     pub displacement: [f64; FREEDOMS],
-    /// Force and moment that the nut exerts on its balls, by degree of freedom \[N\] and \[N·m\].
+    /// Forces and moments that the nut exerts on its balls, one for each degree of freedom \[N\]
+    /// and \[N·m\].
     pub carried: [f64; FREEDOMS],
-    /// Stiffness matrix of the nut, including its elastic bodies, for all degrees of freedom (U17).
+    /// Stiffness matrix of the nut, including its elastic bodies, for the five degrees of freedom
+    /// (U17).
     pub stiffness: [[f64; FREEDOMS]; FREEDOMS],
     /// Positions of the balls.
     pub positions: Vec<BallPosition>,
@@ -81,7 +86,7 @@ pub struct Equilibrium {
     pub grooves: Vec<[f64; 2]>,
     /// Axial force that each nut body exerts on its balls \[N\].
     pub bodies: Vec<f64>,
-    /// Radial expansion of the nut at each circuit \[m\]; empty for a rigid nut.
+    /// Radial expansion of the nut at each circuit \[m\]. The list is empty if the nut is rigid.
     pub widening: Vec<f64>,
     /// Number of Newton steps.
     pub steps: usize,
@@ -89,10 +94,10 @@ pub struct Equilibrium {
     pub residual: f64,
 }
 
-/// Reason why no equilibrium of a nut under load exists or was found.
+/// Reason why the equilibrium of a nut under load does not exist or was not found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NutError {
-    /// The curvatures do not form a Hertzian contact.
+    /// The curvatures of ball and grooves do not form a Hertzian contact.
     #[error("the curvatures of ball and grooves do not form a Hertzian contact")]
     Contact(Reason),
     /// No ball can carry the load, so the nut moves without limit.
@@ -103,7 +108,7 @@ pub enum NutError {
         /// Displacement of the nut at which the search ended \[m\].
         moved: f64,
     },
-    /// The iteration ended before the forces were in equilibrium.
+    /// The iteration ended before the forces were balanced.
     #[error(
         "the ball forces are not balanced: the relative residual is {residual:e} after {steps} steps"
     )]
@@ -113,21 +118,21 @@ pub enum NutError {
         /// Number of Newton steps taken.
         steps: usize,
     },
-    /// For one ball, no position with balanced forces was found.
+    /// The solver found no position of a ball at which the forces on the ball are balanced.
     #[error("no position in the grooves was found at which the forces on ball {ball} are balanced")]
     BallNotBalanced {
         /// Index of the ball, from 0.
         ball: usize,
     },
     /// A ball is too large for its groove.
-    #[error("ball {ball} is larger than its groove and does not touch the groove")]
+    #[error("ball {ball} is larger than its groove and does not fit into it")]
     BallTooLarge {
         /// Index of the ball, from 0.
         ball: usize,
     },
-    /// A contact angle is outside the range from 0 to 90 deg.
+    /// A ball has left its flank, because its contact angle is outside the range from 0 to 90 deg.
     #[error(
-        "ball {ball} leaves its flank: its contact angle is {:.2} deg, outside 0 to 90 deg",
+        "ball {ball} leaves its flank: its contact angle is {:.2} deg, outside the range from 0 to 90 deg",
         .angle.to_degrees()
     )]
     BallLeavesFlank {
@@ -148,8 +153,8 @@ pub enum NutError {
 }
 
 impl NutError {
-    /// Returns the status that an answer reports for this error: invalid input, no solution, or not
-    /// converged.
+    /// Returns the status that is reported to the user for this error: invalid input, no solution,
+    /// or not converged.
     pub fn status(&self) -> Status {
         match self {
             Self::Contact(_) | Self::NoBalls => Status::InvalidInput,

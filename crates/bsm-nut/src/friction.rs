@@ -1,5 +1,4 @@
-//! Friction of all balls of a nut. The balls differ in their loads and in the displacements of
-//! their grooves.
+//! Friction of all balls of a nut. Loads and groove displacements differ from ball to ball.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
 
@@ -24,15 +23,15 @@ use crate::{BallInGrooves, BallNut, Equilibrium, Flanks};
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NutFriction {
     /// Friction torque that each ball causes on the screw \[N·m\], at least zero. If the model has
-    /// no solution for a ball, the list ends before this ball.
+    /// no solution for a ball, the list ends with the previous ball.
     pub balls: Vec<f64>,
     /// Motion of each ball; `None` for unloaded balls.
     pub motions: Vec<Option<FreeMotion>>,
-    /// Number of balls that are loaded on both flanks at rest. Their friction is integrated over
-    /// all contact ellipses, regardless of the model used for other balls.
+    /// Number of balls that are loaded on both flanks at rest. For these balls, friction is
+    /// integrated over all contact ellipses, whichever model is used for the other balls.
     pub on_both_flanks: usize,
-    /// Third contacts of balls that are loaded on one diagonal and that friction presses onto a far
-    /// flank.
+    /// Third contacts of balls that friction presses onto a far flank. At rest, these balls are
+    /// loaded on one diagonal only.
     pub third_contacts: ThirdContacts,
     /// Mean friction coefficient of the lubricated balls (AC11); `None` without a lubricant.
     pub mean_friction: Option<f64>,
@@ -50,7 +49,7 @@ pub struct NutFriction {
     pub heat: Option<f64>,
 }
 
-/// Third contacts of balls that are loaded on one diagonal.
+/// Summary of the third contacts of balls that are loaded on one diagonal at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ThirdContacts {
     /// Number of balls with a third contact.
@@ -61,27 +60,27 @@ pub struct ThirdContacts {
     pub torque: f64,
 }
 
-/// Motion of a ball that its neighbors do not push.
+/// Motion of a ball that is not pushed by its neighbors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeMotion {
     /// Precession rate relative to the nut, divided by the relative speed, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Rotation across the groove relative to the neighboring balls in the train (O1) \[rad/s\].
+    /// Rotational speed of the ball across the groove, relative to the neighboring balls in the
+    /// train (O1) \[rad/s\].
     pub rotation: f64,
-    /// State of the ball, if it has exactly two contacts.
+    /// State of the ball, if the ball has exactly two contacts.
     pub ball: Option<BallState>,
 }
 
-/// Model of a ball, together with the choices that the model made. The friction is discontinuous
-/// where such a choice changes.
+/// Model of a ball, together with the choices that the model made for this ball. The friction is
+/// discontinuous where a choice changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallModel {
-    /// Selected model.
+    /// Model that was selected for the ball.
     pub model: Model,
     /// Controlling raceway, if the ball rolls.
     pub control: Option<Control>,
-    /// Accuracy of the friction integrals that was chosen when the model was selected by error
-    /// bounds.
+    /// Accuracy of the friction integrals, if the model was selected according to error bounds.
     pub accuracy: Option<f64>,
 }
 
@@ -99,21 +98,22 @@ impl BallModel {
     }
 }
 
-/// Friction and motion of a ball that its neighbors do not push.
+/// Friction and motion of a ball that is not pushed by its neighbors.
 #[derive(Debug, Clone, Copy)]
 struct FreeBall {
-    /// Friction as predicted by the model.
+    /// Friction of the ball as predicted by its model.
     friction: FrictionSum,
-    /// Friction torque of the contacts divided by the torque of gross sliding on the screw (U33).
-    /// It is zero for models that balance the friction forces.
+    /// Friction torque of the contacts divided by the friction torque in gross sliding on the screw
+    /// (U33). It is zero for models that balance the friction forces.
     sliding_share: f64,
-    /// Motion of the ball; `None` if the model does not determine it.
+    /// Motion of the ball; `None` if the model does not calculate the motion.
     motion: Option<FreeMotion>,
-    /// True for model `traction`, which calculates a ball on two contacts with all of its friction.
+    /// True if the friction was calculated by model `traction`, which includes all friction of a
+    /// ball with two contacts.
     has_traction: bool,
     /// Normal load \[N\] and friction torque \[N·m\] of the third contact, if there is one.
     third_contact: Option<(f64, f64)>,
-    /// Mean friction coefficient of the contacts if they are lubricated.
+    /// Mean friction coefficient of the contacts; `None` if they are not lubricated.
     mean_friction: Option<f64>,
 }
 
@@ -122,8 +122,9 @@ struct FreeBall {
 enum FarFlanks {
     /// The gothic arches have the given axial play \[m\].
     WithPlay(f64),
-    /// No play is given. The far flanks are as close to the ball as at rest, so friction presses
-    /// the ball only onto far flanks that it already touches at rest (AC10).
+    /// The axial play is not given. The far flanks are assumed to be as close to the ball as they
+    /// are at rest, so friction presses the ball only onto far flanks that it already touches at
+    /// rest (AC10).
     AsAtRest,
 }
 
@@ -144,7 +145,7 @@ pub struct FrictionSum {
 }
 
 impl FrictionSum {
-    /// Adds the friction `other`, multiplied by `part`.
+    /// Adds the friction `other`, multiplied by `part`, to this friction.
     fn add(&mut self, other: &Self, part: f64) {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
@@ -153,10 +154,10 @@ impl FrictionSum {
         self.drag += part * other.drag;
     }
 
-    /// Returns the friction after limiting it by gross sliding on the screw (U33).
+    /// Returns this friction, limited to the friction in gross sliding on the screw (U33).
     ///
-    /// * `sliding_share`: friction torque of the contacts divided by the torque of gross sliding on
-    ///   the screw.
+    /// * `sliding_share`: friction torque of the contacts divided by the friction torque in gross
+    ///   sliding on the screw.
     fn limited_by_sliding(&self, sliding_share: f64) -> Self {
         if sliding_share <= 0.5 {
             return *self;
@@ -169,13 +170,14 @@ impl FrictionSum {
     }
 }
 
-/// Friction coefficients at the flanks.
+/// Friction coefficients at the loaded flanks and at the far flanks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FlankFriction {
-    /// Coefficient at the flanks that carry the axial force of a ball; `None` if the model uses
-    /// another friction law.
+    /// Friction coefficient at the flanks that carry the axial force of a ball; `None` if the model
+    /// uses another friction law.
     pub loaded: Option<f64>,
-    /// Coefficient at the far flanks; `None` if it is the same as at the loaded flanks.
+    /// Friction coefficient at the far flanks; `None` if it equals the coefficient at the loaded
+    /// flanks.
     pub far: Option<f64>,
 }
 
@@ -192,23 +194,22 @@ impl FlankFriction {
     }
 }
 
-/// Relative accuracy of the integrals over the contact ellipses of a ball in gothic arches. The
-/// uncertainty of a constant friction coefficient is much larger.
+/// Relative accuracy of the friction integrals for a ball in gothic arches. It is much better than
+/// the accuracy with which a friction coefficient is known.
 const ARCH_ACCURACY: f64 = 1e-6;
 
-/// Fraction of the largest ball load below which a ball is too lightly loaded to influence the
-/// speed of its ball train.
+/// Ratio of a ball load to the largest ball load below which the ball counts as idle, so that it
+/// does not influence the speed of its ball train.
 const IDLE_LOAD: f64 = 1e-3;
 
-/// Permitted relative errors of interpolated rates and rotations of balls without push forces. The
-/// ball train depends on differences between rates, so the rates must be as accurate as the
-/// friction integrals.
+/// Permitted relative errors of the interpolated precession rates and rotations of balls without
+/// push forces. The ball train depends on differences between precession rates, so these rates must
+/// be as accurate as the friction integrals.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
 
 impl BallNut {
-    /// Returns a screw with a single ball, which has the groove displacement and the oversize of
-    /// the given ball of this nut (U21). Returns `None` if the ball is unloaded, or loaded on both
-    /// flanks.
+    /// Returns a screw whose only ball has the groove displacement and the oversize of the given
+    /// ball of this nut (U21). Returns `None` if this ball is unloaded or is loaded on both flanks.
     ///
     /// * `number`: index of the ball.
     /// * `friction`: friction coefficient.
@@ -227,7 +228,8 @@ impl BallNut {
             _ => return None,
         };
         let share = self.equal_share(1.0).fitted(-found.grooves[number][1], self.oversize(number));
-        // On the opposite flanks, the direction of motion is reversed.
+        // For a ball on the − flanks, the calculation uses the + flanks and reverses the direction
+        // of motion.
         let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
         Some(ElasticPoint {
@@ -244,8 +246,8 @@ impl BallNut {
         })
     }
 
-    /// Returns a ball of this nut in its gothic arches. If its axial force is negative, it is
-    /// mirrored onto the + flanks.
+    /// Returns a ball of this nut in its gothic arches. If the axial force on the ball is negative,
+    /// the result is the mirror image, so that the + flanks are loaded.
     ///
     /// * `friction`: friction coefficients at the loaded and far flanks.
     /// * `play`: axial play of the gothic arches \[m\].
@@ -267,7 +269,7 @@ impl BallNut {
         if found.balls[number].force[0] < 0.0 { ball.back_driven() } else { ball }
     }
 
-    /// Returns a nominal ball of this nut in its gothic arches.
+    /// Returns a ball of nominal size in the gothic arches of this nut.
     ///
     /// * `friction`: friction coefficients at the loaded and far flanks.
     fn nominal_ball(&self, fit: ArchFit, friction: [f64; 2], drive: &Drive<f64>) -> GothicBall {
@@ -303,8 +305,8 @@ impl BallNut {
     }
 
     /// Returns the state of a preloaded pair of nut bodies while the screw turns without external
-    /// load (AC8). The preload was set at rest, and all balls of a body carry equal loads. The
-    /// loads in the result are per ball of each body.
+    /// load (AC8). The preload was set at rest, and all balls of a body carry equal loads. Each
+    /// load in the result refers to one ball of each body.
     ///
     /// Returns `None` unless there are two bodies with equal numbers of balls and a constant
     /// friction coefficient.
@@ -344,19 +346,20 @@ impl BallNut {
         (first > 0 && first == second && first + second == self.balls()).then_some(first)
     }
 
-    /// Calculates the friction of all balls with a single-ball model (U21). Each ball carries the
-    /// axial force that it carries without friction.
+    /// Calculates the friction of all balls with a model of a single ball (U21). The axial force on
+    /// each ball is assumed to be the same as without friction.
     ///
-    /// If a ball touches a far flank at rest or because of friction, the equilibrium of all its
-    /// contacts (AC5) replaces the model. The calculation ends at the first ball without a
-    /// solution. If a ball has the same loads as the previous ball, its friction is the same and is
-    /// not calculated again.
+    /// If a ball touches a far flank at rest or because of friction, its friction follows from the
+    /// equilibrium of all its contacts (AC5) instead of from the model. The calculation ends at the
+    /// first ball without a solution. If a ball has the same loads as the previous ball, the
+    /// friction of the previous ball is used again.
     ///
     /// * `friction`: friction coefficients. If they are not given, the model uses another friction
-    ///   law, and the friction of balls that touch a far flank is unknown.
+    ///   law, and the friction of balls that touch a far flank cannot be calculated.
     /// * `drive`: speeds of screw and nut, which must not be equal.
     /// * `seal_torque`: friction torque of the seals \[N·m\].
-    /// * `solve`: model of a single ball, which may include losses in the ball returns.
+    /// * `solve`: function that solves the model of a single ball. The model may include losses in
+    ///   the ball returns.
     pub fn friction(
         &self,
         found: &Equilibrium,
@@ -446,8 +449,8 @@ struct BallByBall<'a, M> {
     found: &'a Equilibrium,
     friction: FlankFriction,
     drive: &'a Drive<f64>,
-    /// Solution of the last ball in gothic arches, used as the starting point for the next ball.
-    /// The first value is true if the ball was on the + flanks.
+    /// Solution of the last ball that was solved in gothic arches, used as the starting point for
+    /// the next ball. The first value is true if this ball was loaded on the + flanks.
     before: Option<(bool, GothicState)>,
     arches: GothicWorkspace,
     /// Function that solves the model of a single ball.
@@ -465,18 +468,20 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Self { nut, found, friction, drive, before: None, arches, solve }
     }
 
-    /// Returns a screw with this ball as its only ball (see [`BallNut::ball_alone`]).
+    /// Returns a screw whose only ball is the ball with the given index (see
+    /// [`BallNut::ball_alone`]).
     fn alone(&self, number: usize) -> Option<ElasticPoint> {
         let friction = self.friction.loaded.unwrap_or(f64::NAN);
         self.nut.ball_alone(self.found, number, friction, self.drive)
     }
 
-    /// Returns the friction of a loaded ball with two contacts (U21), or with contacts at the far
-    /// flanks (AC5).
+    /// Returns the friction of a loaded ball, which has two contacts (U21) or additional contacts
+    /// at the far flanks (AC5).
     fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
         let is_clamped = self.found.balls[number].flanks_pressed() == [true, true];
         let play = self.nut.play(number, self.found);
-        // Most balls have the same number of contacts as the previous ball.
+        // Most balls have the same number of contacts as the previous ball, so this number is tried
+        // first.
         let touched = self.before.as_ref().is_some_and(|(_, state)| state.far_flank_carries());
         let two = if is_clamped || touched { None } else { self.on_two_contacts(number) };
         if let Some(arches) = self.friction.coefficients().zip(play)
@@ -500,15 +505,15 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(free)
     }
 
-    /// Returns the friction of a ball on two contacts (U21).
+    /// Returns the friction of a ball with two contacts (U21).
     fn on_two_contacts(&mut self, number: usize) -> Option<FreeBall> {
         let alone = self.friction_alone(self.alone(number)?)?;
         let friction = alone.friction.limited_by_sliding(alone.sliding_share);
         Some(FreeBall { friction, ..alone })
     }
 
-    /// Returns true if friction does not press a ball with two contacts against a far flank. Only
-    /// model `traction` can determine this; the result is false for other models.
+    /// Returns true if a ball with two contacts keeps a gap to its far flanks even with friction.
+    /// Only model `traction` can determine this gap; for other models, the result is false.
     fn clears_far_flanks(
         &self,
         two: &FreeBall,
@@ -523,9 +528,9 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         gap.is_some_and(|gap| gap >= 0.0)
     }
 
-    /// Adds the loss due to the third contact of a lubricated ball. The loss equals the additional
-    /// loss that the third contact would cause without a lubricant at the mean friction coefficient
-    /// (AC12).
+    /// Adds the power loss of the third contact to the friction of a lubricated ball. The added
+    /// loss is the loss that a third contact causes in a dry ball with the mean friction
+    /// coefficient (AC12).
     fn with_third_contact(
         &mut self,
         free: &FreeBall,
@@ -548,14 +553,14 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(FreeBall { friction, third_contact, ..*free })
     }
 
-    /// Returns the ball in its gothic arches under its own axial force.
+    /// Returns the ball in its gothic arches, loaded by the axial force that acts on it.
     fn in_own_arches(&self, number: usize, friction: [f64; 2], play: f64) -> GothicBall {
         let mut ball = self.nut.ball_in_arches(self.found, number, (friction, play), self.drive);
         ball.at.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
         ball
     }
 
-    /// Returns the absolute axial force on a ball \[N\].
+    /// Returns the absolute value of the axial force on a ball \[N\].
     fn axial_force(&self, number: usize) -> f64 {
         self.found.balls[number].force[0].abs() * self.nut.helix.lead_angle.cos()
     }
@@ -607,8 +612,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         }
     }
 
-    /// Returns the friction of a ball with two contacts as predicted by the model (U21), before it
-    /// is limited by gross sliding (U33).
+    /// Returns the friction that the model predicts for a ball with two contacts (U21), before this
+    /// friction is limited to gross sliding (U33).
     fn friction_alone(&mut self, alone: ElasticPoint) -> Option<FreeBall> {
         let nut = self.nut;
         let Drive { nut_speed, .. } = alone.point.drive;
@@ -672,12 +677,14 @@ impl BallNut {
     }
 
     /// Returns the total friction of all balls (U21), or `None` unless every ball has a solution.
-    /// It is faster than [`friction`](Self::friction) for searches that call it often. If balls
-    /// differ only in their loads, their friction is interpolated between a few loads.
+    /// This function is faster than [`friction`](Self::friction), because the friction of balls
+    /// that differ only in their loads is interpolated between a few loads. Use it in searches that
+    /// need the friction many times.
     ///
-    /// * `between_loads`: permitted relative error of the interpolation between loads.
-    /// * `held`: model of each ball that `solve` must use, by ball index. Balls without an entry
-    ///   choose their own model.
+    /// * `between_loads`: permitted relative error of the friction that is interpolated between
+    ///   loads.
+    /// * `held`: model that `solve` must use for each ball, by ball index. A ball without an entry
+    ///   chooses its own model.
     ///
     /// All other arguments are the same as for [`friction`](Self::friction).
     pub fn friction_sum(
@@ -705,15 +712,17 @@ impl BallNut {
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
                 (f64::min(low, load), f64::max(high, load))
             });
-            // As a function of the load, friction is singular only where the load equals the
-            // centrifugal force.
+            // As a function of the ball load, friction has a singularity only at the load that
+            // equals the centrifugal force.
             let (low_root, high_root) = ((low - inertia).sqrt(), (high - inertia).sqrt());
             let (roots, narrow) = (low_root + high_root, high_root - low_root);
-            // The singularity determines a Bernstein ellipse, and this ellipse determines the
-            // factor by which each additional Chebyshev point reduces the error.
+            // This singularity determines the largest Bernstein ellipse in which the friction is
+            // analytic, and thus the factor by which each additional Chebyshev point reduces the
+            // error.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            // The friction has a kink at the load at which a far flank begins to carry load.
+            // At the load at which a far flank begins to carry load, the friction has a kink and is
+            // not interpolated.
             let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {
@@ -732,7 +741,7 @@ impl BallNut {
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
                 nodes.push((load, weight, each.friction_alone(ball)?));
             }
-            // The barycentric formula interpolates between the nodes.
+            // The friction at each ball load is interpolated by the barycentric formula.
             for load in loads {
                 let met = nodes.iter().position(|(node, ..)| (node - load).abs() <= 0.0);
                 let all: f64 = nodes.iter().map(|(node, weight, _)| weight / (load - node)).sum();
@@ -751,11 +760,13 @@ impl BallNut {
         Some(sum)
     }
 
-    /// Returns the model of each ball, by ball index. Entries are `None` for unloaded balls and for
-    /// balls on both flanks. Returns `None` unless all other balls have solutions.
+    /// Returns the model of each ball, by ball index. Unloaded balls and balls that are loaded on
+    /// both flanks have no model (`None`). Returns `None` instead of the list unless all other
+    /// balls have solutions.
     ///
-    /// If balls differ only in their loads, only the balls with the smallest and the largest load
-    /// are solved. If the models of these two balls differ, all balls are solved.
+    /// If balls differ only in their loads, the model is determined for the smallest and the
+    /// largest load, and applies to all loads between them. If these two loads lead to different
+    /// models, every ball is solved.
     ///
     /// All arguments are the same as for [`friction`](Self::friction).
     pub fn ball_models(
@@ -788,12 +799,13 @@ impl BallNut {
         Some(models)
     }
 
-    /// Groups the indices of loaded balls. The balls in a group differ only in their loads and in
-    /// the displacements of their grooves. Each ball that is loaded on both flanks forms its own
-    /// group.
+    /// Divides the loaded balls into groups and returns the ball indices of each group. Balls of a
+    /// group differ only in their loads and groove displacements. A ball that is loaded on both
+    /// flanks forms its own group.
     ///
-    /// * `tolerance`: largest difference between groove displacements within a group \[m\].
-    /// * `may_join`: function that returns true if two balls are allowed in the same group.
+    /// * `tolerance`: largest difference between the radial groove displacements of two balls in a
+    ///   group \[m\].
+    /// * `may_join`: function that returns true if two balls may belong to the same group.
     fn groups(
         &self,
         found: &Equilibrium,
@@ -822,8 +834,8 @@ impl BallNut {
     }
 
     /// Returns the motions of all balls without push forces between neighbors, or `None` unless
-    /// every loaded ball has a solution. If balls differ only in their loads and groove
-    /// displacements, their motions are interpolated between a few balls.
+    /// every loaded ball has a solution. The motions of balls that differ only in their loads and
+    /// groove displacements are interpolated from a few of these balls.
     ///
     /// All arguments are the same as for [`friction`](Self::friction).
     pub fn free_motions(
@@ -839,8 +851,8 @@ impl BallNut {
         for mut group in self.groups(found, f64::INFINITY, |_, _| true) {
             group.retain(|number| found.balls[*number].max_load() >= idle);
             let point = |number: &usize| {
-                // The logarithm is used because the rates of lightly loaded balls vary strongly
-                // with the load.
+                // The interpolation uses the logarithm of the load, because the rates of lightly
+                // loaded balls change rapidly with the load.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
             };
             let points: Vec<_> = group.iter().map(point).collect();
@@ -855,10 +867,11 @@ impl BallNut {
         Some(motions)
     }
 
-    /// Returns true if two balls differ only by rounding errors.
+    /// Returns true if two balls have equal loads, contact angles and oversizes, except for
+    /// rounding errors.
     pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
-        /// Largest relative difference between loads or contact angles of balls that count as
-        /// equal. The nut equilibrium has a residual of 1e-12 relative to the loads.
+        /// Relative difference between two loads or contact angles, up to which they count as
+        /// equal. The residual of the nut equilibrium is 1e-12 relative to the loads.
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
         let [a, b] = [one, other].map(|number| &found.balls[number]);
@@ -871,7 +884,7 @@ impl BallNut {
 }
 
 impl Equilibrium {
-    /// Returns the load below which a ball is idle \[N\].
+    /// Returns the load below which a ball counts as idle \[N\].
     pub(crate) fn idle_load(&self) -> f64 {
         IDLE_LOAD * self.max_load()
     }

@@ -1,4 +1,4 @@
-//! Geometry of a nut: positions of the balls, and manufacturing errors of their grooves.
+//! Geometry of a nut: positions of the balls, and manufacturing errors of balls and grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7) and (U31).
 
@@ -14,42 +14,42 @@ use bsm_kin::{Drive, Helix};
 use crate::ball::{Flanks, FourContacts};
 use crate::bodies::{Bar, Ring};
 
-/// A circuit of loaded balls between both ends of a ball return.
+/// A circuit of loaded balls, which begins and ends at a ball return.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circuit {
-    /// Helix angle at which the loaded arc begins \[rad\].
+    /// Helix angle at the beginning of the loaded arc \[rad\].
     pub start: f64,
-    /// Angle of the loaded arc \[rad\], positive.
+    /// Helix angle that the loaded arc spans \[rad\], positive.
     pub arc: f64,
     /// Number of loaded balls, which are evenly spaced; at least one.
     pub balls: usize,
-    /// Index of the thread, counted from 0.
+    /// Index of the thread (start of the screw), counted from 0.
     pub thread: usize,
     /// Index of the nut body, counted from 0.
     pub body: usize,
-    /// Flanks of the circuit that can carry load.
+    /// Flanks on which the balls of the circuit can carry load.
     pub flanks: Flanks,
     /// Axial offset of the nut groove due to a spacer or a lead shift \[m\].
     pub offset: f64,
 }
 
-/// An axial error of the nut groove relative to the screw groove.
+/// An error of the axial position of the nut groove relative to the screw groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LeadError {
     /// A periodic error `$A\cos(k\theta + \varphi)$`.
     Wave {
         /// Amplitude `$A$` \[m\].
         amplitude: f64,
-        /// Number of periods per turn `$k$`.
+        /// Number of periods per turn, `$k$`.
         order: f64,
         /// Phase `$\varphi$` \[rad\].
         phase: f64,
     },
     /// A linear error `$s\,(z - z_0)$`.
     Slope {
-        /// Slope `$s$` of the axial error (dimensionless).
+        /// Slope `$s$`: change of the axial error per unit of axial position (dimensionless).
         slope: f64,
-        /// Axial position at which the error is zero, `$z_0$` \[m\].
+        /// Axial position `$z_0$` at which the linear error is zero \[m\].
         origin: f64,
     },
 }
@@ -57,27 +57,28 @@ pub enum LeadError {
 /// Manufacturing errors of balls and grooves.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Errors {
-    /// Excess of the radius of each ball over the nominal radius \[m\], in the order of the
+    /// Difference between the actual and the nominal radius of each ball \[m\], in the order of the
     /// circuits. If the list is empty, all balls have the nominal radius.
     pub balls: Vec<f64>,
-    /// Excess that is common to all balls \[m\].
+    /// Difference between actual and nominal radius that is the same for all balls \[m\]. It is
+    /// added to the entries of `balls`.
     pub oversize: f64,
-    /// Axial errors of the grooves. The total error is their sum.
+    /// Axial errors of the grooves. The total axial error is the sum of all entries.
     pub lead: Vec<LeadError>,
     /// Radial gap between grooves and balls \[m\], which is negative for an interference.
     pub gap: f64,
-    /// Axial play of each nut body \[m\]. If it is given, friction may press balls onto far flanks.
-    /// `None` means that the play is too large for this.
+    /// Axial play of each nut body \[m\]. If the play is given, friction may press balls onto far
+    /// flanks. `None` means that the play is so large that no ball reaches a far flank.
     pub axial_play: Option<f64>,
 }
 
 impl Errors {
-    /// Increases the radius of all balls \[m\] in a nut with play. The play becomes smaller, and
-    /// only an increase beyond the play makes the balls oversize.
+    /// Increases the radius of all balls by `growth` \[m\]. In a nut with play, the larger balls
+    /// first reduce the play. Only the growth that exceeds the play makes the balls oversize.
     ///
     /// * `inclination`: axial component of a unit normal load.
     fn grow_into_play(&mut self, growth: f64, inclination: f64) {
-        // If no play is given, the play is too large to be closed.
+        // If the play is not given, it is so large that the growth of the balls cannot close it.
         let Some(play) = self.axial_play else { return };
         // s_a ← s_a − 4 Δr/(sinβ₀ cosα)                                   (U35)
         let left = play - 4.0 * growth / inclination;
@@ -91,7 +92,7 @@ impl Errors {
 pub struct BallNut {
     /// Helix through the ball centers.
     pub helix: Helix<f64>,
-    /// Number of starts, at least one.
+    /// Number of starts of the screw, at least one.
     pub starts: usize,
     /// Nominal ball.
     pub ball: Ball<f64>,
@@ -111,11 +112,11 @@ pub struct BallNut {
     pub screw_bar: Option<Bar>,
     /// Radially elastic nut; `None` if the nut is rigid.
     pub ring: Option<Ring>,
-    /// Axial position of the reference point for displacements and loads \[m\]. If `None`, it is
-    /// the middle of the balls.
+    /// Axial position of the reference point, to which displacements and loads refer \[m\]. If
+    /// `None`, the reference point is in the middle of the balls.
     pub reference: Option<f64>,
-    /// Precession of the ball centers about the axis \[rad/s\], which determines the centrifugal
-    /// force.
+    /// Angular velocity of the ball centers about the screw axis \[rad/s\], which determines the
+    /// centrifugal force.
     pub precession: f64,
 }
 
@@ -147,11 +148,11 @@ impl BallNut {
         self.circuits.iter().enumerate().flat_map(of).collect()
     }
 
-    /// Returns the nut with bodies and balls warmer than at assembly \[K\]. In a nut with play, the
-    /// expansion of the balls reduces the play, and the balls press against both flanks only after
-    /// the play is closed.
+    /// Returns the nut after its bodies and balls have become warmer than at assembly. In a nut
+    /// with play, the expansion of the balls first reduces the play. The balls press against both
+    /// flanks only after the play is closed.
     ///
-    /// * `rises`: temperature rises of nut, screw and balls above the assembly temperature.
+    /// * `rises`: temperature rises of nut, screw and balls above the assembly temperature \[K\].
     /// * `expansion`: coefficient of thermal expansion \[1/K\].
     #[must_use]
     pub fn warmed(&self, rises: [f64; 3], expansion: f64) -> Self {
@@ -171,14 +172,16 @@ impl BallNut {
         nut
     }
 
-    /// Returns true if balls of nominal size have play between the flanks of their arches. This is
-    /// the case in a single nut without oversize balls. In a pair, each body loads only one flank.
+    /// Returns true if balls of nominal size have play between the flanks of their gothic arches.
+    /// This is true for a single nut without oversize balls. It is false for a pair, because the
+    /// offset presses each body against one flank.
     fn has_play(&self) -> bool {
         let both = self.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
         both && self.errors.oversize <= 0.0
     }
 
-    /// Returns the nut on a screw that is elongated and thinned by an axial tension (I5).
+    /// Returns the nut on a screw that is stretched by an axial tension, which also reduces its
+    /// diameter (I5).
     ///
     /// * `strain`: axial strain of the screw.
     /// * `poisson_ratio`: Poisson's ratio of the screw.
@@ -191,7 +194,8 @@ impl BallNut {
         nut
     }
 
-    /// Returns the axial position of the reference point for displacements and loads \[m\].
+    /// Returns the axial position of the reference point, to which displacements and loads refer
+    /// \[m\].
     pub fn middle(&self) -> f64 {
         let mean = || {
             let positions = self.positions();
@@ -205,7 +209,7 @@ impl BallNut {
         self.circuits.iter().map(|circuit| circuit.balls).sum()
     }
 
-    /// Returns a screw with a single ball, which carries an equal share of an axial load \[N\].
+    /// Returns a screw whose only ball carries an equal share of an axial load on the nut \[N\].
     pub(crate) fn equal_share(&self, axial: f64) -> ElasticPoint {
         ElasticPoint {
             point: OperatingPoint {
@@ -230,7 +234,8 @@ impl BallNut {
         self.equal_share(1.0).hertz()
     }
 
-    /// Returns the data of ball and grooves that are shared by all balls (U8).
+    /// Returns the dimensions and the stiffness of the contacts between ball and grooves, which are
+    /// the same for all balls (U8).
     ///
     /// # Errors
     ///
@@ -241,15 +246,17 @@ impl BallNut {
         Ok(FourContacts {
             grooves,
             series,
-            // At equal loads, the fraction is δ_A/(δ_A + δ_B) = (K/K_A)^(2/3).
+            // If both contacts carry the same load, the nut's fraction of the approach is δ_A/(δ_A
+            // + δ_B) = (K/K_A)^(2/3).
             nut_share: (series.stiffness / grooves.stiffness[0]).powf(2.0 / 3.0),
             // F_c = m r_m P²                                              (U9)
             outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
         })
     }
 
-    /// Returns the displacement of the groove at a ball due to manufacturing errors, along binormal
-    /// and principal normal \[m\], and the excess of the ball radius \[m\] (U5) to (U7).
+    /// Returns the groove displacement that manufacturing errors cause at a ball, along binormal
+    /// and principal normal \[m\], and the excess of the ball radius over the nominal radius \[m\]
+    /// (U5) to (U7).
     pub(crate) fn error_at(&self, number: usize, position: &BallPosition) -> ([f64; 2], f64) {
         let wrong = |error: &LeadError| match *error {
             LeadError::Wave { amplitude, order, phase } => {
@@ -264,15 +271,16 @@ impl BallNut {
         ([along, -self.errors.gap], self.oversize(number))
     }
 
-    /// Returns the axial component of a unit normal load at first contact,
+    /// Returns the axial component of a normal force of 1 N at first contact,
     /// `$\sin\beta_0\cos\alpha$`.
     pub(crate) fn inclination(&self) -> f64 {
         self.contact_angle.sin() * self.helix.lead_angle.cos()
     }
 
-    /// Returns the excess of the radius of a ball over the nominal radius \[m\] (U6).
+    /// Returns the difference between the actual radius of a ball and the nominal radius \[m\]
+    /// (U6).
     pub(crate) fn oversize(&self, number: usize) -> f64 {
-        // Δr_j = Δr of this ball + Δr of all balls                        (U6)
+        // Δr_j = Δr of ball j + Δr that all balls have in common          (U6)
         self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
     }
 

@@ -1,26 +1,29 @@
-//! Interpolation of the properties of many balls from the properties of a few of these balls.
+//! Interpolates properties of the balls, such as precession rates, from a few balls to all balls of
+//! a nut.
 
-/// Relative remainder below which a monomial is considered to be determined by the previous nodes,
-/// except for rounding errors.
+/// Relative remainder below which a monomial counts as linearly dependent on the previous
+/// monomials, because the remainder is only rounding error.
 const DEPENDENT: f64 = 1e-9;
-/// Number of consecutive nodes at which the polynomial must be accurate before all other points are
-/// interpolated.
+/// Number of consecutive nodes at which the error of the polynomial must be within the tolerance
+/// before the remaining points are interpolated.
 const IN_A_ROW: usize = 3;
-/// Maximum degree of the polynomial.
+/// Maximum degree of the interpolating polynomial.
 const DEGREE: i32 = 12;
 
-/// Returns the values of a smooth function of two variables at all points, calculated from its
-/// values at a few of them. Returns `None` if one of these values is not available.
+/// Returns the values of a smooth function of two variables at all points. The function is
+/// evaluated only at a few of the points and interpolated at the others. Returns `None` if `value`
+/// returns `None` at a point where it is evaluated.
 ///
 /// The method is Newton interpolation with monomials of increasing degree. The next node is the
 /// point at which the next monomial has the largest remainder after interpolation by the previous
 /// nodes (discrete Leja points). The error of the polynomial at this point is known before the node
-/// is added. If the error stays large, the function is evaluated at all points.
+/// is added. If the error does not fall below the tolerance, the function is evaluated at all
+/// points.
 ///
-/// * `points`: coordinates. The function should vary more strongly with the first coordinate,
-///   because powers of the second coordinate are used later.
-/// * `tolerances`: relative tolerance of each component.
-/// * `value`: function that returns the values at the point with a given index.
+/// * `points`: coordinates of the points. The function should vary more strongly with the first
+///   coordinate, because monomials with powers of the second coordinate are added later.
+/// * `tolerances`: permitted relative interpolation error of each component of the function.
+/// * `value`: function that returns the components at the point with a given index.
 pub(crate) fn interpolated<const N: usize>(
     points: &[[f64; 2]],
     tolerances: [f64; N],
@@ -77,8 +80,8 @@ pub(crate) fn interpolated<const N: usize>(
     Some(first.into_iter().map(|n| found[n]).collect())
 }
 
-/// Returns exponents of monomials in two variables. The exponent of the second variable counts
-/// twice toward the degree.
+/// Returns the exponents of monomials in two variables, in order of increasing degree. The exponent
+/// of the second variable counts twice toward the degree.
 fn monomials() -> impl Iterator<Item = [i32; 2]> {
     (0..=DEGREE).flat_map(|degree| (0..=degree / 2).map(move |j| [degree - 2 * j, j]))
 }
@@ -87,7 +90,7 @@ fn monomials() -> impl Iterator<Item = [i32; 2]> {
 mod tests {
     use super::{IN_A_ROW, interpolated};
 
-    /// Returns 100 points along a curve that fills a rectangle.
+    /// Returns 100 points on a curve that fills a rectangle almost uniformly.
     fn points() -> Vec<[f64; 2]> {
         let along = (0_u8..100).map(f64::from);
         along.map(|i| [10.0 + (0.32 * i).sin(), 1e-6 * (0.2 * i).cos()]).collect()
@@ -108,16 +111,15 @@ mod tests {
 
     #[test]
     fn polynomials_are_interpolated_exactly() {
-        // The interpolation needs four nodes for 1, x, x² and y, followed by three nodes without an
-        // error.
+        // The interpolation needs four nodes for the monomials 1, x, x² and y, followed by three
+        // nodes at which the error is within the tolerance.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
         assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }
 
     #[test]
     fn smooth_functions_are_interpolated_from_few_values() {
-        // The tolerance covers the decreasing contributions of later nodes, relative to the largest
-        // value of 30.
+        // The tolerance is relative to the largest function value, which is about 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
         assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
     }

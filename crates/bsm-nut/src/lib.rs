@@ -1,6 +1,6 @@
-//! Calculations for all balls of a ball nut: load sharing, stiffness, remaining preload and life
-//! (statically and without friction), friction torques, ball trains, and temperatures of the warm
-//! steady state.
+//! Calculations that include every ball of a ball nut: load sharing, stiffness, remaining preload
+//! and life (all static and without friction), friction torques, ball trains, and the temperatures
+//! in the warm steady state.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U34).
 //!
@@ -10,7 +10,7 @@
 //! manufacturing errors. [`BallNut::solve`] calculates the equilibrium for a [`Support`], which
 //! contains the load and the constraints by the guides.
 //!
-//! This example uses a rigid, guided nut with 70 balls, which carry equal shares of 8 kN:
+//! In this example, a rigid, guided nut has 70 balls, which share a load of 8 kN equally:
 //!
 //! ```
 //! use std::f64::consts::PI;

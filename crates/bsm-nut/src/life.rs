@@ -1,4 +1,5 @@
-//! Life, static safety and load concentration, calculated from the loads of all balls.
+//! Rating life, static safety factor and load concentration, calculated from the loads of all
+//! balls.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U22) to (U25).
 
@@ -9,9 +10,9 @@ use crate::{BallInGrooves, BallNut, Circuit, Equilibrium};
 /// `$C_s i^{0.86}$` and `$C_n i^{0.86}$` \[N\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnRatings {
-    /// Rating of the screw raceway.
+    /// Dynamic load rating of the screw raceway.
     pub screw: f64,
-    /// Rating of the nut raceway.
+    /// Dynamic load rating of the nut raceway.
     pub nut: f64,
 }
 
@@ -21,7 +22,7 @@ impl Equilibrium {
         self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
     }
 
-    /// Returns the average over all balls of the largest contact load of each ball \[N\].
+    /// Returns the mean ball load \[N\]. The load of a ball is the largest load of its contacts.
     pub fn mean_load(&self) -> f64 {
         let sum = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
         sum / count(self.balls.len())
@@ -38,8 +39,8 @@ impl Equilibrium {
         self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
     }
 
-    /// Returns the static safety factor: the ball load at the static load rating of one nut body,
-    /// divided by the largest contact load.
+    /// Returns the static safety factor, which is the ball load at the static load rating of one
+    /// nut body divided by the largest contact load.
     pub fn static_safety(&self, nut: &BallNut, rating: f64) -> f64 {
         let inclined = nut.inclination();
         let body = |circuit: &&Circuit| circuit.body == 0;
@@ -48,8 +49,8 @@ impl Equilibrium {
         rating / (count(balls) * inclined) / self.max_load()
     }
 
-    /// Returns the rating life in revolutions that 90 % of all nuts reach, for all raceways of all
-    /// nut bodies together (U22) to (U24). The result is infinite if no ball is loaded.
+    /// Returns the rating life \[revolutions\], which 90 % of all nuts reach (U22) to (U24). It
+    /// includes the raceways of all nut bodies, and is infinite if no ball is loaded.
     ///
     /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
@@ -67,8 +68,8 @@ impl Equilibrium {
                 continue;
             }
             let number = count(balls.len());
-            // For each raceway: index of its first contact, load rating, and exponent of the
-            // equivalent load (U23).
+            // Each entry contains the index of the first contact, the load rating, and the exponent
+            // of the equivalent load of a raceway (U23).
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)

@@ -11,17 +11,17 @@ use crate::{BallNut, Equilibrium, NutError, Support};
 /// Method by which a nut is preloaded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PreloadKind {
-    /// Two bodies with an axial offset, body 0 along +z and body 1 along −z. A positive offset
-    /// pulls the bodies together (X arrangement), and a negative offset pushes them apart (O
-    /// arrangement).
+    /// The nut consists of two bodies with an axial offset between them, body 0 along +z and body 1
+    /// along −z. A positive offset pulls the bodies together (X arrangement), and a negative offset
+    /// pushes them apart (O arrangement).
     Offset,
-    /// Oversize balls press against both flanks of the grooves.
+    /// The nut has oversize balls, which press against both flanks of the grooves.
     Oversize,
 }
 
 impl Equilibrium {
-    /// Returns the remaining preload \[N\] (U20). This is the smaller of the forces on the two
-    /// bodies or, for oversize balls, of the forces on the two flanks.
+    /// Returns the remaining preload \[N\] (U20), which is the smaller of the forces on the two nut
+    /// bodies. For oversize balls, it is the smaller of the forces on the two flanks.
     pub fn preload(&self, nut: &BallNut, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
@@ -43,8 +43,9 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// Returns the nut with a preload that is set by a displacement \[m\], which is the offset
-    /// between the bodies or the excess of the ball diameter (U18).
+    /// Returns the nut with a preload that results from a displacement \[m\] (U18). The
+    /// displacement is the offset between the bodies, or the excess of the ball diameter over the
+    /// nominal diameter.
     #[must_use]
     pub fn preloaded(&self, by: PreloadKind, displacement: f64) -> Self {
         let mut nut = self.clone();
@@ -64,8 +65,8 @@ impl BallNut {
     /// Returns the displacement \[m\] required for a given preload \[N\] without external load
     /// (U19).
     ///
-    /// * `force`: preload with the sign of the displacement, which is negative if the bodies are
-    ///   pushed apart.
+    /// * `force`: preload \[N\], with the sign of the displacement. It is negative if the bodies
+    ///   are pushed apart.
     ///
     /// # Errors
     ///
@@ -84,8 +85,8 @@ impl BallNut {
             let nut = self.preloaded(by, sign * displacement);
             Ok(nut.solve(&support)?.preload(&nut, by))
         };
-        // The search starts with the displacement for a guided pair of rigid nuts, and doubles it
-        // until the force is sufficient.
+        // The search starts at the displacement of a guided pair of rigid nuts with equal load
+        // sharing, and doubles this displacement until the preload is sufficient.
         let high = 2.0 * self.equal(2.0 * force)?.displacement;
         let places = successors(Some(high), |x| Some(2.0 * x).filter(|x| *x <= self.ball.radius));
         let excess = |x: f64| reached(x).map(|reached| reached - force);
@@ -95,8 +96,8 @@ impl BallNut {
         found.root().map(|root| sign * root.x).ok_or_else(no_preload)
     }
 
-    /// Returns the axial load at which the last ball of one body or of one flank loses its load
-    /// \[N\] (U20). The load has the sign of `way`.
+    /// Returns the limit load \[N\], which is the axial load at which the last ball of one body or
+    /// of one flank loses its load (U20). The limit load has the same sign as `way`.
     ///
     /// # Errors
     ///
@@ -117,12 +118,12 @@ impl BallNut {
             return Err(no_preload());
         }
         // The limit load is 2√2 to 2.91 times the preload, unless elastic bodies or manufacturing
-        // errors distribute the load unevenly.
+        // errors make the ball loads unequal.
         let most = 1e3 * preload;
         let places =
             successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
-        // Near the limit load, the remaining force is proportional to the distance from the limit
-        // load to the power of 3/2. It is then very small, so only its sign is reliable.
+        // Near the limit load, the remaining force is proportional to the distance to the limit
+        // load, raised to the power of 3/2. This force is so small that only its sign is reliable.
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };

@@ -1,4 +1,4 @@
-//! Minimization of the energy of a nut by damped Newton steps.
+//! Minimizes the energy of a nut by damped Newton steps.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U15) and (U16).
 
@@ -10,15 +10,15 @@ use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut};
 
-/// Maximum number of Newton steps. Usually, ten are sufficient.
+/// Maximum number of Newton steps. Ten steps are usually sufficient.
 const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
-/// Residual force, relative to the sum of all forces, at which the forces count as balanced.
+/// Residual force divided by the sum of all forces, at which the forces count as balanced.
 const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
-/// Number of steps after which a larger residual is accepted, and the accepted residual. If the
-/// bodies are strained by millimeters, rounding errors of their displacements are a larger fraction
-/// of the elastic approach of the balls.
+/// Number of steps after which a larger residual is accepted, and this larger residual. It is
+/// needed if the bodies are stretched by millimeters: the rounding errors of such displacements are
+/// not negligible compared with the elastic approaches of the balls.
 const ROUNDED: (usize, f64) = (30, 1e-10);
 
 /// Unknowns and the corresponding state of the nut.
@@ -28,7 +28,8 @@ struct EnergyPoint {
 }
 
 impl BallNut {
-    /// Returns the displacements, the loads of all balls and the stiffness of the nut under load.
+    /// Returns the equilibrium of the nut under load: the displacements, the loads of all balls,
+    /// and the stiffness of the nut.
     ///
     /// The energy is convex, so the ball loads are unique (U15).
     ///
@@ -56,8 +57,8 @@ impl BallNut {
 }
 
 impl Assembly<'_> {
-    /// Solves the equilibrium, starting from equal load sharing or from the displacement of a
-    /// neighboring solution.
+    /// Solves the equilibrium of the nut. The search starts from equal load sharing, or from the
+    /// displacement of a neighboring solution.
     pub(crate) fn solve(
         mut self,
         start: Option<&[f64; FREEDOMS]>,
@@ -65,8 +66,8 @@ impl Assembly<'_> {
         let none = |residual, steps| NutError::NotConverged { residual, steps };
         let y = self.start(start);
         let state = self.state(&y).map_err(|ball| NutError::BallNotBalanced { ball })?;
-        // Prescribed displacements may be far from the initial values, because the elastic bodies
-        // can accommodate them.
+        // If displacements are prescribed, the nut may start far from its undeformed position,
+        // because the elastic bodies can follow.
         let begun = self.moved(&y);
         let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
@@ -76,8 +77,8 @@ impl Assembly<'_> {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);
-            // Beyond this displacement, the balls would be on the other side of the groove-arc
-            // centers.
+            // If the nut moves farther than the distance between the groove-arc centers, the balls
+            // are on the other side of these centers.
             if moved > begun + self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }
@@ -85,8 +86,8 @@ impl Assembly<'_> {
                 if let Some(next) = self.step(&at, damping) {
                     break next;
                 }
-                // There is free play, or the balls reject the step. More damping turns the step
-                // toward the negative gradient of the energy.
+                // No step reduces the energy, for example because the nut has free play. With more
+                // damping, the step turns toward the negative gradient of the energy.
                 damping = f64::max(10.0 * damping, 1e-6);
                 if damping > 1e6 {
                     return Err(none(imbalance, steps));
@@ -97,7 +98,7 @@ impl Assembly<'_> {
         Err(none(self.imbalance(&at.state), MAX_EQUILIBRIUM_STEPS))
     }
 
-    /// Takes a Newton step that reduces the energy. Returns `None` if there is no such step.
+    /// Takes a Newton step that reduces the energy, or returns `None` if no such step exists.
     fn step(&mut self, at: &EnergyPoint, damping: f64) -> Option<EnergyPoint> {
         let EnergyPoint { y, state } = at;
         self.linearize(state, StiffnessScope::Step);
@@ -116,8 +117,9 @@ impl Assembly<'_> {
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
             if let Ok(there) = self.state(&next) {
-                // The step must satisfy the Armijo condition. Near the solution, differences of the
-                // energy are only rounding errors, so the forces decide.
+                // A step is accepted if it satisfies the Armijo condition. Near the solution,
+                // energy differences are only rounding errors, so a step is also accepted if it
+                // reduces the residual forces.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
                 // The rounding error of a sum of n terms is at most n/2 units in the last place.
                 let terms = count(state.balls.len());
@@ -159,12 +161,12 @@ impl Assembly<'_> {
 }
 
 impl Equilibrium {
-    /// Returns the equilibrium unless a ball has left its flank.
+    /// Returns this equilibrium, or an error if a ball has left its flank.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
-        /// Tolerance for rounding errors of the contact angle of a ball at the end of its flank
-        /// \[rad\].
+        /// Permitted rounding error of the contact angle of a ball at the end of its flank \[rad\].
         const ROUNDED: f64 = 1e-6;
-        // If the nominal contact angle is zero, both flanks of a groove form a single arc.
+        // If the nominal contact angle is zero, both flanks of a groove form a single arc, so
+        // negative contact angles are valid.
         let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };
         let outside = |ball: &BallInGrooves| {
             let angles = ball.loads.iter().zip(ball.angles);

@@ -21,8 +21,8 @@ pub struct EqualShare {
 }
 
 impl BallNut {
-    /// Returns the state in which all balls carry equal shares of a nonzero axial load \[N\]. It is
-    /// exact for rigid bodies without manufacturing errors on stiff guides.
+    /// Returns the state of the nut if all balls carry equal shares of a nonzero axial load \[N\].
+    /// This state is exact for rigid bodies without manufacturing errors on stiff guides.
     ///
     /// # Errors
     ///
@@ -34,7 +34,8 @@ impl BallNut {
         self.equal_of(&self.ball_in_grooves().map_err(NutError::Contact)?.series, axial)
     }
 
-    /// Returns the state with equal load sharing for known contact data of a ball.
+    /// Returns the state of the nut with equal load sharing, using contact data of the ball that
+    /// are already known.
     pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<EqualShare, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
@@ -47,8 +48,8 @@ impl BallNut {
         Ok(EqualShare { load: pressing.load, angle: pressing.angle, displacement, stiffness })
     }
 
-    /// Returns true if equal load sharing is exact, which requires rigid bodies, no manufacturing
-    /// errors or offsets, balls on one flank only, and stiff guides.
+    /// Returns true if equal load sharing is exact. This requires rigid bodies on stiff guides,
+    /// balls that are loaded on one flank only, and no manufacturing errors or offsets.
     pub fn shares_equally(&self, support: &Support) -> bool {
         let held = support.0[1..].iter().all(|freedom| *freedom == Freedom::Held(0.0));
         let rigid = self.nut_bar.is_none() && self.screw_bar.is_none() && self.ring.is_none();
@@ -59,11 +60,11 @@ impl BallNut {
         held && rigid && level && self.errors == Errors::default()
     }
 
-    /// Returns an upper bound of the normal load on any ball under an axial load \[N\] (U27). It
-    /// applies to a guided nut without radial gap if all balls can carry load only on the flank on
-    /// which the axial load acts. The bound holds because at least one ball carries at most the
-    /// mean load, and because manufacturing errors and strain of the bodies limit the differences
-    /// between the approaches of all balls.
+    /// Returns an upper bound of the normal load on any ball under an axial load \[N\] (U27). The
+    /// bound applies to a guided nut without a radial gap if the balls can carry load only on the
+    /// flank that supports the axial load. At least one ball carries no more than the mean load,
+    /// and the differences between the approaches of all balls are limited by the manufacturing
+    /// errors and the strain of the bodies.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Axial stiffness of a nut and of its elastic bodies, and preload displacements.
+//! Axial stiffness of a nut and of its elastic bodies, and the displacements that cause a preload.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U13), (U18) and (U28).
 
@@ -9,7 +9,8 @@ use crate::{BallNut, Equilibrium, Freedom, PreloadKind, Support};
 
 impl Equilibrium {
     /// Returns the axial stiffness, which is the derivative of the axial load with respect to the
-    /// axial displacement \[N/m\]. Degrees of freedom that the guides do not fix can move freely.
+    /// axial displacement \[N/m\]. The nut can move freely in all directions in which the guides do
+    /// not hold it.
     pub fn axial_stiffness(&self, support: &Support) -> f64 {
         let mut k = self.stiffness;
         for i in 1..FREEDOMS {
@@ -18,7 +19,7 @@ impl Equilibrium {
             if matches!(support.0[i], Freedom::Held(_)) || k[i][i] <= 1e-12 * usual {
                 continue;
             }
-            // The stiffness is condensed by k_ab − k_ai k_ib/k_ii.
+            // Degree of freedom i is eliminated from the stiffness matrix by k_ab − k_ai k_ib/k_ii.
             let (row, pivot) = (k[i], k[i][i]);
             for line in &mut k {
                 let share = line[i] / pivot;
@@ -32,7 +33,7 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// Returns the diameters of screw and nut at the contact points \[m\].
+    /// Returns the diameters of screw and nut at their contacts with the balls \[m\].
     pub fn groove_diameters(&self) -> [f64; 2] {
         let (middle, ball) = (2.0 * self.helix.radius, 2.0 * self.ball.radius);
         let across = ball * self.contact_angle.cos();
@@ -44,7 +45,7 @@ impl BallNut {
     /// cross-sectional area. The screw is treated as a shaft without grooves.
     ///
     /// * `twists`: true if the screw is fixed against rotation at its anchor. The torque of each
-    ///   ball then twists the screw, which moves the groove in the axial direction.
+    ///   ball then twists the screw, and the twist moves the groove in the axial direction.
     pub fn screw_stiffness(&self, twists: bool) -> f64 {
         let [screw, _] = self.groove_diameters();
         let steel = self.material.0;
@@ -69,7 +70,7 @@ impl BallNut {
     }
 
     /// Returns the displacement that preloads the nut \[m\] (U18), which is the offset between the
-    /// bodies or the excess of the ball diameter.
+    /// bodies or the excess of the ball diameter over the nominal diameter.
     pub fn preload_setting(&self, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
@@ -83,14 +84,14 @@ impl BallNut {
         }
     }
 
-    /// Returns the axial displacement of the contacts on one side that results from the preload
-    /// \[m\].
+    /// Returns the axial displacement that the preload causes in the contacts of one body or one
+    /// flank \[m\].
     pub fn preload_approach(&self, by: PreloadKind) -> f64 {
         let setting = self.preload_setting(by).abs();
         match by {
-            // For a preload by two bodies, δ_p = |O|/2.
+            // If the preload results from an offset between two bodies, δ_p = |O|/2.
             PreloadKind::Offset => 0.5 * setting,
-            // For oversize balls, δ_p = 2Δr/(sinβ₀ cosα).
+            // If the preload results from oversize balls, δ_p = 2Δr/(sinβ₀ cosα).
             PreloadKind::Oversize => setting / self.inclination(),
         }
     }

@@ -2,10 +2,10 @@
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I21).
 //!
-//! A [`ThermalAxis`] has a [`Network`] that conducts heat between five nodes. A [`WarmNut`]
-//! generates heat, which depends on the node temperatures. [`WarmNut::steady`] calculates the
-//! temperatures at which generated and conducted heat are equal. [`WarmNut::fold`] calculates the
-//! speed above which no such temperatures exist.
+//! A [`Network`] conducts heat between the five nodes of a [`ThermalAxis`]. A [`WarmNut`] generates
+//! heat, which depends on the temperatures of the nodes. [`WarmNut::steady`] calculates the
+//! temperatures at which the nodes lose as much heat as they receive. [`WarmNut::fold`] calculates
+//! the speed above which no such temperatures exist.
 
 mod axis;
 mod band;
@@ -24,13 +24,13 @@ pub use coupling::{
 pub use network::{AxialHold, Network, ScrewBar, Sinks};
 pub use states::{Fold, NoSteadyState, OnBranch, Steady};
 
-/// Number of thermal nodes: nut, screw along the travel, balls, and both ends of the screw.
+/// Number of thermal nodes: nut, screw within the travel, balls, and both ends of the screw.
 pub const NODES: usize = 5;
 
-/// Returns the temperatures of the nodes \[°C\].
+/// Converts temperature rises of the nodes to temperatures \[°C\].
 ///
 /// * `set`: assembly temperature \[K\].
-/// * `rises`: temperature rises above the assembly temperature.
+/// * `rises`: temperature rises above the assembly temperature \[K\].
 pub fn celsius(set: f64, rises: &[f64; NODES]) -> [f64; NODES] {
     rises.map(|rise| set + rise - bsm_dyn::lubrication::ZERO_CELSIUS)
 }

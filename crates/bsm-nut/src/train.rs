@@ -1,4 +1,4 @@
-//! Ball trains: ball advance, needed gap, and forces between balls that touch.
+//! Ball trains: ball advance, needed gap, and push forces between balls that touch.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O16).
 
@@ -16,23 +16,24 @@ use bsm_newton::{Bracket, FunctionValue};
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
-/// Largest ratio of push force to mean ball load for which the effect of push forces on ball loads
-/// and contact angles is neglected.
+/// Largest ratio of push force to mean ball load at which the influence of push forces on ball
+/// loads and contact angles is still neglected.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
-/// Ball advance, which is the relative motion of balls that do not touch.
+/// Ball advance: the motion of balls that do not touch, relative to a cage that turns at constant
+/// speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advance {
     /// Difference between the largest and the smallest precession rate of balls that do not touch,
-    /// divided by their mean rate.
+    /// divided by the mean rate.
     pub spread: f64,
     /// Helix angle between the centers of two balls that touch \[rad\].
     pub touch_angle: f64,
     /// Ball advance in each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Friction torque between balls if every push force is [`MAX_PUSH_RATIO`] times the mean ball
-    /// load, divided by the friction coefficient between balls \[N·m\]. It is an upper bound for
-    /// smaller push forces.
+    /// Friction torque between balls for push forces of [`MAX_PUSH_RATIO`] times the mean ball load
+    /// on every ball, divided by the friction coefficient between balls \[N·m\]. Smaller push
+    /// forces cause less torque.
     pub contact_torque: f64,
 }
 
@@ -40,12 +41,12 @@ impl Advance {
     /// Returns the largest needed gap of all circuits \[m\].
     pub fn largest_gap(&self) -> f64 {
         let largest = self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max);
-        // Values below a nanometer are rounding errors.
+        // Gaps below a nanometer are rounding errors.
         if largest < 1e-9 { 0.0 } else { largest }
     }
 }
 
-/// Ball advance in a circuit.
+/// Ball advance in one circuit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitAdvance {
     /// Smallest sum of the gaps in the loaded part of the circuit at which no balls touch \[m\].
@@ -54,7 +55,7 @@ pub struct CircuitAdvance {
     pub balls: Vec<Option<BallAdvance>>,
 }
 
-/// Advance of a single ball.
+/// Ball advance of a single ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallAdvance {
     /// Relative precession rate of the ball without push forces, `$(P - \Omega_n)/W$`.
@@ -66,36 +67,40 @@ pub struct BallAdvance {
 /// Inputs of a ball train.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainInputs {
-    /// Sum of the gaps in the loaded part of each circuit, along the helix \[m\], positive.
+    /// Ball gap of each circuit: sum of the gaps in its loaded part, measured along the helix
+    /// \[m\], positive.
     pub gaps: Vec<f64>,
     /// Thickness of the spacers between balls \[m\].
     pub spacer: f64,
     /// Friction coefficient between balls.
     pub contact_friction: f64,
-    /// Push force that the ball return requires at its exit.
+    /// Push force that the ball return requires from the balls that enter it at the exit of the
+    /// loaded part.
     pub exit: Exit,
-    /// Force required to move an unloaded ball \[N\].
+    /// Force that is needed to move an unloaded ball along the circuit \[N\].
     pub idle_drag: f64,
 }
 
-/// Push force that a ball return requires at the exit from the loaded part (O12).
+/// Parameters of the push force that a ball return requires at the exit from the loaded part (O12).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// Push force that the ball return requires if the entering balls do not push. It is given as a
-    /// force \[N\] or follows from the step into the loaded part.
+    /// Push force that the ball return requires if the first loaded ball does not push against the
+    /// balls in the ball return.
     pub push: ExitPush,
     /// Sum of the angles of all bends in the ball return \[rad\].
     pub bend: f64,
-    /// Friction coefficient in the ball return.
+    /// Friction coefficient between balls and ball return.
     pub friction: f64,
 }
 
-/// Specification of the push force that the ball return requires if the entering balls do not push.
+/// Place at which the push force that the ball return requires is specified. The force applies if
+/// the first loaded ball does not push against the balls in the ball return.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExitPush {
     /// Push force at the exit from the loaded part \[N\].
     AtExit(f64),
-    /// Force at the step into the loaded part, which is at the other end of the ball return \[N\].
+    /// Force that is needed to push a ball over the step into the loaded part, at the other end of
+    /// the ball return \[N\].
     AtEntry(f64),
 }
 
@@ -105,7 +110,7 @@ impl Exit {
         (self.friction * self.bend).exp()
     }
 
-    /// Returns the push force that the ball return requires at its exit \[N\].
+    /// Returns the push force that the ball return requires at the exit from the loaded part \[N\].
     ///
     /// * `entry`: force with which the first loaded ball pushes against the balls in the ball
     ///   return \[N\].
@@ -138,23 +143,24 @@ pub struct BallOfTrain {
     pub rolling: Rolling,
     /// Relative precession rate of the ball, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Normal forces from the neighboring balls in front and behind, in the direction of travel
-    /// \[N\].
+    /// Normal forces from the neighboring balls in front and behind \[N\]. Front and behind refer
+    /// to the direction of travel.
     pub pushes: [f64; 2],
     /// Gap to the next ball \[m\].
     pub gap: f64,
 }
 
-/// A circuit with a steady flow of balls.
+/// Ball train of one circuit, in which the balls flow steadily.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitTrain {
-    /// Relative precession rate of the balls that touch each other.
+    /// Relative precession rate that is common to all balls that touch each other.
     pub rate: f64,
-    /// Number of balls that pass a point per second \[1/s\].
+    /// Ball flow: number of balls that pass any point of the circuit per second \[1/s\].
     pub flux: f64,
-    /// Push forces at the exit from the loaded part and at the entry to it \[N\].
+    /// Push forces between balls at both ends of the loaded part: at its exit and at its entry
+    /// \[N\].
     pub ends: [f64; 2],
-    /// Balls in the order of the circuit.
+    /// Loaded and idle balls, in the order of the circuit.
     pub balls: Vec<BallOfTrain>,
 }
 
@@ -165,13 +171,14 @@ pub struct Train {
     pub circuits: Vec<CircuitTrain>,
     /// Torque due to friction at the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
-    /// Torque due to friction at the raceways \[N·m\].
+    /// Torque due to friction at the raceways, including the effect of push forces \[N·m\].
     pub raceway_torque: f64,
-    /// Torque due to friction between balls and to the motion of idle balls \[N·m\].
+    /// Torque due to friction between balls and due to moving the idle balls \[N·m\].
     pub contact_torque: f64,
-    /// Torque due to pushing the balls through the ball returns \[N·m\].
+    /// Torque that is needed to push the balls through the ball returns \[N·m\].
     pub return_torque: f64,
-    /// Torque lost when faster balls catch up with the ball train \[N·m\].
+    /// Torque due to the energy that is lost when faster balls catch up with the ball train
+    /// \[N·m\].
     pub catching_torque: f64,
     /// Relative error of the power balance: the power of screw and load minus all losses, divided
     /// by the losses.
@@ -200,11 +207,11 @@ impl Train {
 pub enum TrainError {
     /// A ball is loaded on both flanks, which the ball-train model does not cover.
     #[error(
-        "a ball is loaded on both flanks, but push forces are calculated only for balls on one flank"
+        "a ball is loaded on both flanks, but push forces are calculated only for balls that are loaded on one flank"
     )]
     BothFlanks,
-    /// The balls of a circuit leave no gap between them.
-    #[error("circuit {circuit} has no free length between its balls")]
+    /// The gaps between the balls of a circuit add up to zero.
+    #[error("circuit {circuit} has no gap between its balls")]
     NoRoom {
         /// Index of the circuit.
         circuit: usize,
@@ -219,13 +226,14 @@ pub enum TrainError {
         /// Largest push force that all balls together can provide before they slide \[N\].
         available: f64,
     },
-    /// A push force exceeds [`MAX_PUSH_RATIO`] times the largest ball load before the gaps reach
-    /// their given values.
+    /// A push force exceeds [`MAX_PUSH_RATIO`] times the largest ball load, so the ball-train model
+    /// is not valid.
     #[error("the push forces between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
-        /// Push force at a speed of the ball train that is still too low \[N\].
+        /// Lower bound of the largest push force \[N\], calculated at a speed of the ball train
+        /// below its actual speed.
         push: f64,
-        /// Ratio of the push force to the largest ball load.
+        /// Push force divided by the largest ball load.
         part: f64,
     },
     /// A circuit carries no load, so the speed of its balls is undetermined.
@@ -235,12 +243,12 @@ pub enum TrainError {
         circuit: usize,
     },
     /// A ball has no steady motion even without push forces.
-    #[error("a single ball of circuit {circuit} has no steady motion")]
+    #[error("a ball of circuit {circuit} has no steady motion, even without push forces")]
     NoMotion {
         /// Index of the circuit.
         circuit: usize,
     },
-    /// No solution was found for a ball or for the flow in a circuit.
+    /// The solver found no solution for a ball or for the steady flow in a circuit.
     #[error("the push forces in circuit {circuit} could not be calculated: {what}")]
     NotConverged {
         /// Index of the circuit.
@@ -268,12 +276,12 @@ impl BallNut {
 
     /// Returns the number of balls that fit into the loaded arc of a circuit.
     ///
-    /// * `spacer`: thickness of the spacers \[m\].
+    /// * `spacer`: thickness of the spacers between balls \[m\].
     pub fn room(&self, circuit: usize, spacer: f64) -> f64 {
         (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
     }
 
-    /// Returns the indices of the balls in a circuit, in the direction of travel.
+    /// Returns the indices of the balls in a circuit, sorted in the direction of travel.
     fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
         let numbers = 0..found.positions.len();
         let mut order: Vec<_> =
@@ -284,12 +292,12 @@ impl BallNut {
         order
     }
 
-    /// Returns the ball advance for balls that do not touch, or `None` if any loaded ball has no
-    /// steady motion.
+    /// Returns the ball advance, assuming that balls do not touch. Returns `None` if any loaded
+    /// ball has no steady motion.
     ///
-    /// * `motions`: motions of the balls without push forces, from
+    /// * `motions`: motion of each ball without push forces, from
     ///   [`NutFriction`](crate::NutFriction).
-    /// * `spacer`: thickness of the spacers \[m\].
+    /// * `spacer`: thickness of the spacers between balls \[m\].
     pub fn advance(
         &self,
         found: &Equilibrium,
@@ -345,14 +353,14 @@ impl BallNut {
         Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
 
-    /// Returns the ball trains of all circuits, with the push forces between balls that touch (O8)
-    /// to (O16).
+    /// Returns the ball trains of all circuits, including the push forces between balls that touch
+    /// (O8) to (O16).
     ///
-    /// * `motions`: motions of the balls without push forces, from
+    /// * `motions`: motion of each ball without push forces, from
     ///   [`NutFriction`](crate::NutFriction).
-    /// * `friction`: friction coefficient; `None` if another friction law applies.
-    /// * `in_train`: function that creates a ball under push forces from an operating point and the
-    ///   ball state without push forces.
+    /// * `friction`: friction coefficient at the raceways; `None` if another friction law applies.
+    /// * `in_train`: function that returns the model of a ball under push forces. Its arguments are
+    ///   an operating point and the state of the ball without push forces.
     ///
     /// # Errors
     ///
@@ -419,7 +427,7 @@ impl BallNut {
     }
 }
 
-/// A circuit whose steady flow is calculated.
+/// Data that are needed to calculate the steady flow of balls in a circuit.
 struct Flow<'a> {
     nut: &'a BallNut,
     inputs: &'a TrainInputs,
@@ -441,10 +449,10 @@ struct State {
     pushes: [f64; 2],
     /// Motion of the ball; `None` for idle and blocked balls.
     motion: Option<TrainMotion>,
-    /// Derivatives of the ball rate and of the push force from behind with respect to the
-    /// precession rate of the ball train.
+    /// Derivatives of the precession rate of this ball and of the push force from behind with
+    /// respect to the precession rate of the ball train.
     by_train: [f64; 2],
-    /// Precession rate of the ball train and push force from the front for which this state was
+    /// Precession rate of the ball train and push force from the front, for which this state was
     /// calculated.
     of: [f64; 2],
 }
@@ -454,7 +462,7 @@ struct State {
 struct CircuitState {
     rate: f64,
     states: Vec<State>,
-    /// Contact force between balls at the exit from the loaded part \[N\].
+    /// Push force between balls at the exit from the loaded part \[N\].
     exit: f64,
 }
 
@@ -466,34 +474,35 @@ impl CircuitState {
     }
 }
 
-/// Relative change of the push force at the entry, between two passes around the circuit, below
-/// which the push force counts as constant.
+/// Permitted relative change of the push force at the entry between two passes around the circuit.
+/// If the change is smaller, the passes end.
 const ENTRY_TOLERANCE: f64 = 1e-9;
-/// Maximum number of passes around a circuit. If at least one ball is free, two passes are
-/// sufficient, because a free ball does not depend on the balls behind it.
+/// Maximum number of passes around a circuit. If at least one ball is not pushed from behind, two
+/// passes are sufficient, because the state of this ball does not depend on the balls behind it.
 const MAX_PASSES: usize = 40;
-/// First step of the bracketing search, relative to the precession rate. The bracketing search is
-/// used if Newton's method does not find the precession rate of the ball train.
+/// Length of the first bracketing step divided by the precession rate. Bracketing is used if
+/// Newton's method does not find the precession rate of the ball train.
 const STEP: f64 = 1e-4;
-/// Factor by which each bracketing step is longer than the previous step.
+/// Length of a bracketing step divided by the length of the previous step.
 const GROWTH: f64 = 3.0;
-/// Maximum number of bracketing steps.
+/// Maximum number of steps in the bracketing search for the precession rate.
 const STEPS: usize = 12;
-/// Ratio of the neighbors' friction moment to the moment that stops a ball (O6), above which a ball
-/// without a steady motion counts as blocked. The ratio is below 1 because the raceways also carry
-/// the difference between the push forces.
+/// Minimum ratio of the friction moment of the neighbors to the moment that stops a ball (O6), for
+/// which a ball without a steady motion counts as blocked. The ratio is below 1 because the
+/// friction at the raceways must also support the difference between the push forces.
 const MAX_STOPPED_SHARE: f64 = 0.9;
-/// Ratio of free length to ball length below which rounding errors of the precession rates exceed
-/// the free length.
+/// Ratio of ball gap to ball length below which the ball gap is smaller than the rounding errors of
+/// the precession rates.
 const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
-/// Permitted relative error of the free length.
+/// Permitted error of the ball gap, divided by the ball gap.
 const ROOM_TOLERANCE: f64 = 1e-6;
 /// Permitted relative error of the precession rate of the ball train.
 const RATE_TOLERANCE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
-    /// Collects the data of a circuit. The arguments are nut, inputs, relative speed and touch
-    /// angle; circuit index and free length; and balls.
+    /// Collects the data of a circuit. The first argument contains the nut, the inputs, the
+    /// relative speed and the touch angle; the second contains the circuit index and the ball gap;
+    /// the third contains the balls.
     fn of(
         (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
         (circuit, room): (usize, f64),
@@ -514,27 +523,28 @@ impl Flow<'_> {
         self.balls.iter().flatten().copied()
     }
 
-    /// Returns the length that a touching ball occupies along the helix, including its spacer
+    /// Returns the length along the helix that a ball and its spacer occupy if the balls touch
     /// \[m\].
     fn pitch(&self) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.touch_angle
     }
 
-    /// Converts a relative precession rate to a speed along the helix \[m/s\].
+    /// Converts a relative precession rate to a ball speed along the helix \[m/s\].
     fn speed_of(&self, rate: f64) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.speed.abs() * rate
     }
 
-    /// Returns the free length that results from the given ball rates and precession rate of the
-    /// ball train (O10), minus the given free length, in units of the length per ball.
+    /// Returns the ball gap that results from the given rates of the balls and of the ball train
+    /// (O10), minus the given ball gap. The difference is divided by the length that a touching
+    /// ball occupies.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
         let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
         gained - self.room / self.pitch()
     }
 
-    /// Returns the difference between the resulting and the given free length in an approximation
-    /// that is linear in the push forces.
+    /// Returns the difference between the resulting and the given ball gap, calculated with ball
+    /// rates that are linear functions of the push forces.
     fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;
@@ -560,9 +570,9 @@ impl Flow<'_> {
         surplus
     }
 
-    /// Solves the circuit at a given precession rate of the ball train, from the exit backward
-    /// (O11), and repeats this until the push force at the entry is constant. Returns the
-    /// difference between the resulting and the given free length (O10).
+    /// Solves all balls of the circuit at a given precession rate of the ball train, starting with
+    /// the ball at the exit (O11). The calculation is repeated until the push force at the entry is
+    /// constant. Returns the difference between the resulting and the given ball gap (O10).
     fn pass(
         &self,
         rate: f64,
@@ -579,10 +589,10 @@ impl Flow<'_> {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = [state.pushes[1], state.by_train[1]];
             }
-            // If all balls touch, each pass adds the push force of the ball return, and no free
-            // length remains. This conclusion is valid only if the iteration started without a push
-            // force at the entry. A push force left over from another rate must therefore be reset
-            // to zero.
+            // If all balls touch, every pass increases the push force by the force that the ball
+            // return requires, and the ball gap is zero. The ball gap is reliable only if the
+            // iteration started without a push force at the entry. Therefore, a push force that was
+            // calculated for another rate is reset to zero.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
             [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
@@ -595,9 +605,8 @@ impl Flow<'_> {
         Err("the push force at the entry did not converge")
     }
 
-    /// Returns the state of a ball for a given push force from the front. The state contains the
-    /// derivative of the push force from behind with respect to the precession rate of the ball
-    /// train.
+    /// Returns the state of a ball for a given push force from the front, including the derivative
+    /// of the push force from behind with respect to the precession rate of the ball train.
     fn state(
         &self,
         ball: Option<&TrainBall>,
@@ -639,7 +648,7 @@ impl Flow<'_> {
         };
         let held = |motion: TrainMotion| {
             let [by_front, by_back] = motion.compliances();
-            // The derivative is dN_b/dp_c = (1 − c_f dN_f/dp_c)/c_b.
+            // The derivative of the push force from behind is dN_b/dp_c = (1 − c_f dN_f/dp_c)/c_b.
             let back = (1.0 - by_front * by_train) / by_back;
             (by_back > 0.0)
                 .then(|| rolls(motion, [1.0, back]))
@@ -668,12 +677,12 @@ impl Flow<'_> {
         match caught_up {
             Some(motion) => Ok(caught(motion)),
             None if stopped > MAX_STOPPED_SHARE => Ok(passes_on(Rolling::Blocked)),
-            None => Err("a ball in the train has no steady motion"),
+            None => Err("a ball in the ball train has no steady motion"),
         }
     }
 
-    /// Returns the circuit at the precession rate of the ball train for which the free length
-    /// equals the given free length.
+    /// Returns the state of the circuit at the precession rate of the ball train that leads to the
+    /// given ball gap.
     ///
     /// * `largest_load`: largest ball load in the nut \[N\].
     fn steady(
@@ -699,8 +708,8 @@ impl Flow<'_> {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
-        // A ball provides at most the friction force of both contacts in full sliding. It provides
-        // no push force if the ball in front stops its rotation (O6).
+        // A ball can push with at most the friction force of both contacts in full sliding. It
+        // cannot push if the ball in front stops its rotation (O6).
         let given = self.rolling().map(TrainBall::sliding_push);
         let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
         let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
@@ -722,13 +731,13 @@ impl Flow<'_> {
         let begin = [0.5 * free_rate, 2.0 * free_rate];
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
         let guess = guess.root().map_or(free_rate, |root| root.x);
-        let mut why = "no speed of the ball train gives this free length between the balls";
+        let mut why = "no speed of the ball train leads to the given gap between the balls";
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
-                // Push forces increase with the precession rate of the ball train. If the free
-                // length at this rate is still too large, the actual push forces are larger than
-                // the push forces at this rate.
+                // Push forces increase with the precession rate of the ball train. If the ball gap
+                // at this rate is larger than the given gap, the solution has a higher rate, and
+                // its push forces are larger than the push forces at this rate.
                 if value.value > 0.0 {
                     least_push = pass
                         .states
@@ -737,8 +746,8 @@ impl Flow<'_> {
                 }
                 value
             }
-            // At this precession rate, no ball can provide the push force, so this rate is an upper
-            // limit.
+            // At this precession rate, the balls cannot provide the required push force, so the
+            // solution has a lower rate.
             Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;
@@ -757,20 +766,22 @@ impl Flow<'_> {
                 failed(why)
             });
         }
-        // The free length must decrease with increasing rate. Otherwise, another rate may lead to
-        // the same free length.
+        // The ball gap must decrease with increasing precession rate. Otherwise, a second rate may
+        // lead to the same ball gap.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
-            return Err(failed("more than one speed of the ball train gives this free length"));
+            return Err(failed(
+                "more than one speed of the ball train leads to the given gap between the balls",
+            ));
         }
         Ok(pass)
     }
 
-    /// Finds the root of a function that decreases with the rate, and returns the function value
-    /// there. Newton steps are used as long as each step is at most half as long as the previous
-    /// step. After that, the root is bracketed.
+    /// Finds the root of a function that decreases with the precession rate, and returns the
+    /// function value at the root. Newton's method is used as long as each step is at most half as
+    /// long as the previous step. After that, the root is bracketed.
     fn solve_surplus(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
-        // Each state is calculated from the previous state as the starting point, which would be
-        // too far away in a wide bracket.
+        // Newton steps come first, because each state is calculated from the previous state. In a
+        // wide bracket, the previous state would be a poor starting point.
         let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
         loop {
             let slope = here.slope.filter(|slope| *slope < 0.0);
@@ -800,8 +811,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Returns the power losses \[W\] at the raceways, between balls (including idle balls), in the
-    /// ball return, and where faster balls catch up.
+    /// Returns the power losses at the raceways, between balls (including the motion of idle
+    /// balls), in the ball return, and where faster balls catch up with the ball train \[W\].
     fn losses(&self, pass: &CircuitState) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
@@ -842,7 +853,7 @@ impl Flow<'_> {
         self.balls.iter().copied().zip(&pass.states).map(of).sum()
     }
 
-    /// Returns the ball train with its balls in the order of the circuit.
+    /// Returns the ball train, with the balls in the order of the circuit.
     fn train(&self, pass: &CircuitState, is_reversed: bool) -> CircuitTrain {
         let mut balls: Vec<_> = pass
             .states

@@ -1,12 +1,12 @@
-//! Random samples for tests, examples and benchmarks, and the size of test campaigns. Other crates
-//! use this crate only as a development dependency.
+//! Random numbers for tests, examples and benchmarks, and the number of points in test campaigns.
+//! Other crates use this crate only as a development dependency.
 
 use rand::{Rng, RngExt};
 
-/// Additional distributions for the random number generators of `rand`.
+/// Additional random distributions for the generators of the crate `rand`.
 pub trait Sample: Rng {
-    /// Returns a random number between two positive bounds whose logarithm is uniformly
-    /// distributed, so that every order of magnitude is equally likely.
+    /// Returns a random number between two positive bounds. Its logarithm is uniformly distributed,
+    /// so that every order of magnitude is equally likely.
     fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         (low.ln() + self.random::<f64>() * (high / low).ln()).exp()
     }
@@ -14,8 +14,8 @@ pub trait Sample: Rng {
 
 impl<R: Rng + ?Sized> Sample for R {}
 
-/// Returns the number of points of a test campaign: a tenth of `whole`, or all of `whole` if the
-/// environment variable `CAMPAIGNS` is `whole` (as in `just campaigns`).
+/// Returns the number of points in a test campaign. It is a tenth of `whole`, or `whole` itself if
+/// the environment variable `CAMPAIGNS` is set to `whole` (as in `just campaigns`).
 pub fn campaign(whole: usize) -> usize {
     if std::env::var("CAMPAIGNS").is_ok_and(|value| value == "whole") {
         whole
@@ -31,8 +31,8 @@ mod tests {
 
     use super::*;
 
-    /// A tenth of the random numbers from 1e-6 to 1e4 must be in each decade, and no number may be
-    /// outside the bounds.
+    /// Each decade from 1e-6 to 1e4 must contain a tenth of the random numbers, and no number may
+    /// be outside the bounds.
     #[test]
     fn every_decade_has_the_same_share_of_numbers() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -43,8 +43,8 @@ mod tests {
             assert!(x >= 1e-6, "{x}");
             decades[usize::try_from(decade).expect("not below")] += 1;
         }
-        // The tolerance is four standard deviations of the binomial count, which is sqrt(10_000 ·
-        // 0.1 · 0.9) = 30.
+        // The tolerance is four standard deviations of the binomial distribution. One standard
+        // deviation is sqrt(10_000 · 0.1 · 0.9) = 30.
         assert!(decades.iter().all(|count| count.abs_diff(1000) < 120), "{decades:?}");
     }
 }

@@ -12,8 +12,8 @@
 //! W^2/F_a is at most 3.
 //!
 //! If a number and, optionally, a seed are given, the program generates this number of points in
-//! any regime, for screws as they are used in practice: largest pressure at the nut 0.2 to 4 GPa,
-//! lead angle 1 to 40 deg, speed 10 to 10 000 rpm, inertia ratio at most 1.
+//! any slip regime. The screws are as they are used in practice: largest pressure at the nut 0.2 to
+//! 4 GPa, lead angle 1 to 40 deg, speed 10 to 10 000 rpm, and inertia ratio at most 1.
 //!
 //!     cargo run --release -p bsm-validate --features tools --example case_set -- 3000 > screws.csv
 //!     bsm tradeoff --points screws.csv
@@ -27,7 +27,7 @@ use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Number of points in each regime.
+/// Number of points in each slip regime.
 const EACH: usize = 100;
 
 const INPUTS: [&str; 11] = [
@@ -62,7 +62,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let [lead, contact] = [point[2], point[3]].map(f64::to_radians);
             let normal = screw.point.load.per_ball() / (lead.cos() * contact.sin());
             let Ok([nut, _]) = screw.hertz() else { continue };
-            // The pressure is proportional to the cube root of the load.
+            // The contact pressure is proportional to the cube root of the load, so the load is
+            // scaled by the cube of the pressure ratio.
             let rise = rng.log_uniform(0.2e9, 4e9) / nut.max_pressure(normal);
             point[9] = digits(point[9] * rise.powi(3));
         }
@@ -105,7 +106,7 @@ fn traction(case: &Case) -> Result<Traction, CaseError> {
     }
 }
 
-/// * `used`: true for screws as they are used in practice, with any load.
+/// * `used`: true for screws as they are used in practice, under any load.
 fn draw(rng: &mut impl Rng, used: bool) -> [f64; 11] {
     let pitch = rng.random_range(8.0..100.0);
     let ball = pitch * rng.random_range(0.07..0.2);

@@ -1,5 +1,5 @@
-//! Sketches for the theory chapters, drawn with the code that the chapters explain: the helix with
-//! its Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
+//! Draws the sketches of the theory chapters with the code that these chapters explain: the helix
+//! with its Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
 //!
 //! `cargo run -p bsm-validate --features tools --example sketches -- docs/img`
 
@@ -14,7 +14,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_kin::{BallFrame, Contact, Helix, Site};
 use nalgebra::{Vector2, Vector3};
 
-/// Style sheet with colors for light and dark pages.
+/// Style sheet of the drawings, with colors for light and dark pages.
 const STYLE: &str = "
   svg { font: 15px sans-serif; background: none }
   .ink { stroke: #333; fill: none; stroke-width: 1.6 } .thin { stroke: #888; fill: none }
@@ -32,7 +32,7 @@ const STYLE: &str = "
 
 type Point = Vector2<f64>;
 
-/// A drawing in SVG units; y points down.
+/// A drawing with coordinates in SVG units. The y axis points down.
 struct Drawing {
     size: (f64, f64),
     about: &'static str,
@@ -74,7 +74,8 @@ impl Drawing {
         ));
     }
 
-    /// Writes text that is centered at a point. Text after an underscore becomes a subscript.
+    /// Writes a text that is centered at a point. Characters after an underscore become a
+    /// subscript.
     fn word(&mut self, class: &str, at: Point, text: &str) {
         let (stem, index) = text.split_once('_').unwrap_or((text, ""));
         self.element(&format!(
@@ -96,7 +97,7 @@ impl Drawing {
     }
 }
 
-/// Draws the ball centers on their helix, and the triad (K1) to (K4) at one of them.
+/// Draws the helix of the ball centers, and the triad (K1) to (K4) at one of its points.
 fn helix() -> Drawing {
     let mut drawing =
         Drawing::new(640.0, 340.0, "Helix of the ball centers with its triad t, n, b");
@@ -105,7 +106,7 @@ fn helix() -> Drawing {
     let towards_us = |theta: f64| theta.sin() < 0.0;
     let at = |i: i32| f64::from(i) * TAU / 180.0;
     let mut run = vec![project(&helix.frame(at(0)).p_WC)];
-    // The curve is slightly longer than two turns.
+    // The curve is slightly longer than two turns of the helix.
     let last = 396;
     for i in 1..=last {
         run.push(project(&helix.frame(at(i)).p_WC));
@@ -133,7 +134,7 @@ fn helix() -> Drawing {
     }
     drawing.circle("ball", project(&c), 6.0);
     drawing.word("word", project(&c) + Point::new(-14.0, 10.0), "C");
-    // These two points are one turn apart, which is one lead along the axis.
+    // The two points are one turn apart, so their axial distance is the lead.
     let turns = [0.75, 1.75].map(|turn| helix.frame(turn * TAU).p_WC);
     let foot = turns.map(|p| Point::new(project(&p).x, 315.0));
     for (p, foot) in turns.iter().zip(foot) {
@@ -145,8 +146,8 @@ fn helix() -> Drawing {
     drawing
 }
 
-/// Draws the normal plane of the helix with nut, screw and the contacts A, A' and B, including
-/// their angles and triads (K9) to (K11).
+/// Draws nut and screw in the normal plane of the helix, and the contacts A, A' and B with their
+/// angles and triads (K9) to (K11).
 fn contacts() -> Drawing {
     let mut drawing = Drawing::new(
         640.0,
@@ -154,12 +155,12 @@ fn contacts() -> Drawing {
         "Normal plane with the contacts A, A' and B, their angles and axes",
     );
     let (center, radius, angle) = (Point::new(300.0, 240.0), 120.0, 0.75_f64);
-    // n points down toward the axis, and b points to the right.
+    // In the drawing, n points down toward the screw axis, and b points to the right.
     let at = |v: &Vector3<f64>| center + Point::new(v.z, v.y);
     let frame = BallFrame::turned(0.1, 0.0);
     let site = |site| Contact::new(site, angle, &frame);
-    // The grooves are arcs through the contact points. Seen from a contact, the arc center lies
-    // beyond the ball center.
+    // Each groove consists of arcs through the contact points. The center of an arc is beyond the
+    // ball center, seen from the contact.
     for (sites, name, outside) in [
         ([Site::Nut, Site::NutUnloaded], "nut", 20.0),
         ([Site::Screw, Site::Screw], "screw", 460.0),
@@ -177,7 +178,7 @@ fn contacts() -> Drawing {
             for k in -12..=12 {
                 let phi = from + 0.055 * f64::from(k);
                 let p = middle - Vector3::new(0.0, phi.cos(), phi.sin()) * arc;
-                // Each flank extends from its outer edge to the bottom of the gothic arch.
+                // A flank extends from its outer edge to the bottom of the gothic arch.
                 let ends_inside = p.z * normal.z <= 2.0;
                 if ends_inside {
                     edge.push(at(&p));
@@ -229,7 +230,7 @@ fn contacts() -> Drawing {
     drawing
 }
 
-/// Draws the contact ellipse at the screw of the example feed drive, with the slip that model
+/// Draws the contact ellipse at the screw for the example of a feed drive, with the slip that model
 /// `traction` calculates.
 fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let case = Case::from_json(include_bytes!("../../../examples/feed_drive.json"))?;
@@ -260,7 +261,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
         "Contact ellipse with the slip over it and the lines of pure rolling",
     );
     let middle = Point::new(320.0, 140.0);
-    // The width of the ellipse along the groove is exaggerated.
+    // The ellipse is drawn wider along the groove than it is.
     let (long, short) = (260.0, 100.0);
     let at = |x: f64, y: f64| middle + Point::new(x * long, -y * short);
     drawing.element(&format!(
@@ -281,7 +282,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
             drawing.circle("fill1", at(x, y), 2.0);
         }
     }
-    // On this line, the slip along the groove changes its sign.
+    // The slip along the groove is zero on this line, and has opposite signs on its two sides.
     let steps = 400;
     let x_of = |i: i32| -1.0 + 2.0 * f64::from(i) / f64::from(steps);
     for i in 1..=steps {
@@ -314,8 +315,8 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     Ok(drawing)
 }
 
-/// Draws a nut pair with its degrees of freedom and anchors, and the centers of the groove arcs
-/// around a ball (U8).
+/// Draws a nut pair with its degrees of freedom and anchors, and the groove-arc centers around a
+/// ball (U8).
 fn nut() -> Drawing {
     let mut drawing = Drawing::new(
         900.0,
@@ -383,7 +384,7 @@ fn nut() -> Drawing {
     drawing.circle("ball", center, radius);
     for (flank, sign, color) in [("+", 1.0, 1), ("−", -1.0, 2)] {
         for (member, side) in [("N", 1.0), ("S", -1.0)] {
-            // The line runs from the arc center through the ball center to the contact.
+            // This line extends from the groove-arc center through the ball center to the contact.
             let angle = |turn: f64| TAU / 8.0 + turn;
             let outwards =
                 |turn: f64| Point::new(-side * sign * angle(turn).sin(), -side * angle(turn).cos());
@@ -400,8 +401,8 @@ fn nut() -> Drawing {
     drawing
 }
 
-/// Draws a ball in gothic arches, without and with friction across the grooves (AC1). The play and
-/// the displacement of the ball are exaggerated.
+/// Draws a ball in gothic arches, first without friction and then with friction across the grooves
+/// (AC1). Play and ball displacement are exaggerated.
 fn third_contact() -> Drawing {
     let mut drawing = Drawing::new(
         760.0,
@@ -409,8 +410,8 @@ fn third_contact() -> Drawing {
         "A ball in gothic arches: without friction on two contacts, with friction on a third one",
     );
     let (radius, offset) = (95.0, 42.0);
-    // The angles define the directions from the ball center to the contacts. n points down toward
-    // the axis, and b points to the right.
+    // The angles give the directions from the ball center to the contacts. In the drawing, n points
+    // down toward the screw axis, and b points to the right.
     let half = TAU / 8.0;
     let towards = |angle: f64| Point::new(angle.sin(), -angle.cos());
     let contacts = [
@@ -425,8 +426,8 @@ fn third_contact() -> Drawing {
         let way = if with_friction { 9.0 } else { 0.0 };
         drawing.circle("ball", middle + aside * way, radius);
         for (name, angle, color) in contacts {
-            // The gap at the unloaded flanks is equal to the displacement of the ball due to
-            // friction, so that the ball just touches one of these flanks.
+            // The gap at the unloaded flanks equals the displacement of the ball due to friction,
+            // so the ball just touches one of these flanks.
             let gap = if color == 2 { 9.0 } else { 0.0 };
             let arc = |i: i32| {
                 let turned = towards(angle + f64::from(i) * 0.045);

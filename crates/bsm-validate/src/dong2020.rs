@@ -1,4 +1,5 @@
-//! Trends of Dong et al. (2020), and identities of the contact geometry and the thrust.
+//! Checks of trends in the paper of Dong et al. (2020), and of identities of the contact geometry
+//! and the thrust.
 
 use bsm_case::{Answer, Case, OutputName, jam, output};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -26,7 +27,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Performs the sweeps of the paper with a model.
+/// Calculates the sweeps of the paper with the given model.
 pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, ValidateError> {
     let case = published.dong_case.case()?;
     let settings = model.into();
@@ -34,7 +35,7 @@ pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, Va
     Ok(Study::jam(&case, &settings, &solution)?)
 }
 
-/// Returns the jamming analysis of a case, solved with raceway control.
+/// Returns the jamming analysis of a case. The motion of the ball is calculated by raceway control.
 fn analysis(case: &Case) -> Result<Answer, ValidateError> {
     let problem = case.problem(&Model::RacewayControl.into())?;
     Ok(jam(case, &problem.solve(&mut ModelWorkspace::default()))?)
@@ -44,8 +45,8 @@ fn number(report: &Answer, name: OutputName) -> f64 {
     report.number(name).unwrap_or(f64::NAN)
 }
 
-/// Checks the corrected radical of Eq 17 at a small load, at which inertia has the largest effect
-/// on the contact angles.
+/// Checks the corrected radical of Eq 17. The load is small, because inertia then has the largest
+/// effect on the contact angles.
 fn radical(case: &Case) -> Result<Check, ValidateError> {
     let light = Case { axial_load_N: case.loaded_balls, ..case.clone() };
     let report = analysis(&light)?;
@@ -69,15 +70,15 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     Ok(Check::new(
         "dong2020/radical",
         &format!("{SOURCE}, Eq 17 corrected"),
-        "the radical of the lengths gives the difference of the contact angles, at 1 N per ball",
+        "the corrected radical gives the difference between the contact angles, at 1 N per ball",
     )
     .measured((ours - (b - a)).abs(), "rad")
     .note(format!("difference {:.4} deg", (b - a).to_degrees()))
     .at_most(1e-12, "rounding error of squared lengths divided by their difference of 0.008"))
 }
 
-/// Shows that Eq 17 as printed has no real value, because some of its lengths are not sides of the
-/// triangle.
+/// Shows that the printed radical of Eq 17 requires an impossible friction coefficient, because
+/// some of its lengths are not sides of the triangle.
 fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     let report = analysis(case)?;
     let mm = |name: OutputName| 1e-3 * number(&report, name);
@@ -92,7 +93,8 @@ fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
         angle(output!(screw_angle_with_permanent_set_deg)),
     );
     let square = l_a.powi(2) + l_b.powi(2) + 2.0 * l_a * l_b * (a - b).cos();
-    // −A₁² − A₂² + (δ_i + δ_o)² + 2 δ_i d_o − 2 δ_i d_b + 2 δ_o d_o + (d_o − d_b)²
+    // The printed numerator is −A₁² − A₂² + (δ_i + δ_o)² + 2 δ_i d_o − 2 δ_i d_b + 2 δ_o d_o + (d_o
+    // − d_b)².
     let above = -square
         + (screw + nut).powi(2)
         + 2.0 * screw * (nominal - ball)
@@ -105,6 +107,9 @@ fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
         "the printed radical requires a friction coefficient that steel never reaches",
     )
     .measured(1.0 / printed, "reciprocal of the printed radical")
-    .note(format!("as printed {printed:.1}, corrected {:.1e}", (0.5 * (b - a)).tan().abs()))
-    .at_most(0.1, "ten times a friction coefficient of 1"))
+    .note(format!(
+        "printed radical: {printed:.1}; corrected radical: {:.1e}",
+        (0.5 * (b - a)).tan().abs()
+    ))
+    .at_most(0.1, "a required friction coefficient of 10 or more is impossible"))
 }

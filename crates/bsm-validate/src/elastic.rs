@@ -1,4 +1,4 @@
-//! Elastic contacts: comparison with reference solutions for the models `elastic` and `traction`.
+//! Checks of the models `elastic` and `traction`: comparison with an independent solution.
 
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, model::Traction};
@@ -9,10 +9,10 @@ use crate::{Check, PublishedData, ValidateError};
 
 const SOURCE: &str = "independent solution of the elastic models, Lin's screw, conformity 0.53";
 
-/// Accuracy of the quadrature with which the reference values are compared.
+/// Quadrature accuracy with which `traction` is compared with the reference values.
 const FINE: f64 = 1e-10;
 
-/// Returns all checks with these reference solutions.
+/// Returns all checks of the models `elastic` and `traction`.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let lin = lin(published)?;
     let work = &mut ModelWorkspace::default();
@@ -23,7 +23,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns Lin's case with conformities of 0.53 at nut and screw.
+/// Returns the case of Lin, Velinsky and Ravani (1994) with conformities of 0.53 at nut and screw.
 pub(crate) fn lin(published: &PublishedData) -> Result<Case, ValidateError> {
     Ok(Case {
         nut_conformity: Some(0.53),
@@ -40,7 +40,7 @@ fn solve(
     Ok(case.problem(settings)?.solve(work))
 }
 
-/// Replaces a missing number with NaN, which fails every check.
+/// Returns the value, or NaN if the value is missing. NaN fails every check.
 fn number(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::NAN)
 }
@@ -65,8 +65,8 @@ struct Reference {
     binormal_displacement_um: f64,
 }
 
-/// Returns the largest deviation in a row of the table. For `traction`, the deviation is evaluated
-/// both with the settings of the table and with the default settings.
+/// Checks a row of the table. The checked number is the largest ratio of deviation to tolerance.
+/// Model `traction` is checked twice: with the settings of the table and with the default settings.
 fn reference(
     row: &Reference,
     lin: &Case,
@@ -113,24 +113,25 @@ fn reference(
     let default = check("default-settings")
         .measured(worst, "of the tolerance")
         .note(column)
-        .at_most(1.0, "1e-6 in the efficiency, 1e-5 in loads and angles, 1e-4 in the motion");
+        .at_most(1.0, "permitted errors: 1e-6 for the efficiency, 1e-5 for loads and angles, 1e-4 for the motion");
     Ok(vec![exact, default])
 }
 
-/// Half a unit of the last printed digit in the reference solutions for `traction`: efficiency,
-/// loads, angles, precession, rotation and displacement.
+/// Half a unit of the last digit that the reference prints for `traction`, in this order:
+/// efficiency, loads, angles, precession, rotation and displacement.
 const TRACTION_DIGITS: [f64; 6] = [0.51e-7, 0.51e-4, 0.51e-5, 0.51e-6, 0.51e-5, 0.51e-5];
-/// Half a unit of the last printed digit in the reference solutions for `elastic`: efficiency,
-/// loads, angles, precession, rotation and displacement.
+/// Half a unit of the last digit that the reference prints for `elastic`, in this order:
+/// efficiency, loads, angles, precession, rotation and displacement.
 const ELASTIC_DIGITS: [f64; 6] = [0.51e-9, 0.51e-5, 0.51e-6, 0.51e-7, 0.51e-5, 0.51e-6];
 
-/// Absolute and relative tolerances for the default settings: efficiency, loads, angles,
-/// precession, rotation and displacement.
+/// Absolute and relative tolerances for the default settings of `traction`, in this order:
+/// efficiency, loads, angles, precession, rotation and displacement.
 const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 
 impl Reference {
-    /// Returns the largest ratio of deviation to tolerance, and the column in which it occurs.
+    /// Returns the largest ratio of deviation to tolerance, and a note that names the column with
+    /// this ratio.
     fn deviation(&self, solution: &Solution, [absolute, relative]: [[f64; 6]; 2]) -> (f64, String) {
         let limit = |i: usize| (absolute[i], relative[i]);
         let [eta, load, angle, rate, rotation, shift] = [0, 1, 2, 3, 4, 5].map(limit);

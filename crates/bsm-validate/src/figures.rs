@@ -1,6 +1,6 @@
-//! The figures of the validation report: the figures of Lin, Velinsky and Ravani (1994) calculated
-//! by this program, the transition from rolling to gross skid, the figures of Sobolewski (2002),
-//! the sweeps of slip and jamming, and a warm feed axis.
+//! Figures of the validation report: the figures of Lin, Velinsky and Ravani (1994), calculated by
+//! this program; the transition from rolling to gross skid; the figures of Sobolewski (2002); the
+//! sweeps for slip and jamming; and a warm feed axis.
 
 use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, Solution, model::RacewayFriction};
@@ -13,7 +13,7 @@ use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if the data cannot be used.
+/// Returns [`ValidateError`] if the published data are invalid.
 pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> {
     let case = published.lin_case.case()?;
     let mut figures = around_cases(&case, &lin1994::slender(&case))?;
@@ -27,10 +27,10 @@ pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> 
     Ok(figures)
 }
 
-/// Plots the warm preload of a feed axis with a cooled nut against the speed, for both arrangements
-/// of the nuts, dry and lubricated.
+/// Plots the warm preload against the speed for a feed axis with a cooled nut. The curves show both
+/// arrangements of the nuts, dry and lubricated.
 fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
-    /// Thermal conductance from the nut to a heavy saddle \[W/K\].
+    /// Thermal conductance between the nut and a heavy saddle \[W/K\].
     const COOLED: f64 = 20.0;
     let dry = Case {
         friction_coefficient: Some(0.06),
@@ -40,8 +40,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         screw_roughness_um: None,
         ..axis.clone()
     };
-    // Using one friction coefficient per contact reduces the time to a sixth. It changes the speed
-    // at the fold by 0.4 %, which is less than the width of a line.
+    // With one friction coefficient per contact, the calculation takes a sixth of the time. The
+    // speed at the fold changes by 0.4 %, which is less than the width of a line in the figure.
     let friction = RacewayFriction::PerContact;
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };
@@ -69,8 +69,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
     ))
 }
 
-/// Plots the efficiency against the speed, from rolling to gross skid, for three models at three
-/// loads.
+/// Plots the efficiency against the speed for three models at three loads. The speeds range from
+/// rolling to gross skid.
 fn transition(lin: &Case) -> Result<Figure, ValidateError> {
     let speeds: Vec<_> = (0..=60).map(|i| 300.0 * 100.0_f64.powf(f64::from(i) / 60.0)).collect();
     let mut curves = Vec::new();
@@ -94,9 +94,9 @@ fn transition(lin: &Case) -> Result<Figure, ValidateError> {
         [
             "transition",
             "From rolling to gross skid: Lin's screw, one ball",
-            "Traction (solid) leaves raceway control (dashed) and joins saturated friction \
-                  (dotted) where friction gives way to the gyroscopic moment; under 2113 N it \
-                  holds.",
+            "At low speed, traction (solid) agrees with raceway control (dashed). At high speed, it agrees with \
+                  saturated friction (dotted), because friction can no longer support the gyroscopic moment. Under \
+                  2113 N, friction supports this moment at all speeds in the figure.",
         ],
         [Axis::log("screw speed, rpm"), Axis::linear("efficiency")],
         curves,

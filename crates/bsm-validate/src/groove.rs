@@ -1,5 +1,5 @@
-//! Estimation of the groove from load ratings: comparison with catalog rows whose ball diameters
-//! are known, and with an independent implementation.
+//! Checks of grooves that are estimated from load ratings: comparison with catalog rows whose ball
+//! diameters are known, and with an independent implementation.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -23,15 +23,19 @@ use crate::{Check, PublishedData, ValidateError};
 const PROTOTYPE: &str = "an independent implementation of theory chapter 21";
 const CATALOGS: &str = "catalogs of HIWIN, TBI and THK";
 
-/// Steel of raceways and balls in the reference bands. It is the default steel of a case.
+/// Steel of raceways and balls for which the reference bands were calculated. It is also the
+/// default steel of a case.
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Returns all checks of the groove estimate.
+/// Returns all checks of estimated grooves.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let file: File = published.groove.json()?;
     let name = published.groove.name();
     if file.rows.is_empty() || file.refused.is_empty() {
-        return Err(ValidateError::of(name, "there are no rows, so nothing would be checked"));
+        return Err(ValidateError::of(
+            name,
+            "the file contains no rows, so nothing would be checked",
+        ));
     }
     let mut checks = Vec::new();
     let mut estimates = Vec::new();
@@ -41,7 +45,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
             Err(refused) => {
                 let nearest = refused.nearest.map(|nearest| nearest.ln_evidence);
                 let why =
-                    format!("{} is rejected; logarithm of its evidence: {nearest:?}", row.name);
+                    format!("row {} is rejected; logarithm of its evidence: {nearest:?}", row.name);
                 return Err(ValidateError::of(name, why));
             }
         }
@@ -59,21 +63,22 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// A set of catalog rows, each with the prior that is used for its estimate.
+/// A set of catalog rows, and the prior with which the groove of each row is estimated.
 struct Split<'a> {
-    /// Part of the check keys that identifies this set of rows.
+    /// Word that identifies this set of rows in the keys of its checks.
     key: String,
-    /// Describes the rows to which the prior was fitted and the rows that are estimated.
+    /// Description of the rows to which the prior was fitted, and of the rows whose grooves are
+    /// estimated.
     words: String,
     rows: Vec<(&'a Row, Prior)>,
-    /// Reason for the limits on the rates; `None` if there are no limits.
+    /// Reason why the results must be within limits; `None` if they have no limits.
     limits: Option<&'static str>,
 }
 
 impl<'a> Split<'a> {
-    /// Returns all sets of rows: all rows with the built-in prior; each half of the rows with a
-    /// prior fitted to the other half; and the rows of each manufacturer with a prior fitted to the
-    /// other manufacturers.
+    /// Returns three kinds of sets: all rows, with the built-in prior; each half of the rows, with
+    /// a prior that is fitted to the other half; and the rows of each manufacturer, with a prior
+    /// that is fitted to the other manufacturers.
     fn all(file: &'a File) -> Vec<Self> {
         let is_fit = file.half == FITTED;
         let relation = if is_fit { "fitted to the same rows" } else { "fitted to other rows" };
@@ -84,8 +89,8 @@ impl<'a> Split<'a> {
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // The rows are ordered by series and size. Taking every second row therefore puts all
-        // series and sizes into both halves.
+        // The rows are sorted by series and size. If every second row is taken, both halves contain
+        // all series and sizes.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();
@@ -108,7 +113,9 @@ impl<'a> Split<'a> {
             let prior = fitted(&others);
             Self {
                 key: format!("new-maker-{maker}"),
-                words: format!("prior fitted to all manufacturers but {maker}, tested on {maker}"),
+                words: format!(
+                    "prior fitted to all manufacturers except {maker}, tested on {maker}"
+                ),
                 rows: file.rows.iter().filter(is_own).map(|row| (row, prior.clone())).collect(),
                 limits: None,
             }
@@ -116,12 +123,12 @@ impl<'a> Split<'a> {
         [usual, halves].into_iter().chain(makers.into_iter().map(of_maker)).collect()
     }
 
-    /// Appends the number of rows and the description of the set to a claim.
+    /// Returns a claim that also states the number of rows and describes the set.
     fn claim(&self, what: &str) -> String {
         format!("{what}, {} rows; {}", self.rows.len(), self.words)
     }
 
-    /// Returns the rows with their groove estimates. Rows without a possible groove are left out.
+    /// Returns the rows and their estimated grooves. Rows that no groove fits are left out.
     fn estimates(&self) -> impl Iterator<Item = (&'a Row, GrooveEstimate)> {
         let estimate = |(row, prior): &(&'a Row, Prior)| {
             Some((*row, row.line(Known::default()).estimate_with(prior).ok()?))
@@ -130,10 +137,10 @@ impl<'a> Split<'a> {
     }
 }
 
-/// Value of `half` that identifies the file to whose rows the built-in prior was fitted.
+/// Value of `half` in the file with the rows to which the built-in prior was fitted.
 const FITTED: &str = "public";
 
-/// Fits a prior to rows. All manufacturers have the same weight.
+/// Fits a prior to catalog rows. All manufacturers have the same total weight.
 fn fitted(rows: &[&Row]) -> Prior {
     let known = |row: &&Row| {
         #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
@@ -150,7 +157,7 @@ fn fitted(rows: &[&Row]) -> Prior {
 }
 
 /// Returns the type of ball return that the catalog states for a series, or `None` for an unknown
-/// series. SFU nuts have deflectors, but their ratings are the ratings of full turns.
+/// series. Nuts of the series SFU have deflectors, but their load ratings are those of full turns.
 fn ball_return(series: &str) -> Option<BallReturn> {
     match series {
         "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
@@ -164,11 +171,11 @@ fn ball_return(series: &str) -> Option<BallReturn> {
 
 #[derive(Deserialize)]
 struct File {
-    /// Origin of the rows: [`FITTED`] if the built-in prior was fitted to these rows, or another
-    /// word.
+    /// Origin of the rows. It is [`FITTED`] if the built-in prior was fitted to these rows, and any
+    /// other word otherwise.
     half: String,
     rows: Vec<Row>,
-    /// Catalog rows with misprints, which must be rejected.
+    /// Catalog rows with misprints, for which the estimate must be rejected.
     refused: Vec<Misprint>,
 }
 
@@ -208,7 +215,7 @@ struct Truth {
     printed_turns: f64,
 }
 
-/// Results of the independent implementation. Lists of three numbers are the 5, 50 and 95 %
+/// Results of the independent implementation. Three numbers in a list are the 5 %, 50 % and 95 %
 /// quantiles.
 #[derive(Deserialize)]
 struct Prototype {
@@ -235,7 +242,7 @@ struct Bands {
     secant_contact_stiffness_N_um: [f64; 3],
 }
 
-/// States which quantities are known in addition to nominal diameter, lead and dynamic load rating.
+/// Quantities that are known in addition to nominal diameter, lead and dynamic load rating.
 #[derive(Clone, Copy)]
 struct Known {
     static_rating: bool,
@@ -251,7 +258,7 @@ impl Default for Known {
 }
 
 impl Sizes {
-    /// Returns the catalog line with both load ratings.
+    /// Returns a catalog line with nominal diameter, lead and both load ratings.
     fn line(&self) -> CatalogLine {
         CatalogLine {
             nominal_diameter: self.nominal_diameter_mm * MM,
@@ -269,7 +276,8 @@ impl Sizes {
 }
 
 impl Row {
-    /// Returns the catalog line with the known quantities, as far as the catalog prints them.
+    /// Returns a catalog line with the known quantities. A core diameter that the catalog does not
+    /// print is left out.
     fn line(&self, known: Known) -> CatalogLine {
         let line = self.sizes.line();
         CatalogLine {
@@ -280,29 +288,29 @@ impl Row {
         }
     }
 
-    /// Returns true if a ball diameter \[m\] agrees with the true diameter to within the given
+    /// Returns true if a ball diameter \[m\] equals the true ball diameter to within the given
     /// relative tolerance.
     fn has_ball(&self, ball: f64, tolerance: f64) -> bool {
         (ball / MM / self.truth.ball_diameter_mm - 1.0).abs() <= tolerance
     }
 }
 
-/// Maximum relative difference between ball diameters that are considered equal. Catalogs round
-/// ball diameters to 0.01 mm or three digits.
+/// Largest relative difference between two ball diameters that count as equal. Catalogs round ball
+/// diameters to 0.01 mm or to three digits.
 const SAME_BALL: f64 = 0.006;
 
-/// Returns the largest value together with the name of its row.
+/// Returns the largest value, and the name of the row to which it belongs.
 fn worst<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> (&'a str, f64) {
-    // In this order, NaN is the largest value.
+    // The function `total_cmp` sorts NaN as the largest value, so NaN is returned if there is one.
     values.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or(("", f64::NAN))
 }
 
-/// Returns the relative difference of two numbers.
+/// Returns the relative difference between two numbers.
 fn relative(ours: f64, theirs: f64) -> f64 {
     (ours / theirs - 1.0).abs()
 }
 
-/// Compares the estimates of all rows with the results of the independent implementation.
+/// Compares the estimated grooves of all rows with the results of the independent implementation.
 fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     let check = |key: &str, claim: &str, difference: &dyn Fn(&Row, &GrooveEstimate) -> f64| {
         let (name, value) =
@@ -360,16 +368,16 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     ]
 }
 
-/// A quantity of the groove for which the independent implementation states a band.
+/// A result that depends on the groove, and for which the independent implementation states a band.
 struct BandQuantity {
     key: &'static str,
     words: &'static str,
-    /// Function that returns the quantity for a lead \[m\] and a load \[N\].
+    /// Function that calculates the result for a groove, a lead \[m\] and a load \[N\].
     value: GrooveValue,
     reference: fn(&Bands) -> [f64; 3],
-    /// Relative tolerance for the limits of the band, and the reason for it.
+    /// Relative tolerance of the limits of the band, and the reason for this tolerance.
     tolerance: (f64, &'static str),
-    /// Upper limit for the median width of the band.
+    /// Largest permitted median of the ratio of the upper to the lower limit of the band.
     widest: f64,
 }
 
@@ -406,7 +414,7 @@ const BAND_QUANTITIES: [BandQuantity; 3] = [
 ];
 
 thread_local! {
-    /// Memory of the models, which each thread reuses.
+    /// Workspace of the models. Each thread uses the same workspace for all its calculations.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
@@ -417,7 +425,8 @@ const SPEED: f64 = 500.0 * RPM;
 /// Ball density with which the reference torques were calculated \[kg/m³\].
 const DENSITY: f64 = 7800.0;
 
-/// Returns the friction torque of the contacts \[N·m\] with model `auto`, as in the reference.
+/// Returns the friction torque of the contacts \[N·m\]. As in the reference, it is calculated with
+/// model `auto`.
 fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
     let point = OperatingPoint {
@@ -435,7 +444,8 @@ fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64
         return Err(reason.clone());
     }
     let torque = solution.solved().and_then(|solved| solved.transmission.screw_torque);
-    let torque = torque.expect("both models of auto calculate the torque of a turning screw");
+    let torque =
+        torque.expect("every model that auto can choose calculates the torque of a turning screw");
     Ok(torque - lead / TAU * load)
 }
 
@@ -445,8 +455,8 @@ fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reas
     Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
 }
 
-/// Returns the largest pressure at the screw \[MPa\] for equal ball loads and the unloaded contact
-/// angle.
+/// Returns the largest contact pressure at the screw \[MPa\], assuming equal ball loads and the
+/// unloaded contact angle.
 fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
     let [_, screw] = nut.hertz()?;
@@ -454,7 +464,8 @@ fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reaso
     Ok(screw.max_pressure(load / (groove.loaded_balls * direction)) * 1e-6)
 }
 
-/// Returns the band of a quantity. The load is a tenth of the dynamic load rating.
+/// Returns the band of a result over the possible grooves. The load is a tenth of the dynamic load
+/// rating.
 fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     let (lead, load) = (estimate.line.lead, 0.1 * estimate.line.dynamic_rating);
     let values: Result<Vec<_>, _> =
@@ -462,7 +473,7 @@ fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     Ok(Band::of(values?).expect("there are draws"))
 }
 
-/// Sets of quantities that are assumed to be known.
+/// Sets of quantities that are assumed to be known, each with a key and a description.
 const KNOWN: [(&str, &str, Known); 5] = {
     let line = Known { static_rating: true, turns: false, core: false };
     [
@@ -479,8 +490,8 @@ const KNOWN: [(&str, &str, Known); 5] = {
 };
 
 impl Split<'_> {
-    /// For each set of known quantities, counts how often the most likely ball diameter is correct
-    /// and how often the correct diameter is among the likely diameters.
+    /// Determines, for each set of known quantities, how often the most likely ball diameter is
+    /// correct, and how often the correct diameter is among the likely diameters.
     fn rates(&self) -> Vec<Check> {
         let mut checks = Vec::new();
         for (key, words, known) in KNOWN {
@@ -503,10 +514,7 @@ impl Split<'_> {
                 Some(reason) => [
                     first.at_least(0.87, reason),
                     likely.at_least(0.93, reason),
-                    size.at_most(
-                        3.0,
-                        "fewer balls would be correct only by chance, and more would be of no use",
-                    ),
+                    size.at_most(3.0, "a longer list of likely balls would not be useful"),
                 ],
                 None => [first, likely, size],
             });
@@ -515,7 +523,8 @@ impl Split<'_> {
     }
 }
 
-/// Rates at which the estimates are correct, as fractions of the rows.
+/// Fractions of the rows for which an estimate is correct or is rejected, and the mean number of
+/// likely balls.
 #[derive(Default)]
 struct Rates {
     first: f64,
@@ -550,7 +559,7 @@ impl Rates {
     }
 }
 
-/// Compares the bands of all rows with the bands of the independent implementation.
+/// Compares the bands for all rows with the bands of the independent implementation.
 fn against_prototype_bands(
     estimates: &[(&Row, GrooveEstimate)],
 ) -> Result<Vec<Check>, ValidateError> {
@@ -575,13 +584,13 @@ fn against_prototype_bands(
     Ok(checks)
 }
 
-/// Returns the band of a quantity for a row.
+/// Returns the band of a result for a catalog row.
 fn band_of(row: &Row, found: &GrooveEstimate, value: GrooveValue) -> Result<Band, ValidateError> {
     band(found, value).map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))
 }
 
 impl Split<'_> {
-    /// Calculates the median width of the band for each quantity.
+    /// Calculates the median width of the band for each result.
     fn widths(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, widest, .. } in BAND_QUANTITIES {
@@ -602,8 +611,8 @@ impl Split<'_> {
         Ok(checks)
     }
 
-    /// Counts how often the band of a quantity contains the value for the true groove, which is
-    /// estimated with the known ball diameter and number of turns.
+    /// Determines how often the band of a result contains the value for the true groove. The true
+    /// groove is estimated with the known ball diameter and number of turns.
     fn contained(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {
@@ -613,7 +622,7 @@ impl Split<'_> {
                     ball_diameter: Some(row.truth.ball_diameter_mm * MM),
                     ..row.line(Known { turns: true, ..Known::default() })
                 };
-                // If the printed ball diameter contradicts the ratings, the row is skipped.
+                // Rows whose printed ball diameter contradicts the load ratings are skipped.
                 let Ok(exact) = line.estimate() else { continue };
                 let failed = |why| ValidateError::of(&row.name, format!("{why:?}"));
                 let load = 0.1 * line.dynamic_rating;
@@ -623,7 +632,7 @@ impl Split<'_> {
                 inside += f64::from(u8::from((low..=high).contains(&exact)));
             }
             let claim = self.claim(&format!(
-                "band for the {words} contains the value for the known ball and turns (fraction of {known})"
+                "fraction of {known} rows in which the band for the {words} contains the value for the known ball and turns"
             ));
             let check =
                 Check::new(&format!("groove/{}/{key}-contained", self.key), CATALOGS, claim);
@@ -636,7 +645,7 @@ impl Split<'_> {
 /// A function that inserts a mistake into a catalog row.
 type Corruption = fn(CatalogLine) -> CatalogLine;
 
-/// Checks that catalog rows with mistakes are rejected.
+/// Checks that the estimate is rejected for catalog rows with mistakes.
 fn refusals(file: &File) -> Vec<Check> {
     let misprints = file.refused.iter().map(|row| {
         let refused = row.sizes.line().estimate().err().and_then(|refused| refused.nearest);
@@ -650,7 +659,7 @@ fn refusals(file: &File) -> Vec<Check> {
         .equals(
             row.ln_evidence,
             0.05,
-            "one printed decimal of the logarithm of the evidence",
+            "the logarithm of the evidence is printed with one decimal",
         )
     });
     let corruptions: [(&str, &str, Corruption); 2] = [

@@ -1,9 +1,9 @@
-//! Validation: compares the program with published results.
+//! Validation of the program by comparison with published results.
 //!
-//! The published data and their sources are in `validation/published/<key>` and are compiled into
-//! the program. A copy of the folder can be used instead. Every check states the published claim,
-//! the calculated result, and the reason for its tolerance. Golden files only detect changes of
-//! results. They validate nothing and are not part of this crate.
+//! The published data and their sources are in `validation/published/<key>`. They are compiled into
+//! the program, but a copy of this folder can be used instead. Every check states the published
+//! claim, the calculated result, and the reason for its tolerance. Golden files are not part of
+//! this crate, because they only detect changes of results and validate nothing.
 
 mod dong2020;
 mod elastic;
@@ -29,17 +29,17 @@ pub use report::{Check, Report, Verdict};
 
 use std::fmt::Display;
 
-/// The reason why a validation or a trade-off measurement cannot be carried out.
+/// Reason why a validation or a measurement of speed and accuracy cannot be carried out.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ValidateError {
     /// Published data or a table of points is invalid.
     #[error("{0}")]
     Invalid(String),
-    /// A check uses an invalid operating point.
-    #[error("point of a check: {0}")]
+    /// The operating point of a check is invalid.
+    #[error("invalid operating point of a check: {0}")]
     Point(#[from] bsm_case::CaseError),
-    /// A file of published data cannot be read.
+    /// A file with published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {
         /// Path of the file.
@@ -47,7 +47,7 @@ pub enum ValidateError {
         /// Error of the operating system.
         error: std::io::Error,
     },
-    /// A figure or a page cannot be created.
+    /// A figure or an HTML page cannot be created.
     #[error(transparent)]
     Report(#[from] bsm_report::ReportError),
     /// A table of points cannot be read.
@@ -56,27 +56,27 @@ pub enum ValidateError {
     /// None of the points has a reference solution.
     #[error("model traction has no solution at any of the points, so there is no reference")]
     NoReference,
-    /// Threads cannot be started.
+    /// The operating system did not start the threads.
     #[error("threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A search for the minimum or root of a function failed.
+    /// A numerical search for a minimum or a root failed.
     #[error("search: {0}")]
     Search(#[from] bsm_design::search::SearchError),
 }
 
 impl ValidateError {
-    /// Creates the error for an invalid file, check or row.
+    /// Creates the error for an invalid file, check or table row, whose name is `place`.
     fn of(place: impl Display, why: impl Display) -> Self {
         Self::Invalid(format!("{place}: {why}"))
     }
 }
 
-/// Runs all checks.
+/// Runs all checks against the published data.
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if the data cannot be used. A failed check is not an error, but part of the
-/// report.
+/// Returns [`ValidateError`] if the published data are invalid. A failed check is not an error, but
+/// is reported in the result.
 pub fn run(published: &PublishedData) -> Result<Report, ValidateError> {
     let mut checks = reference::checks(published)?;
     checks.extend(lin1994::checks(published)?);

@@ -1,4 +1,5 @@
-//! Claims of Lin, Velinsky and Ravani (1994) about the closed-form solution and the exact theory.
+//! Checks of claims in Lin, Velinsky and Ravani (1994) about the closed-form solution and the exact
+//! theory.
 
 mod statements;
 
@@ -37,7 +38,8 @@ pub(crate) fn slender(lin: &Case) -> Case {
     Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
 }
 
-/// The claims in `claims.csv`: value and text for each key.
+/// Claims in the file `claims.csv`. The map contains the value and the text of each claim, by its
+/// key.
 struct Claims(BTreeMap<String, (f64, String)>);
 
 impl Claims {
@@ -59,9 +61,9 @@ impl Claims {
     }
 }
 
-/// Finds the loads per ball and the speed at which the error of the closed form reaches the
-/// published values. The loads apply to the published error over either angle, and the speed to an
-/// error of one percentage point.
+/// Finds the load per ball, and the speed, at which the efficiency error of the closed form reaches
+/// a given value. For the load, it is the published error bound over all lead angles or over all
+/// contact angles. For the speed, it is one percentage point.
 fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),
@@ -76,7 +78,7 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         ("contact-angle-bound", "contact_angle_deg", 5..=85),
     ] {
         let (bound, _) = claims.get(key)?;
-        // The search uses the logarithm of the load.
+        // The unknown of the search is the logarithm of the load.
         let search = |log_load: f64| {
             let load = Some(10.0_f64.powf(log_load));
             let mut case = Case { axial_load_N: load, ..lin.clone() };
@@ -93,7 +95,7 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         checks.push(
             Check::new(&format!("lin1994/{key}-{suffix}-load"), &source, claim)
                 .measured(load, "N")
-                .note("at 2000 rpm; the load of 2113 N in the paper is far larger"),
+                .note("at 2000 rpm; for comparison, the load in the paper is 2113 N"),
         );
     }
     let search = |log_rpm: f64| {
@@ -108,8 +110,8 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
     Ok(checks)
 }
 
-/// Returns the error of the closed form relative to the rigid equations in percentage points, or
-/// `None` if the rigid equations have no solution.
+/// Returns the difference between the efficiencies of the closed form and of the rigid model, in
+/// percentage points. Returns `None` if the rigid model has no solution.
 fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     let efficiency = |model: Model| -> Result<_, ValidateError> {
         Ok(case.problem(&model.into())?.solve(&mut ModelWorkspace::default()).efficiency())
@@ -154,18 +156,17 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         checks.push(
             Check::new(&format!("lin1994/best-efficiency-{suffix}"), &source, statement)
                 .measured(eta, "%")
-                .note(format!("value farthest from the claim; {over}"))
+                .note(format!("the value farthest from the claim is shown; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
-        // A flat maximum can be located only to the square root of the relative rounding error of
-        // the function value.
-        let located =
-            "a maximum can be located only to the square root of the rounding error, 1e-7";
+        // The function value near a maximum is flat, so the location of the maximum is accurate
+        // only to the square root of the relative rounding error.
+        let located = "the location of a maximum is accurate only to the square root of the rounding error, 1e-7";
         checks.push(
             Check::new(
                 &format!("lin1994/optimum-constant-{suffix}"),
                 &source,
-                "cos(lead angle) sin(contact angle) is constant at the optimum; closed form (ours)",
+                "cos(lead angle) sin(contact angle) is constant at the optimum (closed form derived in this project)",
             )
             .measured(constant_off, "largest deviation")
             .note(over.clone())
@@ -185,8 +186,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     Ok(checks)
 }
 
-/// Compares the self-locking regions of Eqs 16 and 19 with the signs of Eqs 14 and 17, on a grid of
-/// angles and friction coefficients.
+/// Checks on a grid of angles and friction coefficients that the screw is self-locking according to
+/// Eqs 16 and 19 exactly where the efficiency of Eqs 14 and 17 is not positive.
 fn self_locking() -> Vec<Check> {
     let mut checks = Vec::new();
     for (direction, suffix, equation) in [
@@ -221,11 +222,12 @@ fn self_locking() -> Vec<Check> {
     checks
 }
 
-/// Checks the critical lead angle and that there is no solution below it.
+/// Checks the critical lead angle, below which no solution must be returned.
 fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let work = &mut ModelWorkspace::default();
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");
-    // The published value is valid if inertia forces are small.
+    // The published critical lead angle is valid only for small inertia forces, so the speed is
+    // low.
     let slow = Case { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(&Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
@@ -247,10 +249,10 @@ fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         Check::new(
             "lin1994/no-false-root",
             &source,
-            "no solution is returned below the critical lead angle, and one is returned above it",
+            "no solution is returned below the critical lead angle, and a solution is returned above it",
         )
         .measured(f64::from(wrong), "wrong results at 191 points")
         .note("lead angles of 1.05 to 20.05 deg; the root at infinity is never returned")
-        .at_most(0.0, "the existence of a solution is decided exactly"),
+        .at_most(0.0, "the program decides exactly whether a solution exists"),
     ])
 }

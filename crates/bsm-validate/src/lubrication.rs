@@ -1,5 +1,5 @@
-//! Friction with a lubricant: comparison with an independent solution and a bearing catalog, and
-//! checks of ranges and trends.
+//! Checks of lubricant friction: comparison with an independent solution, with bearing formulas,
+//! and with published trends.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -42,7 +42,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns a case from the published file by its id.
+/// Returns the case with the given id from the published data on lubricated screws.
 pub(crate) fn reference_case(published: &PublishedData, id: &str) -> Result<Case, ValidateError> {
     let file = &published.lubrication;
     let references: References = file.json()?;
@@ -55,7 +55,7 @@ struct References {
     cases: Vec<Reference>,
 }
 
-/// A case with its independent solution.
+/// A case, and the results of an independent solution of this case.
 #[derive(Deserialize)]
 struct Reference {
     id: String,
@@ -76,13 +76,14 @@ fn solve(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<Record,
     Ok(Record::new(case.problem(&model.into())?.solve(work)))
 }
 
-/// Returns an output, or NaN if it is missing. NaN fails every check.
+/// Returns the value of an output, or NaN if the output is missing. NaN fails every check.
 fn number(record: &Record, name: OutputName) -> f64 {
     let converged = record.status() == Status::Converged;
     record.number(name).filter(|_| converged).unwrap_or(f64::NAN)
 }
 
-/// Returns an output with the torque that includes the seals.
+/// Returns the value of an output. Torque, efficiency and power loss include the friction of the
+/// seals.
 fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: OutputName) -> f64 {
     let of_screw = |name: OutputName| parts.and_then(|parts| parts.number(name));
     match name.name() {
@@ -94,7 +95,7 @@ fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: OutputName) ->
     .unwrap_or_else(|| number(record, name))
 }
 
-/// Returns the largest ratio of deviation to tolerance over the outputs of a case.
+/// Checks all outputs of a case. The checked number is the largest ratio of deviation to tolerance.
 fn solution(
     reference: &Reference,
     file: &File,
@@ -108,8 +109,8 @@ fn solution(
     let parts = torque_parts(&case, &model.into(), &mut ModelWorkspace::default())?;
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
-        // With seals, the equivalent thread friction coefficient is not compared, because it is
-        // calculated from the efficiency without seals.
+        // The equivalent thread friction coefficient is not compared for a screw with seals,
+        // because it is calculated from the efficiency without seals.
         if number(&record, output!(seal_power_W)) > 0.0
             && *name == output!(catalog_friction_coefficient)
         {
@@ -117,7 +118,7 @@ fn solution(
         }
         let is_spin = name.name().contains("spin");
         let tolerance = if is_spin { 1e-3 } else { reference.rel_tol };
-        // The spin at the controlling raceway is zero except for rounding errors, so an absolute
+        // At the controlling raceway, the spin is zero except for rounding errors, so an absolute
         // tolerance is added.
         let rounding = if is_spin { 1e-9 } else { 0.0 };
         let off = (with_seals(&record, parts.as_ref(), *name) - value).abs() - rounding;
@@ -133,11 +134,11 @@ fn solution(
     )
     .measured(worst, "of the tolerance")
     .note(at)
-    .at_most(1.0, "error of the independent solution due to its nodes and creep speed"))
+    .at_most(1.0, "error of the independent solution, due to its quadrature nodes and creep speed"))
 }
 
-/// Returns the smallest value, the median and the largest value, or three times NaN if a value is
-/// NaN or there are no values.
+/// Returns the smallest value, the median and the largest value. All three are NaN if any value is
+/// NaN or if there are no values.
 fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
     if numbers.iter().any(|number| number.is_nan()) {
         return [f64::NAN; 3];
@@ -147,14 +148,14 @@ fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
     [0, last / 2, last].map(|i| numbers.get(i).copied().unwrap_or(f64::NAN))
 }
 
-/// Returns the rolling and the sliding frictional moment according to SKF's model \[N m\], for a
-/// single-row angular contact bearing with a contact angle of 40 deg, without starvation and inlet
-/// shear heating.
+/// Returns the rolling and the sliding frictional moment of SKF's model \[N m\] for a single-row
+/// angular contact bearing with a contact angle of 40 deg. Starvation and inlet shear heating are
+/// not included.
 ///
-/// * `diameter`: mean diameter \[mm\].
-/// * `viscosity`: kinematic viscosity \[mm²/s\].
+/// * `diameter`: mean diameter of the bearing \[mm\].
+/// * `viscosity`: kinematic viscosity of the oil \[mm²/s\].
 /// * `speed`: rotational speed \[1/min\].
-/// * `load`: axial load \[N\].
+/// * `load`: axial load on the bearing \[N\].
 fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     let rolling = 5.03e-7
         * diameter.powf(1.97)
@@ -168,11 +169,11 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     [rolling * 1e-3, sliding * 1e-3]
 }
 
-/// A bearing at an operating point, with its solution.
+/// A bearing at one operating point, and the solution at this point.
 struct Turning {
-    /// Axial load \[N\].
+    /// Axial load on the bearing \[N\].
     load: f64,
-    /// Rotational speed \[1/min\].
+    /// Rotational speed of the bearing \[1/min\].
     speed: f64,
     celsius: f64,
     record: Record,
@@ -185,7 +186,7 @@ impl Turning {
         number(&self.record, output!(viscosity_mPas)) * 1e3 / density
     }
 
-    /// Returns the rolling and the sliding frictional moment \[N·m\].
+    /// Returns the rolling and the sliding frictional moment of the bearing \[N·m\].
     fn moments(&self) -> [f64; 2] {
         let per_watt = 30.0 / (PI * self.speed);
         [output!(rolling_power_W), output!(sliding_power_W)]
@@ -193,7 +194,8 @@ impl Turning {
     }
 }
 
-/// Solves the bearing as a screw with zero lead, for several loads, speeds and temperatures.
+/// Solves a bearing at all combinations of the given loads, speeds and temperatures. The bearing is
+/// modeled as a screw with zero lead.
 fn turning(
     bearing: &Case,
     (loads, speeds, temperatures): (&[f64], &[f64], &[f64]),
@@ -242,24 +244,24 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
         )
         .measured(middle, "")
         .note(format!(
-            "median of {points} points, which range from {least:.2} to {most:.2}; constants of the model quoted from memory"
+            "median of the ratios at {points} points, which range from {least:.2} to {most:.2}; the constants of the model were quoted from memory"
         ))
         .equals(1.0, 0.36, "two friction models should agree to within a third")
     };
     Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
 }
 
-/// Returns the frictional moment according to Palmgren's formulas \[N m\], for the bearing of
-/// [`skf`] in an oil bath under axial load.
+/// Returns the frictional moment of Palmgren's formulas \[N m\] for the same bearing as in [`skf`],
+/// under axial load in an oil bath.
 ///
-/// * `diameter`: mean diameter \[mm\].
-/// * `viscosity`: kinematic viscosity \[mm²/s\].
+/// * `diameter`: mean diameter of the bearing \[mm\].
+/// * `viscosity`: kinematic viscosity of the oil \[mm²/s\].
 /// * `speed`: rotational speed \[1/min\].
-/// * `load`: axial load \[N\].
+/// * `load`: axial load on the bearing \[N\].
 ///
 /// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
 fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
-    // Static load rating of the bearing size 7208 \[N\].
+    // Static load rating of an angular contact bearing 7208 \[N\].
     const STATIC: f64 = 26_000.0;
     let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
     let turning = 0.9 / 40.0_f64.to_radians().tan() * load;
@@ -287,34 +289,34 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
         "torque divided by the value from Palmgren's formulas",
     )
     .measured(middle, "")
-    .note(format!("median of {points} points, which range from {least:.2} to {most:.2}; factors quoted from memory"))
+    .note(format!("median of the ratios at {points} points, which range from {least:.2} to {most:.2}; the factors were quoted from memory"))
     .equals(1.0, 0.36, "two friction models should agree to within a third"))
 }
 
-/// The contact between a ball and the outer raceway of a bearing, for comparing film thickness and
-/// rolling force with other formulas.
+/// Dimensionless data of the contact between a ball and the outer raceway of a bearing. Film
+/// thickness and rolling force are compared with other formulas.
 struct Outer {
-    /// Ratio of the effective radius across the rolling direction to the effective radius in the
-    /// rolling direction.
+    /// Effective radius perpendicular to the rolling direction, divided by the effective radius in
+    /// the rolling direction.
     across: f64,
-    /// Ratio of the long to the short semi-axis of the contact ellipse.
+    /// Long semi-axis of the contact ellipse divided by the short semi-axis.
     flatness: f64,
-    /// Dimensionless load of the contact.
+    /// Dimensionless normal load of the contact.
     weight: f64,
-    /// Dimensionless speed, based on the sum of both surface speeds.
+    /// Dimensionless speed parameter, based on the sum of the two surface speeds.
     rate: f64,
     /// Dimensionless pressure-viscosity coefficient `$\alpha E'$`.
     stiffening: f64,
-    /// Central film thickness divided by the radius in the rolling direction, without inlet shear
-    /// heating.
+    /// Central film thickness divided by the effective radius in the rolling direction. Inlet shear
+    /// heating is not included.
     film: f64,
-    /// Rolling force divided by `$E'R_x^2$`, without inlet shear heating.
+    /// Rolling force divided by `$E'R_x^2$`. Inlet shear heating is not included.
     rolling: f64,
 }
 
 impl Outer {
-    /// * `oil`: properties of the oil at its temperature.
-    /// * `(ball, pitch)`: ball radius and pitch radius \[m\]; the conformity is 0.52.
+    /// * `oil`: properties of the oil at the oil temperature.
+    /// * `(ball, pitch)`: ball radius and pitch circle radius \[m\]. The conformity is 0.52.
     fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
         let value = |name: OutputName| number(record, name);
         let angle = value(output!(nut_contact_angle_deg)).to_radians();
@@ -324,7 +326,7 @@ impl Outer {
         // E' = E/(1 − ν²)
         let modulus = 207e9 / (1.0 - 0.09);
         let speed = value(output!(nut_entrainment_m_s));
-        // φ_T of Murch and Wilson
+        // The reduction factor φ_T for inlet shear heating is the one of Murch and Wilson.
         let heat = oil.viscosity * oil.temperature_coefficient * speed * speed / conductivity;
         let heating = 1.0 / (1.0 + 0.254 * heat.powf(0.62));
         let unit = modulus * radius * radius;
@@ -340,8 +342,9 @@ impl Outer {
         }
     }
 
-    /// Returns the central film thickness divided by the radius, with a formula that covers rigid
-    /// and elastic contacts and isoviscous and piezoviscous oil.
+    /// Returns the central film thickness divided by the effective radius, according to
+    /// Nijenbanning, Venner and Moes. Their formula applies to rigid and elastic contacts, and to
+    /// isoviscous and piezoviscous oil.
     fn nijenbanning(&self) -> f64 {
         let (theta, root) = (1.0 / self.across, self.rate.powf(0.25));
         let (m, l) = (self.weight / root.powi(3), self.stiffening * root);
@@ -363,8 +366,8 @@ impl Outer {
         (thin.powf(2.0 * s / 3.0) + stiff.powf(-s / 8.0)).powf(1.0 / s) * self.rate.sqrt()
     }
 
-    /// Returns the rolling force divided by `$E'R_x^2$`, with a formula that covers rigid and
-    /// elastic contacts.
+    /// Returns the rolling force divided by `$E'R_x^2$`, according to Houpert. The formula applies
+    /// to rigid and elastic contacts.
     fn houpert(&self) -> f64 {
         let (k, rate) = (self.across, 0.5 * self.rate);
         let load = self.weight.cbrt();
@@ -375,7 +378,7 @@ impl Outer {
     }
 }
 
-/// Compares the film thickness and the rolling force of the balls of a bearing with other formulas.
+/// Compares film thickness and rolling force at the balls of a bearing with other formulas.
 fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
     let base = BaseOil::Mineral;
     let viscosities = Oil::of_grade(68.0).unwrap_or([f64::NAN; 2]);
@@ -390,7 +393,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     let mut flooded = bearing.clone();
     flooded.set("rolling_factor", 1.0)?;
     flooded.set("hysteresis_loss", 0.0)?;
-    // The ball loads are 15 to 640 N, and the surface speeds are 0.05 to 4.7 m/s.
+    // These operating points have ball loads of 15 to 640 N and surface speeds of 0.05 to 4.7 m/s.
     let over = (
         &[140.0, 700.0, 2000.0, 6000.0][..],
         &[30.0, 100.0, 300.0, 1000.0, 3000.0][..],
@@ -400,8 +403,9 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let warm = oil.at(celsius + ZERO_CELSIUS);
         let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
         forces.push(outer.rolling / outer.houpert());
-        // Below this value, the surfaces are practically rigid, and the film formula of Hamrock and
-        // Dowson does not apply. A point without a solution is included and fails the check.
+        // If the ratio is below 40, the surfaces are practically rigid, and the film formula of
+        // Hamrock and Dowson does not apply. A point without a solution has the ratio NaN, so it is
+        // included and fails the check.
         let is_rigid = outer.weight / outer.rate.powf(0.75) < 40.0;
         if !is_rigid {
             films.push(outer.film / outer.nijenbanning());
@@ -412,7 +416,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let [least, middle, most] = spread(ratios);
         let worst = largest([1.0 - least, most - 1.0]);
         Check::new(&format!("lubrication/{key}"), source, what).measured(worst, "").note(format!(
-            "{points} points, {least:.2} to {most:.2}, median {middle:.3}; factors quoted from memory"
+            "ratios at {points} points: {least:.2} to {most:.2}, median {middle:.3}; the factors were quoted from memory"
         ))
     };
     let film = check(
@@ -421,7 +425,10 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         "central film thickness divided by the value from another formula (ratio farthest from 1)",
         films,
     )
-    .at_most(0.25, "two fits to solutions of the same equation, each accurate to 20 %");
+    .at_most(
+        0.25,
+        "both formulas are fits to solutions of the same equation, each accurate to 20 %",
+    );
     let rolling = check(
         "rolling-force",
         ROLLING,
@@ -432,7 +439,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     Ok([film, rolling])
 }
 
-/// Compares the drag torque as a function of the load with a straight line.
+/// Checks that the drag torque, as a function of the load, is close to a straight line.
 fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let mut drags = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {
@@ -453,11 +460,11 @@ fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, Va
     Ok(Check::new("lubrication/drag-over-preload", TRENDS, claim)
         .measured(largest(bent), "")
         .note("largest relative deviation from a straight line, 0.5 to 3 kN at 100 rpm")
-        .at_most(0.05, "linear within the scatter of a measurement"))
+        .at_most(0.05, "the deviations must be smaller than the scatter of measurements"))
 }
 
-/// Checks trends: the efficiency increases with the load, the Stribeck curve has a minimum, and the
-/// loss is nearly linear in the load.
+/// Checks two published trends: the efficiency increases with the load, and the Stribeck curve has
+/// a minimum.
 fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let mut at = |load: f64, speed: f64, name: OutputName| -> Result<f64, ValidateError> {
         let mut case = feed.clone();
@@ -491,7 +498,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
         "friction has a minimum at some speed (Zhang 2021)",
     )
     .measured(lower_end / least, "")
-    .note("friction at the lower end of 10 to 4000 rpm divided by the least friction, at 3 kN")
-    .at_least(1.02, "an inner minimum is lower than both ends; the curve is flat to within 2 %");
+    .note("friction coefficient at 10 or 4000 rpm, whichever is smaller, divided by the smallest friction coefficient, at 3 kN")
+    .at_least(1.02, "the minimum must be at least 2 % lower than both ends of the curve");
     Ok(vec![grows, stribeck])
 }

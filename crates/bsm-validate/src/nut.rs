@@ -1,5 +1,5 @@
-//! Nuts with all their balls: comparison with ball bearings, preload formulas, stiffness values of
-//! a catalog, and analytical limits for elastic bodies.
+//! Checks of nuts with all their balls: comparison with ball bearings, preload formulas and catalog
+//! stiffness, and with the analytical solution for stiff bodies.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -19,13 +19,13 @@ const CATALOG: &str = "HIWIN catalog BS-08-2";
 const STEINMEYER: &str = "Steinmeyer, and HIWIN catalog BS-08-2, section 3.6";
 const BARS: &str = "linear-elastic bars on an elastic foundation (theory chapter 16)";
 
-/// Steel of the catalog nuts.
+/// Steel that is assumed for the nuts in the catalog.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Assumed conformity of the catalog nuts.
+/// Conformity that is assumed for the nuts in the catalog.
 const CONFORMITY: f64 = 0.5203;
 
-/// Returns all checks of nuts.
+/// Returns all checks of nuts with all their balls.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     for row in published.nut_bearings.rows::<Bearing>()? {
@@ -56,7 +56,7 @@ struct Bearing {
 impl Bearing {
     fn checks(&self) -> Vec<Check> {
         let found = self.displacement();
-        // If the load is rejected, the results are NaN, which fails every check.
+        // If the nut model rejects the load, the results are NaN, which fails every check.
         let [axial, x, y, tilt_x, tilt_y] = found.unwrap_or([f64::NAN; 5]);
         let rows = [
             ("axial", self.axial_um, axial / UM, "um"),
@@ -67,14 +67,15 @@ impl Bearing {
             let claimed = claimed?;
             let key = format!("nut/bearing-{}-{what}", self.case);
             let claim = format!("{what} displacement of a ball bearing, {}", self.case);
-            let reason = "the reference has five digits, and the tilt is linear in the load here";
+            let reason = "the reference prints five digits, and the tilt is proportional to the load in this range";
             let check = Check::new(&key, BEARING, claim).measured(ours, unit);
             Some(check.equals(claimed, self.tolerance * claimed, reason))
         };
         rows.into_iter().filter_map(check).collect()
     }
 
-    /// Returns the displacements and tilts of the bearing. The loaded degrees of freedom are free.
+    /// Returns the displacements and tilts of the bearing. The bearing is free to move in the
+    /// directions of the loads, and fixed in all other directions.
     fn displacement(&self) -> Result<[f64; 5], NutError> {
         let (diameter, pitch) = (11.5 * MM, 43.5 * MM);
         let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
@@ -114,7 +115,8 @@ fn one_turn(balls: usize, flanks: Flanks) -> Circuit {
     Circuit { start: 0.0, arc: TAU, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// Returns a nut of size 40 x 10 mm with balls of 6.35 mm and rigid bodies.
+/// Returns a nut with a nominal diameter of 40 mm, a lead of 10 mm, balls of 6.35 mm and rigid
+/// bodies.
 fn rigid(circuits: Vec<Circuit>) -> BallNut {
     let (pitch, lead) = (41.336 * MM, 10.0 * MM);
     BallNut {
@@ -134,7 +136,7 @@ fn rigid(circuits: Vec<Circuit>) -> BallNut {
     }
 }
 
-/// Returns a preloaded pair of nuts with three turns each.
+/// Returns a pair of nuts with three loaded turns each.
 fn pair() -> BallNut {
     let circuit = |body: usize, flanks: Flanks| Circuit {
         start: if body == 0 { 0.0 } else { 4.0 * TAU },
@@ -145,8 +147,9 @@ fn pair() -> BallNut {
     rigid(vec![circuit(0, Flanks::Plus), circuit(1, Flanks::Minus)])
 }
 
-/// Checks two ratios for a pair: the load that unloads one of its nuts divided by the preload, and
-/// the load of the more heavily loaded nut.
+/// Checks two ratios for a preloaded pair: the load that unloads one nut, divided by the preload;
+/// and the load on the more heavily loaded nut, divided by the preload, if the external load equals
+/// the preload.
 fn limit_loads() -> Vec<Check> {
     let over = |preload: f64| -> Result<[f64; 2], NutError> {
         let (nut, guided) = (pair(), Support::guided(0.0));
@@ -156,8 +159,8 @@ fn limit_loads() -> Vec<Check> {
         let busier = nut.solve(&Support::guided(preload))?.bodies[0];
         Ok([limit / preload, busier / preload])
     };
-    // The dynamic load rating C_a of each nut is 43 kN. The preloads are 0.001 %, 2 % and 10 % of
-    // C_a.
+    // The preloads are 0.001 %, 2 % and 10 % of the dynamic load rating C_a, which is 43 kN for
+    // each nut.
     let [light, usual, heavy] =
         [0.4, 860.0, 4300.0].map(|preload| over(preload).unwrap_or([f64::NAN; 2]));
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
@@ -190,7 +193,8 @@ fn limit_loads() -> Vec<Check> {
     ]
 }
 
-/// A row of the catalog: a single nut and the pair with the same balls.
+/// A row of the catalog, which contains the stiffness of a single nut and of a pair with the same
+/// balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct CatalogRow {
@@ -205,17 +209,20 @@ struct CatalogRow {
     pair_N_um: f64,
 }
 
-/// Ratios of catalog stiffness to calculated stiffness, with different elastic parts included.
+/// Stiffness in the catalog divided by calculated stiffness. The calculations include different
+/// elastic parts.
 struct Ratios {
-    /// Single nut at 0.3 of the load rating: contacts alone, with the ring, and with ring and bars.
+    /// Ratios for a single nut at 0.3 times the load rating. The calculations include only the
+    /// contacts; contacts and ring; or contacts, ring and bars.
     single: [f64; 3],
-    /// Pair at a preload of 0.1 of the load rating, with contacts and ring: stiffness calculated as
-    /// 2, 2^1.5 and 3 times F_p/δ_p.
+    /// Ratios for a pair with a preload of 0.1 times the load rating. The calculations include
+    /// contacts and ring, and define the stiffness as 2, 2^1.5 or 3 times F_p/δ_p.
     pair: [f64; 3],
 }
 
 impl CatalogRow {
-    /// Calculates the stiffness of contacts, ring and bars from the data in the catalog.
+    /// Calculates the stiffness of the nut from the data in the catalog, and divides the stiffness
+    /// in the catalog by the result.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
         let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());
@@ -232,7 +239,7 @@ impl CatalogRow {
             balls_per_turn: 1.0,
             turns: 1.0,
         };
-        // The number of balls is calculated from the static load rating (D5).
+        // The number of balls is calculated from the static load rating by (D5).
         let balls = self.static_load_rating_N / one.static_rating().rating;
         #[expect(
             clippy::cast_possible_truncation,
@@ -271,7 +278,7 @@ impl CatalogRow {
     }
 }
 
-/// Returns the mean and the standard deviation.
+/// Returns the mean and the standard deviation of the values.
 fn spread(values: &[f64]) -> [f64; 2] {
     #[expect(clippy::cast_precision_loss, reason = "rows of a table")]
     let n = values.len() as f64;
@@ -279,7 +286,7 @@ fn spread(values: &[f64]) -> [f64; 2] {
     [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()]
 }
 
-/// Compares the calculated stiffness with the catalog, for single nuts and for pairs.
+/// Compares the calculated stiffness of single nuts and of pairs with the stiffness in the catalog.
 fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
@@ -295,11 +302,11 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         let ([mean, deviation], details) = of(read);
         let mut check = Check::new(key, CATALOG, claim)
             .measured(mean, "of the model")
-            .note(format!("standard deviation {deviation:.3} of {} nuts", rows.len()));
+            .note(format!("standard deviation {deviation:.3} over {} nuts", rows.len()));
         check.details = details;
         check
     };
-    let usual = "the usual reduction of the calculated stiffness, and the scatter between the nuts";
+    let usual = "catalogs state 80 % of the calculated stiffness; the tolerance is the scatter between the nuts";
     let single =
         "stiffness FSI of single nuts, load divided by displacement at 0.3 of the load rating";
     let pair = "stiffness FDI of nut pairs at a preload of 0.1 of the load rating";
@@ -324,7 +331,7 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         Check::new(
             "nut/stiffness-definition",
             CATALOG,
-            "FDI divided by FSI, which have different definitions: 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+            "ratio of FDI to FSI, which is 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3)) because their definitions differ",
         )
         .measured(spread(&definition)[0], "")
         .equals(
@@ -336,10 +343,10 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
     ]
 }
 
-/// Checks the load share of the first ball at the end where stiff bars cause the highest load,
-/// divided by the share in a continuous nut. The analytical limit is `$\mu l\coth\mu l$` if both
-/// anchors are at the same end, and the mean of the curves for both ends if the anchors are at
-/// opposite ends.
+/// Checks the load on the first ball of a nut with stiff bars, divided by the mean ball load. The
+/// first ball is at the end at which the load is highest. For a continuous nut, the ratio is `$\mu
+/// l\coth\mu l$` if both anchors are at the same end. If the anchors are at opposite ends, it is
+/// the mean of the curves for the two ends.
 fn stiff_bars() -> Vec<Check> {
     let (turns, balls) = (4.0, 4000_u16);
     let nut =
@@ -350,7 +357,7 @@ fn stiff_bars() -> Vec<Check> {
     let length = (ends[1] - ends[0]) * f64::from(balls) / f64::from(balls - 1);
     let stiffness = nut.equal(load).map_or(f64::NAN, |equal| equal.stiffness);
     let at = |small: f64, screw: f64| -> Result<f64, NutError> {
-        // μ² l² = k_u l (1/EA_n + 1/EA_s) with two equal bars
+        // The stiffness of two equal bars follows from μ² l² = k_u l (1/EA_n + 1/EA_s).
         let bar = |anchor: f64| Some(Bar { stiffness: 2.0 * stiffness * length / small, anchor });
         let nut = BallNut { nut_bar: bar(ends[0]), screw_bar: bar(screw), ..nut.clone() };
         let found = nut.solve(&Support::guided(load))?;
@@ -366,7 +373,7 @@ fn stiff_bars() -> Vec<Check> {
             .measured(off.abs(), "of the excess")
             .note(format!("(mu l)^2 = {small}"))
     };
-    let text = |at: &str| format!("excess load of the first ball if stiff bars are held {at}");
+    let text = |at: &str| format!("excess load of the first ball if stiff bars are anchored {at}");
     let (coarse, fine) = (0.3, 0.03);
     let [one, two] = [coarse, fine].map(|small| {
         let m = f64::sqrt(small);
@@ -384,13 +391,13 @@ fn stiff_bars() -> Vec<Check> {
     let order = Check::new(
         "nut/cosh-order",
         BARS,
-        "the remaining difference decreases with the compliance of the bars",
+        "the difference from the analytical solution decreases with the compliance of the bars",
     )
     .measured(two.measured / one.measured, "")
-    .note(format!("with tenfold stiffness, 1/{ratio:.1} of the difference remains"))
+    .note(format!("if the bars are ten times as stiff, 1/{ratio:.1} of the difference remains"))
     .at_most(
         0.15,
-        "one tenth to first order, plus terms of the next order and the effect of the ball spacing",
+        "one tenth to first order, plus second-order terms and the effect of the ball spacing",
     );
     let reason = "the contact stiffness is not constant, and 4000 balls are not a continuum";
     let [two, across] = [two, across].map(|check| check.at_most(2e-3, reason));

@@ -1,4 +1,4 @@
-//! HTML pages of the validation report and of the trade-off measurement.
+//! HTML pages for the validation report and for the measurement of speed and accuracy.
 
 use bsm_report::{Figure, Page};
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::tradeoff::Tradeoff;
 use crate::{Check, Report, ValidateError, Verdict};
 
-/// Data for the template of the validation page.
+/// Data that the template of the validation page displays.
 #[derive(Serialize)]
 struct PageContent<'a> {
     passed: usize,
@@ -15,11 +15,11 @@ struct PageContent<'a> {
     checks: &'a [Check],
 }
 
-/// Returns the HTML page with all checks and figures.
+/// Returns the HTML page that shows all checks and figures.
 ///
 /// # Errors
 ///
-/// [`ValidateError::Report`] if the template is invalid.
+/// Returns [`ValidateError::Report`] if the template is invalid.
 pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, ValidateError> {
     let page = Page {
         title: "Ball screw motion: checks against published results",
@@ -35,11 +35,11 @@ pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, Va
     })?)
 }
 
-/// Returns the HTML page with the measured speed and accuracy.
+/// Returns the HTML page that shows the measured speed and accuracy.
 ///
 /// # Errors
 ///
-/// [`ValidateError::Report`] if the template is invalid.
+/// Returns [`ValidateError::Report`] if the template is invalid.
 pub fn tradeoff_page(tradeoff: &Tradeoff) -> Result<String, ValidateError> {
     let page = Page {
         title: "Ball screw motion: speed against accuracy",

@@ -1,4 +1,4 @@
-//! The published data, either compiled into the program or read from a folder.
+//! Published data, which are compiled into the program or read from a folder.
 
 use std::borrow::Cow;
 use std::fs;
@@ -9,7 +9,7 @@ use serde::Deserialize;
 
 use crate::ValidateError;
 
-/// A file of published data.
+/// A file with published data.
 #[derive(Debug, Clone)]
 pub(crate) struct File {
     name: &'static str,
@@ -17,19 +17,19 @@ pub(crate) struct File {
 }
 
 impl File {
-    /// Returns all rows of the table. A table without rows is an error.
+    /// Returns all rows of a CSV table. A table without rows is an error.
     pub(crate) fn rows<T: for<'de> Deserialize<'de>>(&self) -> Result<Vec<T>, ValidateError> {
         let reader = csv::Reader::from_reader(self.text.as_bytes());
         let rows: Result<Vec<T>, _> = reader.into_deserialize().collect();
         let rows = rows.map_err(|error| ValidateError::of(self.name, error))?;
         if rows.is_empty() {
-            let why = "the table has no rows, so nothing would be checked";
+            let why = "the table contains no rows, so nothing would be checked";
             return Err(ValidateError::of(self.name, why));
         }
         Ok(rows)
     }
 
-    /// Parses the file as a catalog with lists of sizes.
+    /// Parses the file as a catalog, which consists of lists of sizes.
     pub(crate) fn catalog(&self) -> Result<Catalog, ValidateError> {
         Catalog::from_json(self.text.as_bytes())
             .map_err(|error| ValidateError::of(self.name, error))
@@ -54,7 +54,7 @@ impl File {
 
 macro_rules! tables {
     ($($(#[$doc:meta])* $name:ident: $file:literal;)*) => {
-        /// Published cases and tables with which the checks compare results.
+        /// Published cases and tables with which the checks compare calculated results.
         #[derive(Debug, Clone)]
         pub struct PublishedData {
             $($(#[$doc])* pub(crate) $name: File,)*
@@ -75,14 +75,15 @@ macro_rules! tables {
         }
 
         impl PublishedData {
-            /// Paths of all files, relative to the folder.
+            /// Paths of all files, relative to the folder with the published data.
             pub const FILES: &[&str] = &[$($file),*];
 
-            /// Reads the data from a folder that has the same layout as `validation/published`.
+            /// Reads the published data from a folder that has the same layout as
+            /// `validation/published`.
             ///
             /// # Errors
             ///
-            /// [`ValidateError::File`] if a file cannot be read.
+            /// Returns [`ValidateError::File`] if a file cannot be read.
             pub fn read(folder: &Path) -> Result<Self, ValidateError> {
                 let read = |file: &str| {
                     let path = folder.join(file);
@@ -95,44 +96,46 @@ macro_rules! tables {
 }
 
 tables! {
-    /// Checks that are defined as table rows.
+    /// Checks that are defined by the rows of a table.
     checks: "checks.csv";
     /// The example case of Lin, Velinsky and Ravani (1994).
     lin_case: "lin1994/case.json";
-    /// Numerical claims of Lin, Velinsky and Ravani (1994).
+    /// Numbers that Lin, Velinsky and Ravani (1994) state in their paper.
     lin_claims: "lin1994/claims.csv";
-    /// Solutions of the equations of Lin, Velinsky and Ravani (1994), calculated with 40 digits.
+    /// Solutions of the equations of Lin, Velinsky and Ravani (1994), which were calculated with 40
+    /// digits.
     lin_reference: "lin1994/reference.csv";
-    /// Independent solutions for the models `elastic` and `traction`.
+    /// Solutions of the models `elastic` and `traction` from an independent program.
     elastic_reference: "elastic-contacts/reference.csv";
-    /// Lists of sizes for the tables of Sobolewski (2002).
+    /// Lists of standard sizes, which the tables of Sobolewski (2002) use.
     parkon: "ratings/parkon.json";
     /// Rows of the tables in Sobolewski (2002).
     rating_tables: "ratings/sobolewski.csv";
-    /// Catalog rows with known ball diameters, and independent estimates of their grooves.
+    /// Catalog rows with known ball diameters, and estimates of their grooves from an independent
+    /// program.
     groove: "groove/public.json";
-    /// Displacements of a ball bearing.
+    /// Displacements of a ball bearing, calculated by a commercial program.
     nut_bearings: "nut/bearings.csv";
-    /// Stiffness of nuts and nut pairs in a catalog.
+    /// Stiffness values of nuts and nut pairs from a catalog.
     nut_stiffness: "nut/stiffness.csv";
-    /// A feed axis in its warm steady state.
+    /// Case of a feed axis in its warm steady state.
     feed_axis: "nut/feed_axis.json";
-    /// The case of Xu and Tang (2015).
+    /// Case in the paper of Xu and Tang (2015).
     xu_case: "xu2015/case.json";
-    /// The trends of Xu and Tang (2015), with the number of curves on which they hold.
+    /// Trends in the paper of Xu and Tang (2015), with the number of curves that follow each trend.
     xu_trends: "xu2015/trends.csv";
-    /// The case of Dong et al. (2020).
+    /// Case in the paper of Dong et al. (2020).
     dong_case: "dong2020/case.json";
-    /// The trends of Dong et al. (2020), with the number of curves on which they hold.
+    /// Trends in the paper of Dong et al. (2020), with the number of curves that follow each trend.
     dong_trends: "dong2020/trends.csv";
-    /// A screw for the axis examples of manufacturers.
+    /// Case of a screw that manufacturers use in examples of axes.
     manufacturers_case: "manufacturers/case.json";
-    /// A feed axis with catalog data.
+    /// Case of a feed axis, with data from a catalog.
     machining_center: "manufacturers/machining_center.json";
-    /// A feed axis with catalog data, load factors and oil.
+    /// Case of a lubricated feed axis, with data and load factors from a catalog.
     machining_center_oil: "manufacturers/machining_center_oil.json";
-    /// A vertical axis with catalog data.
+    /// Case of a vertical axis, with data from a catalog.
     upright_axis: "manufacturers/upright_axis.json";
-    /// Independent solutions of lubricated cases.
+    /// Lubricated cases, and their solutions from an independent program.
     lubrication: "lubrication/public.json";
 }

@@ -1,4 +1,4 @@
-//! Load ratings and stiffness: comparison with the tables of Sobolewski (2002).
+//! Checks of load ratings and stiffness: comparison with the tables of Sobolewski (2002).
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -13,7 +13,7 @@ use crate::{Check, PublishedData, ValidateError};
 const TABLES: &str = "Sobolewski (2002), according to ISO/DP 9783 and 9784";
 const PAPER: &str = "Sobolewski (2002)";
 
-/// Steel of the nuts in the tables.
+/// Steel of the nuts in the tables of Sobolewski (2002).
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
 /// Returns all checks of load ratings and stiffness.
@@ -75,26 +75,26 @@ impl Row {
     }
 }
 
-/// Returns the stiffness of a nut pair at the preload assumed in the tables \[N/um\].
+/// Returns the stiffness of a nut pair at the preload that the tables assume \[N/um\].
 fn pair_stiffness(nut: &Nut) -> f64 {
     let preload = PRELOAD * nut.dynamic_rating().rating;
     let elasticity = nut.elasticity(&NutBody::usual(nut, NutSet::Single));
     elasticity.map_or(f64::NAN, |elasticity| elasticity.preloaded_pair(preload) * UM)
 }
 
-/// A column of the tables, with the function that calculates it.
+/// A column of the tables, and the function that calculates its values.
 struct Column {
     key: &'static str,
     what: &'static str,
     unit: &'static str,
     printed: fn(&Row) -> f64,
     ours: fn(&Nut) -> f64,
-    /// Absolute and relative tolerance, and the reason for them.
+    /// Absolute and relative tolerance of the values in the column.
     tolerance: (f64, f64),
     reason: &'static str,
 }
 
-/// `key printed ["unit"] "what": ours; absolute + relative, "reason";`
+/// The syntax is `key printed ["unit"] "what": ours; absolute + relative, "reason";`
 macro_rules! columns {
     ($($key:literal $printed:ident [$unit:literal] $what:literal: $ours:expr; $absolute:literal + $relative:literal, $reason:literal;)*) => {
         &[$(Column {
@@ -110,15 +110,15 @@ macro_rules! columns {
 }
 
 const QUANTITIES: &[Column] = columns! {
-    "diameter" calculated_diameter_mm ["mm"] "pitch circle diameter that the balls fill": |nut| nut.pitch_diameter / MM;
+    "diameter" calculated_diameter_mm ["mm"] "pitch circle diameter at which the balls fill the circumference": |nut| nut.pitch_diameter / MM;
         1e-3 + 0.0, "steps of 0.01 mm";
     "groove-radius" groove_radius_mm ["mm"] "groove radius": |nut| thread(nut).nut.radius / MM;
         5e-3 + 0.0, "two printed decimals";
     "groove-offset" groove_offset_mm ["mm"] "offset of the arc centers, eq. 1": |nut| thread(nut).nut.offset / MM;
         5e-3 + 0.0, "two printed decimals";
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
-        1.0 + 0.0, "the last printed digit; the diameter has four digits";
-    "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of a turn":
+        1.0 + 0.0, "one unit of the last printed digit; the diameter has four digits";
+    "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of one turn":
         |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn * 1e-9);
         0.0 + 0.02, "2 %: exact Hertzian contacts are used instead of fits that the source does not print; all five rows with conformity 0.52 are 1.5 to 1.8 % too low";
     "stiffness" preloaded_stiffness_N_um ["N/um"] "stiffness of the preloaded pair": pair_stiffness;
@@ -128,12 +128,12 @@ const QUANTITIES: &[Column] = columns! {
     "length" nut_length_mm ["mm"] "length of the nut": |nut| NutBody::usual(nut, NutSet::Single).length / MM;
         1e-3 + 0.0, "a whole number of leads";
     "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut, NutSet::Single).mass(nut, &thread(nut));
-        0.0 + 0.052, "the source does not state its rule; none of 360 tested rules is within 3.8 % for all rows";
+        0.0 + 0.052, "the source does not state how the mass is calculated; none of 360 tested rules agrees to within 3.8 % for all rows";
     "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
-        5e-3 + 0.0, "two printed digits; the formula and the lever arm are not published, and the arm is fitted to these rows";
+        5e-3 + 0.0, "two printed digits; neither the formula nor the lever arm is published, and the arm was fitted to these rows";
 };
 
-/// Returns the thread of a nut without play and with the default lands.
+/// Returns the thread of a nut without play, whose lands have their default width.
 fn thread(nut: &Nut) -> Thread {
     nut.thread(0.0, nut.usual_lands())
 }
@@ -143,17 +143,17 @@ impl Column {
         self.tolerance.0 + self.tolerance.1 * (self.printed)(row)
     }
 
-    /// Compares a column of the tables. The check reports the row with the largest ratio of
-    /// deviation to tolerance; the details list all rows.
+    /// Compares a column of the tables with calculated values. The check states the row with the
+    /// largest ratio of deviation to tolerance, and the details list all rows.
     fn check(&self, rows: &[Row]) -> Check {
         let Self { printed, ours, .. } = self;
         let off = |row: &Row| {
             let off = (ours(&row.nut()) - printed(row)).abs() / self.tolerance_of(row);
-            // A missing number is treated as an infinite deviation.
+            // If a number is missing, the deviation counts as infinite.
             if off.is_nan() { f64::INFINITY } else { off }
         };
         let worst = rows.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
-        let worst = worst.expect("a table without rows was refused");
+        let worst = worst.expect("a table without rows is rejected earlier");
         let line = |row: &Row| {
             let (claimed, ours) = (printed(row), ours(&row.nut()));
             let off = 100.0 * (ours / claimed - 1.0);
@@ -170,7 +170,7 @@ impl Column {
         .measured(ours(&worst.nut()), self.unit)
         .equals(printed(worst), self.tolerance_of(worst), self.reason)
         .note(format!(
-            "worst of {} rows: {}; all deviations are from {low:+.2} to {high:+.2} %",
+            "row with the largest deviation among {} rows: {}; all deviations are from {low:+.2} to {high:+.2} %",
             rows.len(),
             worst.name()
         ));
@@ -179,8 +179,8 @@ impl Column {
     }
 }
 
-/// Checks two statements of the paper: the load rating and the stiffness of every row decrease if
-/// the contact angle decreases from 45 deg, and if the conformity increases from 0.51.
+/// Checks two statements of the paper. In every row, load rating and stiffness decrease if the
+/// contact angle is reduced from 45 deg, and if the conformity is increased from 0.51.
 fn statements(rows: &[Row]) -> [Check; 2] {
     let angle = |row: &Row, i: i32| Nut {
         contact_angle: FRAC_PI_4 - f64::from(i).to_radians(),

@@ -1,4 +1,5 @@
-//! Comparison with independent solutions of the rigid equations, calculated with 40 digits.
+//! Comparison of the rigid model with independent solutions of its equations, which were calculated
+//! with 40 digits.
 
 use bsm_case::Case;
 use bsm_dyn::{Problem, model::RigidWorkspace};
@@ -25,7 +26,8 @@ struct Row {
     s: f64,
 }
 
-/// Returns one check per row of the table, with the largest deviation over the columns.
+/// Returns one check per row of the table. The checked number is the largest ratio of deviation to
+/// tolerance in the row.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut work = RigidWorkspace::default();
     let case = published.lin_case.case()?;
@@ -65,7 +67,7 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
     let (Some(efficiency), Ok(root)) = (efficiency, rigid.root(work)) else {
         return Ok(check.measured(f64::NAN, "").at_most(1.0, "the point must converge"));
     };
-    // The reference values have nine digits. The tolerance is half a unit of the last digit, or a
+    // The reference prints nine digits. The tolerance is half a unit of the last digit, or a
     // relative error of 1e-9 if this is larger.
     let deviation = |ours: f64, printed: f64| {
         let last_digit = 10.0_f64.powf(printed.abs().log10().floor() - 8.0);
@@ -85,7 +87,7 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
     Ok(check
         .measured(worst.1, "of the tolerance")
         .note(format!(
-            "largest in {}; efficiency {efficiency:.13} against {:.13}",
+            "largest deviation in {}; efficiency {efficiency:.13}, reference {:.13}",
             worst.0, row.efficiency
         ))
         .at_most(1.0, "1e-9 relative, or half a unit of the last of nine printed digits"))

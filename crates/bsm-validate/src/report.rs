@@ -1,4 +1,4 @@
-//! Results of checks against published data.
+//! Checks of calculated results against published data, and the report of all checks.
 
 use bsm_case::{Answer, Content};
 use bsm_report::PROGRAM;
@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Verdict of a check.
+/// Result of comparing a calculated number with a published claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -14,44 +14,44 @@ pub enum Verdict {
     Pass,
     /// The published claim does not hold.
     Fail,
-    /// There is no reference value, or a published trend does not hold.
+    /// No reference value exists, or a published trend does not hold.
     Finding,
 }
 
-/// A published statement or number, and the calculated result.
+/// A published statement or number, and the result that the program calculates.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Check {
-    /// Permanent key in the form `<source>/<what>`.
+    /// Key of the check in the form `<source>/<what>`. The key never changes.
     pub key: String,
-    /// Paper and equation that make the claim.
+    /// Paper and equation that contain the claim.
     pub source: String,
     /// The published claim as text.
     pub claim: String,
-    /// The published number, if the claim is a number.
+    /// The published number; `None` if the claim is not a number.
     pub claimed: Option<f64>,
-    /// The calculated number.
+    /// The number that the program calculates.
     #[schemars(with = "Option<f64>")]
     pub measured: f64,
     /// Unit of `claimed` and `measured`.
     pub unit: String,
-    /// The condition that `measured` must satisfy, with the reason for the tolerance.
+    /// Condition that `measured` must satisfy, and the reason for its tolerance.
     pub criterion: String,
-    /// Where the calculated number occurs, or other information about it.
+    /// Point at which the calculated number occurs, or other information about this number.
     pub note: String,
-    /// Detailed numbers, which are shown only on the HTML page.
+    /// Further numbers, which are shown only on the HTML page.
     pub details: String,
     /// Result of the check.
     pub verdict: Verdict,
 }
 
-/// Returns the largest of numbers that are not negative, or NaN if a number is NaN.
+/// Returns the largest of several nonnegative numbers, or NaN if any of them is NaN.
 pub(crate) fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
     let larger = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
     numbers.into_iter().fold(0.0, larger)
 }
 
 impl Check {
-    /// Creates a check. It is a finding until a condition is set.
+    /// Creates a check without a condition. Its verdict is `Finding` until a condition is set.
     pub(crate) fn new(key: &str, source: &str, claim: impl Into<String>) -> Self {
         Self {
             key: key.to_owned(),
@@ -67,47 +67,48 @@ impl Check {
         }
     }
 
-    /// Sets the calculated number.
+    /// Sets the calculated number and its unit.
     pub(crate) fn measured(mut self, value: f64, unit: &str) -> Self {
         self.measured = value;
         unit.clone_into(&mut self.unit);
         self
     }
 
-    /// Sets the note.
+    /// Sets the note on the calculated number.
     pub(crate) fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
 
-    /// Requires that the calculated number is at most `limit`.
+    /// Sets the condition that the calculated number is at most `limit`.
     pub(crate) fn at_most(self, limit: f64, reason: &str) -> Self {
         let holds = self.measured <= limit;
         self.judge(holds, format!("at most {limit:.3e}: {reason}"))
     }
 
-    /// Requires that the calculated number is at least `limit`.
+    /// Sets the condition that the calculated number is at least `limit`.
     pub(crate) fn at_least(self, limit: f64, reason: &str) -> Self {
         let holds = self.measured >= limit;
         self.judge(holds, format!("at least {limit:.3e}: {reason}"))
     }
 
-    /// Requires that the calculated number differs from the claimed number by at most `tolerance`.
+    /// Sets the condition that the calculated number differs from the claimed number by at most
+    /// `tolerance`.
     pub(crate) fn equals(mut self, claimed: f64, tolerance: f64, reason: &str) -> Self {
         let holds = (self.measured - claimed).abs() <= tolerance;
         self.claimed = Some(claimed);
         self.judge(holds, format!("within {tolerance:.3e} of the claim: {reason}"))
     }
 
-    /// Requires that all `curves` follow a published trend. If only `held` curves follow it, the
-    /// check is a finding, provided that this number is the recorded number. Otherwise the results
-    /// have changed, and the check fails.
+    /// Sets the number of curves that follow a published trend (`held` of `curves`). If the numbers
+    /// differ from the recorded numbers, the results have changed, and the check fails. Otherwise,
+    /// the check passes if all curves follow the trend, and is a finding if some do not.
     pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few curves")]
         let [measured, claimed] = [held, curves].map(|n| n as f64);
         (self.measured, self.claimed) = (measured, Some(claimed));
         "curves".clone_into(&mut self.unit);
-        self.criterion = format!("{} of {}, as recorded", recorded.0, recorded.1);
+        self.criterion = format!("{} of {} curves, as recorded", recorded.0, recorded.1);
         self.verdict = match (held, curves) == recorded {
             true if held == curves => Verdict::Pass,
             true => Verdict::Finding,
@@ -123,10 +124,10 @@ impl Check {
     }
 }
 
-/// The results of all checks.
+/// Results of all checks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The checks in the order in which they were run.
+    /// All checks, in the order in which they were run.
     pub checks: Vec<Check>,
 }
 
@@ -136,13 +137,13 @@ impl Report {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
     }
 
-    /// Returns the answer of `bsm validate`. The answer counts as failed if any check fails.
+    /// Returns the answer of `bsm validate`, which counts as failed if any check fails.
     pub fn answer(&self) -> Answer {
         Answer { fails: !self.passed(), ..Answer::default() }
             .with("", Content::Json(self.to_json()))
     }
 
-    /// Returns the results as JSON, including the name and version of the program.
+    /// Returns the results of all checks as JSON, with the name and version of the program.
     pub fn to_json(&self) -> Value {
         json!({ "program": PROGRAM, "passed": self.passed(), "checks": self.checks })
     }
@@ -157,7 +158,7 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// A wrong number must change the verdict, and NaN must never pass.
+    /// A wrong number must fail a check, and NaN must never pass a check.
     #[test]
     fn checks_fail_for_wrong_numbers_and_nan() {
         let check = |measured| Check::new("k", "s", "c").measured(measured, "");

@@ -1,8 +1,8 @@
-//! Checks that are defined by the rows of `checks.csv`: an expression of inputs and outputs at
-//! certain points, and a claim.
+//! Checks that are defined by the rows of `checks.csv`. A row contains an expression of inputs and
+//! outputs, the points at which the expression is evaluated, and a claim about its value.
 //!
-//! Expressions use the language of `minijinja`. An input is referred to by its name. A column of
-//! `bsm sweep` is referred to by its name with the model that solves it as a prefix:
+//! Expressions use the language of `minijinja`. An input is given by its name. A column of `bsm
+//! sweep` is given by the model that calculates it and the name of the column:
 //! `raceway_control.nut_normal_load_N / axial_load_N`.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,18 +20,18 @@ use serde::Deserialize;
 use crate::lubrication::reference_case;
 use crate::{Check, PublishedData, ValidateError};
 
-/// The statistic that reduces the values at several points to one value.
+/// Statistic that is calculated from the values at several points.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Fold {
     Largest,
     Least,
     Middle,
-    /// The difference between the largest and the smallest value.
+    /// Difference between the largest and the smallest value.
     Change,
 }
 
-/// The condition that the value must satisfy.
+/// Condition that the value of a check must satisfy.
 #[derive(Debug, Clone, Copy, Deserialize)]
 enum Rule {
     #[serde(rename = "=")]
@@ -47,44 +47,44 @@ struct Row {
     key: String,
     source: String,
     claim: String,
-    /// Name of a published case; if empty, a case without inputs is used.
+    /// Name of a published case. If it is empty, a case without inputs is used.
     case: String,
-    /// Settings in the form of `bsm solve --set` and axes in the form of `bsm sweep --vary`.
-    /// Vertical bars separate sets of points.
+    /// Settings as in `bsm solve --set`, and axes as in `bsm sweep --vary`. Vertical bars separate
+    /// several sets of points.
     points: String,
     value: String,
     fold: Option<Fold>,
-    /// Expected number of points without a value; defaults to 0.
+    /// Number of points that are expected to have no value, by default 0.
     missing: Option<usize>,
     unit: String,
-    /// Condition for the value. Without a condition, the check is a finding.
+    /// Condition for the value. If it is missing, the check is a finding.
     rule: Option<Rule>,
     claimed: Option<f64>,
-    /// Tolerance for the difference from the claim, or limit of the value.
+    /// Permitted difference from the claimed value, or limit of the value.
     limit: Option<f64>,
     reason: String,
-    /// A note that may contain expressions in double braces. They are evaluated at the point that
-    /// the statistic selects. In these expressions, `least` and `most` are the smallest and the
-    /// largest value, `points` is the number of points, and `solved` is the number of points that
-    /// have a value.
+    /// A note, which may contain expressions in double braces. The expressions are evaluated at the
+    /// point that the statistic selects. In these expressions, `least` and `most` are the smallest
+    /// and the largest value, `points` is the number of points, and `solved` is the number of
+    /// points that have a value.
     note: String,
 }
 
-/// Values of the variables in an expression. The outputs of a model are in a nested map.
+/// Values of the variables in an expression, by name. The outputs of a model are in a nested map.
 type Known = BTreeMap<String, Value>;
 
-/// Evaluates each row of the table and returns one check per row.
+/// Evaluates all rows of the table, and returns one check per row.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let environment = environment();
     let rows = published.checks.rows::<Row>()?;
     rows.iter().map(|row| row.check(published, &environment)).collect()
 }
 
-/// Returns the environment for expressions, with the functions that are available in addition to
-/// the filters of the language.
+/// Returns the environment in which expressions are evaluated. It contains mathematical functions
+/// in addition to the filters of the language.
 fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
-    // In strict mode, an unknown name is an error.
+    // In strict mode, an expression with an unknown name is an error.
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.add_global("pi", PI);
     for (name, function) in [
@@ -153,7 +153,7 @@ impl Row {
     }
 }
 
-/// Returns a published case by its name.
+/// Returns the published case with the given name.
 fn case(published: &PublishedData, name: &str) -> Result<Case, ValidateError> {
     match name {
         "" => Ok(Case::default()),
@@ -169,14 +169,14 @@ fn case(published: &PublishedData, name: &str) -> Result<Case, ValidateError> {
     }
 }
 
-/// Returns the cases at all points.
+/// Returns one case for each point that the settings and axes define.
 fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
     let mut all = Vec::new();
     for set in settings.split('|') {
         let mut cases = vec![case.clone()];
         for setting in set.split_whitespace() {
             let Ok(axis) = Axis::parse(setting) else {
-                // A setting that is not an axis applies to all points.
+                // A setting that is not an axis has the same value at all points.
                 cases.iter_mut().try_for_each(|case| case.apply(&[setting]))?;
                 continue;
             };
@@ -192,7 +192,7 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
     Ok(all)
 }
 
-/// Returns the values of the given names at a point; NaN for a missing value.
+/// Returns the values of the named inputs and outputs at a point. Missing values are NaN.
 fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
     let mut known = Known::new();
     let mut of_models = BTreeMap::<_, BTreeMap<&str, f64>>::new();
@@ -211,16 +211,18 @@ fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> 
     Ok(known)
 }
 
-/// Calculates the given output columns with a model, from the solution or from analyses.
+/// Calculates output columns with a model. The values come from its solution or from analyses.
 fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<(), ValidateError> {
-    // A name such as `nut_control` means raceway control with a given controlling raceway.
+    // A name such as `nut_control` means model raceway control with the nut as the controlling
+    // raceway.
     let control = model.strip_suffix("_control").and_then(Control::from_name);
     let model = match control {
         Some(_) => Model::RacewayControl.into(),
         None => ModelChoice::from_name(&model.replace('_', "-"))?,
     };
     let settings = Settings { model, control, ..Settings::default() };
-    // Several analyses may have a column with this name, but only one of them provides a value.
+    // Several analyses may have a column with the same name, but only one of them calculates its
+    // value.
     let analyses = |name: &str| -> Vec<AnalysisKind> {
         let kinds = AnalysisKind::ALL.into_iter();
         kinds.filter(|kind| kind.columns().any(|column| column.name == name)).collect()
@@ -265,8 +267,8 @@ mod tests {
     use super::*;
     use crate::Verdict;
 
-    /// The statistic must select the right value from several points. The number of points without
-    /// a value must equal the recorded number.
+    /// A statistic must select the correct value from several points. The number of points without
+    /// a value must equal the expected number.
     #[test]
     fn statistics_of_rows_select_the_right_points() {
         let check = |cells: &str| {
@@ -289,7 +291,7 @@ mod tests {
         assert_eq!(loads("middle", "=,2.5,0.4"), (2.0, Verdict::Fail, said("2.0")));
         assert_eq!(loads("least", ",,"), (1.0, Verdict::Finding, said("1.0")));
         assert_eq!(loads("change", ",,"), (3.0, Verdict::Finding, said("4.0")));
-        // At a lead angle of 5 deg, there is no solution.
+        // The lead angle of 5 deg is too small for a solution.
         let rooted = |missing: &str| {
             let cells = "\"lead_angle_deg=5,10 | lead_angle_deg=20\",rigid.efficiency,least";
             let check = check(&format!("{cells},{missing},,>=,,0.5,why,")).expect("a row");
@@ -304,30 +306,31 @@ mod tests {
         }
     }
 
-    /// The expected values were calculated independently, with the numbers in the sources and with
-    /// beam tables.
+    /// The expected values were calculated by hand from the numbers in the sources and from beam
+    /// tables.
     #[test]
     fn manufacturer_examples_match_hand_calculations() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
         let found = |key: &str| {
             all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)
         };
-        // In beam tables, λ² is 15.418; the density ρ is 7850 kg/m³.
+        // The factor λ² in beam tables is 15.418, and the density ρ is 7850 kg/m³.
         let rpm = 0.8 * 60.0 / (2.0 * PI) * 15.418 / 0.85_f64.powi(2)
             * (206e9 * 0.0144_f64.powi(2) / 16.0 / 7850.0).sqrt();
-        // The tolerance corresponds to the five digits of 15.418.
+        // The tolerance is due to the five digits of the factor 15.418.
         assert!((found("manufacturers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
         let near = |key: &str, by_hand: f64, reason: &str| {
             let ours = found(key);
-            // The tolerance corresponds to the five digits of the factors below.
+            // The tolerance is due to the five digits of the factors in the calls below.
             assert!(
                 (ours / by_hand - 1.0).abs() < 1e-4,
                 "{key}: {ours}, by hand {by_hand}: {reason}"
             );
         };
-        // A bar with a cross section of 1 mm² carries 147 N.
+        // A stress of 147 N/mm² acts on the cross section of a bar with a diameter of 1 mm.
         near("manufacturers/yield-factor", 147.0 * PI / 4.0, "area of a circle of 1 mm");
-        // The permitted load is half of P = κ π² E I/l², in kgf and mm, with E = 21 000 kgf/mm².
+        // The permitted load is half of the buckling load P = κ π² E I/l², in kgf and mm, with E =
+        // 21 000 kgf/mm².
         for (support, kappa) in [
             ("fixed-free", 0.25),
             ("supported-supported", 1.0),
@@ -337,13 +340,14 @@ mod tests {
             let factor = kappa * 9.8696 * 21_000.0 * (PI / 64.0) / 2.0 / 1000.0;
             near(&format!("manufacturers/buckling-factor-{support}"), factor, "Euler");
         }
-        // The frequency is f = λ²/(2π l²) (d/4) √(E/ρ) with lengths in inches; 101.6 mm are 4 in.
+        // The frequency is f = λ²/(2π l²) (d/4) √(E/ρ), with lengths in inches. A length of 101.6
+        // mm is 4 in.
         let sound = (206e9_f64 / 7850.0).sqrt();
         for (support, root) in [("fixed-fixed", 22.373), ("supported-supported", 9.8696)] {
             let hertz = root / (2.0 * PI * 2.54 * 2.54) * (0.0254 / 4.0) * sound;
             near(&format!("manufacturers/frequency-{support}"), hertz, "beam tables");
         }
-        // The life is 10⁶ (C/F)³ revolutions at a speed of 2400 rpm.
+        // The rating life is 10⁶ (C/F)³ revolutions, and the speed is 2400 rpm.
         let hours = (17_073.1_f64 / 1200.0).powi(3) * 1e6 / (2400.0 * 60.0);
         near("manufacturers/rating-example", hours, "cubic life");
         near("manufacturers/guide-example", 0.02 * 50.0 * 9.806_65, "Coulomb");
@@ -354,7 +358,7 @@ mod tests {
         );
         near("manufacturers/opening-load", 8.0_f64.sqrt(), "2 to the power 3/2");
         let buckles = 2.0457 * PI.powi(3) * 206e9 * 0.0125_f64.powi(4) / (64.0 * 0.82 * 0.82) / 2.0;
-        // The tolerance corresponds to the five digits of 2.0457.
+        // The tolerance is due to the five digits of the factor 2.0457.
         assert!(
             (found("manufacturers/buckling-example") / buckles - 1.0).abs() < 1e-4,
             "{buckles}"

@@ -1,9 +1,9 @@
-//! Measures the speed and accuracy of every model and setting at a set of points.
+//! Measures speed and accuracy of all models with various settings at a set of points.
 //!
-//! The reference solution is calculated by `traction` with an accuracy of 1e-12 and a creep speed
-//! of 1e-5. Errors are determined for the outputs that users are most interested in. Times are
-//! measured on this machine. The time of a point is the median over several rounds. In each round,
-//! all settings take turns, so that a disturbance affects all of them.
+//! The reference solution is calculated by model `traction` with an accuracy of 1e-12 and a creep
+//! speed of 1e-5. Errors are determined for the most important outputs. Times are measured on this
+//! machine. The time of a point is the median over several rounds. All settings are measured once
+//! per round, so that a disturbance affects all of them.
 
 mod advice;
 mod clock;
@@ -26,13 +26,14 @@ pub use self::settings::Setting;
 use self::errors::Reference;
 use crate::ValidateError;
 
-/// The points in the repository: a hundred points each with rolling, partial skid and gross skid.
+/// Table of points in the repository: a hundred points with rolling, a hundred with partial skid
+/// and a hundred with gross skid.
 const CASES: &str = include_str!("../../../validation/golden/tradeoff/cases.csv");
 
-/// Efficiency errors for which a setting is recommended.
+/// Efficiency errors for each of which a setting is recommended.
 pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// The operating points of a measurement.
+/// Operating points at which speed and accuracy are measured.
 #[derive(Debug, Clone)]
 pub struct Points {
     chunk: Chunk,
@@ -41,12 +42,13 @@ pub struct Points {
 }
 
 impl Points {
-    /// Returns the points in the repository. Their ranges are described in
-    /// `crates/bsm-validate/examples/case_set.rs`.
+    /// Returns the points in the repository. `crates/bsm-validate/examples/case_set.rs` describes
+    /// their ranges.
     ///
     /// # Errors
     ///
-    /// The errors of [`Points::read`]; none of them occurs for the table in the repository.
+    /// Returns the same errors as [`Points::read`]. None of them occurs for the table in the
+    /// repository.
     pub fn committed() -> Result<Self, ValidateError> {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
@@ -55,15 +57,16 @@ impl Points {
     ///
     /// # Errors
     ///
-    /// [`ValidateError`] if a row cannot be read or lacks an input of model `traction`.
+    /// Returns [`ValidateError`] if a row cannot be read, or if an input of model `traction` is
+    /// missing in a row.
     pub fn read(source: &mut dyn Source) -> Result<Self, ValidateError> {
         let columns = source.columns().clone();
-        let none = "the table has no rows; give at least one operating point";
+        let none = "the table has no rows, but must have at least one operating point";
         let chunk = source.next(MAX_POINTS + 1)?;
         let chunk = chunk.ok_or_else(|| ValidateError::Invalid(none.to_owned()))?;
         if chunk.len > MAX_POINTS {
             return Err(ValidateError::Invalid(format!(
-                "more than {MAX_POINTS} rows; take a sample of them"
+                "the table has more than {MAX_POINTS} rows; use a sample of the rows"
             )));
         }
         let mut cases = Vec::with_capacity(chunk.len);
@@ -83,7 +86,8 @@ impl Points {
     }
 }
 
-/// Maximum number of points. More points would take minutes and provide no additional information.
+/// Maximum number of points. Measuring more points would take minutes without additional
+/// information.
 const MAX_POINTS: usize = 3000;
 
 /// Quadrature accuracy of the reference solution.
@@ -94,76 +98,78 @@ fn reference_settings() -> Settings {
     Settings { accuracy: FINE, creep: 1e-5, ..Model::Traction.into() }
 }
 
-/// Returns the settings of the reference solution as options of `bsm solve`.
+/// Returns the settings of the reference solution in the form of options of `bsm solve`.
 pub fn reference() -> String {
     let Settings { model, accuracy, creep, .. } = reference_settings();
     format!("--model {} --accuracy {accuracy:e} --creep {creep:e}", model.name())
 }
 
-/// Errors and times of a setting.
+/// Errors and times that were measured for a setting.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SettingResult {
-    /// The setting that was measured.
+    /// Model and settings that were measured.
     #[serde(flatten)]
     pub setting: Setting,
-    /// Errors for each group of points that is not empty. The group of all points comes first.
+    /// Errors for each group that contains points. The first group contains all points.
     pub errors: Vec<Errors>,
-    /// Computing times per point.
+    /// Calculation times per point.
     pub times: Times,
 }
 
 impl SettingResult {
-    /// Returns the errors in a group of points, or `None` if the group has no points.
+    /// Returns the errors in a group of points, or `None` if the group contains no points.
     pub fn errors_of(&self, group: Group) -> Option<&Errors> {
         self.errors.iter().find(|errors| errors.group == group)
     }
 }
 
-/// Number of points in a group.
+/// Number of points in a group with the same slip regime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Count {
-    /// Group of points.
+    /// Group whose points are counted.
     pub group: Group,
     /// Number of points in the group.
     pub points: usize,
 }
 
-/// Results of a speed and accuracy measurement.
+/// Results of a measurement of speed and accuracy.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Tradeoff {
-    /// Settings of the reference solution, as options of `bsm solve`.
+    /// Settings of the reference solution, in the form of options of `bsm solve`.
     pub reference: String,
-    /// Groups that contain points. The group of all points comes first.
+    /// Number of points in each group that contains points. The first group contains all points.
     pub points: Vec<Count>,
-    /// Rows, counted from 1, without a reference solution. They are not included in any result.
+    /// Numbers of the rows that have no reference solution, counted from 1. These rows are not
+    /// included in any result.
     pub without_reference: Vec<usize>,
     /// Widest instruction set that this machine supports.
     pub instruction_set: &'static str,
-    /// Number of threads for the times with all cores.
+    /// Number of threads with which the times for all cores were measured.
     pub threads: usize,
-    /// Results of all settings, beginning with the fastest models.
+    /// Results for all models and settings, beginning with the fastest models.
     pub settings: Vec<SettingResult>,
-    /// Recommended setting for each tolerance and each group of points.
+    /// Recommended settings for each tolerance and each group of points.
     pub advice: Vec<Advice>,
 }
 
 impl Tradeoff {
-    /// Returns plots of the efficiency error against the time: for single solves and for batches
-    /// over all points, then for single solves in each regime.
+    /// Returns plots of the efficiency error against the time. Two plots contain all points, solved
+    /// one by one or as a table; the other plots contain the points of one slip regime, solved one
+    /// by one.
     pub fn figures(&self) -> Vec<Figure> {
         pareto::figures(&self.settings)
     }
 }
 
-/// A setting and its errors in each group of points.
+/// A setting, and its errors in each group of points.
 pub type SettingErrors = (Setting, Vec<Errors>);
 
-/// Calculates the errors of every setting over `points` without measuring times. The group of all
-/// points comes first.
+/// Calculates the errors of every setting at `points` without measuring times. For each setting,
+/// the first errors are those of all points.
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if no point has a reference solution.
+/// Returns [`ValidateError`] if no point has a reference solution.
 pub fn accuracy(points: &Points) -> Result<Vec<SettingErrors>, ValidateError> {
     Ok(errors(points)?.1)
 }
@@ -180,12 +186,12 @@ fn errors(points: &Points) -> Result<(Reference, Vec<SettingErrors>), ValidateEr
     Ok((reference, measured))
 }
 
-/// Measures errors and times of every setting over `points`. `progress` is called with the number
-/// of completed steps and the total number of steps.
+/// Measures errors and times of every setting at `points`. The function `progress` is called with
+/// the number of completed steps and the total number of steps.
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if no point has a reference solution or if threads cannot be started.
+/// Returns [`ValidateError`] if no point has a reference solution, or if threads cannot be started.
 pub fn run(
     points: &Points,
     mut progress: impl FnMut(usize, usize),

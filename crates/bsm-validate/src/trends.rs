@@ -9,27 +9,28 @@ use serde::Deserialize;
 use crate::published::File;
 use crate::{Check, ValidateError};
 
-/// A row of a table of published trends.
+/// A row in a table of published trends.
 #[derive(Deserialize)]
 struct Row {
-    /// Label of the sweeps and name of the quantity to which the trend applies.
+    /// Label of the sweeps, followed by the name of the quantity to which the trend applies.
     trend: String,
     statement: String,
-    /// Names of the curves, separated by spaces. `a/b` is the ratio of two curves.
+    /// Names of the curves, separated by spaces. A name of the form `a/b` means curve `a` divided
+    /// by curve `b`.
     curves: String,
     claim: Claim,
-    /// Position beyond which the curve is claimed to fall more slowly.
+    /// Position on the x axis beyond which the curve is claimed to decrease more slowly.
     knee: Option<f64>,
-    /// Range of x for which the trend is claimed.
+    /// Lower and upper limit of the range of x in which the trend is claimed.
     from: Option<f64>,
     to: Option<f64>,
-    /// Number of curves that followed the trend when the finding was recorded, and total number of
+    /// Number of curves that followed the trend when the result was recorded, and total number of
     /// curves.
     held: usize,
     of: usize,
 }
 
-/// The claimed behavior of a curve.
+/// Behavior that a paper claims for a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Claim {
@@ -40,22 +41,22 @@ enum Claim {
     /// The curve decreases, and its slope before the knee is at least twice its slope after the
     /// knee.
     Flattens,
-    /// The ratio of the two curves exceeds one.
+    /// The first curve divided by the second curve is above one.
     Exceeds,
-    /// The first curve of the ratio changes more than the second one.
+    /// The first curve changes more than the second curve.
     Spreads,
 }
 
-/// The actual behavior of a calculated curve.
+/// Behavior of a calculated curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
-    /// The curve never decreases.
+    /// The curve increases and never decreases.
     Rises,
-    /// The curve never increases.
+    /// The curve decreases and never increases.
     Falls,
     /// The curve is constant.
     Constant,
-    /// The curve has its first extremum at this x.
+    /// The curve has its first extremum at the given x.
     Turns(f64),
 }
 
@@ -91,20 +92,21 @@ impl Shape {
     }
 }
 
-/// Returns the mean slope over a range of x, or NaN if the range contains fewer than two points.
+/// Returns the mean slope of a curve over a range of x, or NaN if the range contains fewer than two
+/// points.
 fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
     let mut within = points.iter().filter(|(x, _)| within(*x));
     let (first, last) = (within.next(), within.last());
     first.zip(last).map_or(f64::NAN, |(a, b)| (b.1 - a.1) / (b.0 - a.0))
 }
 
-/// Returns the difference between the largest and the smallest y.
+/// Returns the difference between the largest and the smallest y of a curve.
 fn spread(points: &[(f64, f64)]) -> f64 {
     let values = || points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
     values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
 
-/// The behavior of a curve, compared with the claim.
+/// Behavior of a calculated curve, and whether it agrees with a claim.
 struct Trend {
     curve: String,
     shape: Shape,
@@ -123,10 +125,10 @@ impl Trend {
         let does = match self.shape {
             Shape::Rises => format!("rises from {from} to {to}"),
             Shape::Falls => format!("falls from {from} to {to}"),
-            Shape::Constant => format!("stays the same from {from} to {to}"),
+            Shape::Constant => format!("is constant from {from} to {to}"),
             Shape::Turns(at) => {
                 let way = if last.1 > first.1 { "higher" } else { "lower" };
-                format!("turns at {}, ends {way}", short(at))
+                format!("has an extremum at {}, ends {way} than it begins", short(at))
             }
         };
         format!("{curve}{setting}: {holds}, {} to {}, {does}", number(first.1), number(last.1))
@@ -138,7 +140,7 @@ fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a Course
 }
 
 impl Row {
-    /// Returns the behavior of all curves of a study to which this row applies.
+    /// Compares all curves of a study to which this row applies with the claim.
     fn trends(&self, study: &Study) -> Vec<Trend> {
         let one = |name: &str| match name.split_once('/') {
             None => named(study, name).filter_map(|course| self.trend(course)).collect::<Vec<_>>(),
@@ -150,10 +152,11 @@ impl Row {
         self.curves.split(' ').flat_map(one).collect()
     }
 
-    /// Divides a curve by another curve. For a claim about changes, divides the change of the first
-    /// curve by the change of the second.
+    /// Returns the ratio of two curves. If the claim is about changes, it is the change of the
+    /// first curve divided by the change of the second.
     fn ratio(&self, above: &Course, below: &Course) -> Course {
-        let (mut label, mut points) = (format!("{} over {}", above.label, below.label), Vec::new());
+        let (mut label, mut points) =
+            (format!("{} divided by {}", above.label, below.label), Vec::new());
         if self.claim == Claim::Spreads {
             label = format!("change of {label}");
             let middle = above.points[above.points.len() / 2].0;
@@ -165,7 +168,7 @@ impl Row {
         Course { name: String::new(), label, points, rounding: 0.0 }
     }
 
-    /// Determines the behavior of a curve in the claimed range. Points with NaN or infinite values
+    /// Compares a curve with the claim in the claimed range of x. Points whose y is NaN or infinite
     /// are left out.
     fn trend(&self, course: &Course) -> Option<Trend> {
         let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
@@ -190,10 +193,10 @@ impl Row {
     }
 }
 
-/// Returns a check for each trend in a table. If the table lacks a curve of a study, the check
-/// fails.
+/// Returns one check for each trend in a table. If a study contains a curve that is not in the
+/// table, an additional check fails.
 ///
-/// * `studies`: sweeps, each with the label that the trends refer to, and with a text that
+/// * `studies`: sweeps, each with a label to which the trends refer, and with a text that
 ///   distinguishes sweeps with the same label.
 pub(crate) fn checks(
     source: &str,
@@ -227,7 +230,7 @@ pub(crate) fn checks(
         unknown.extend(left.map(|name| format!("{key}/{label}{name}")));
     }
     let unrecorded = |key: &String| {
-        Check::new(key, source, "a curve that is not in the table").follows(1, 1, (0, 0))
+        Check::new(key, source, "the table does not contain this curve").follows(1, 1, (0, 0))
     };
     let unrecorded: Vec<_> = unknown.iter().map(unrecorded).collect();
     Ok(rows.into_iter().map(check).chain(unrecorded).collect())
@@ -248,15 +251,15 @@ mod tests {
         assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);
         assert_eq!(shape(&[1.0, 1.0 + 1e-12, 1.0 - 1e-12]), Shape::Constant);
         assert_eq!(shape(&[1.0, 2.0, 3.0, 2.5, 4.0]), Shape::Turns(2.0));
-        // Rounding errors must not count as extrema, and small changes that add up must not be
-        // ignored.
+        // A rounding error must not count as an extremum, but many small changes in the same
+        // direction must count.
         assert_eq!(shape(&[1.0, 2.0, 2.0 - 1e-10, 3.0]), Shape::Rises);
         let slow: Vec<_> = (0..30).map(|i| f64::from(i) * 5e-10).collect();
         assert_eq!(shape(&slow), Shape::Rises);
     }
 
-    /// A trend must fail if a single point violates it. Missing points and points outside the range
-    /// are ignored.
+    /// A single point that violates a trend must make it fail. Missing points, and points outside
+    /// the range, are ignored.
     #[test]
     fn a_trend_fails_if_one_point_violates_it() {
         let course = |name: &str, values: &[f64]| Course {
@@ -281,8 +284,8 @@ mod tests {
         assert_eq!(trend(",rises,,1,", &[3.0, 1.0, 2.0]), Some(true));
         assert_eq!(trend(",falls,,,", &[1.0, 1.0]), Some(false));
         assert_eq!(trend(",falls,,,", &[f64::NAN]), None);
-        // The mean slopes before and after the third point are −2 and −0.5 for the first curve, and
-        // −1 and −1 for the second.
+        // The mean slopes before and after the third point are −2 and −0.5 for the first curve. For
+        // the second curve, they are −1 and −1.
         assert_eq!(trend(",flattens,2,,", &[6.0, 4.0, 2.0, 1.5, 1.0]), Some(true));
         assert_eq!(trend(",flattens,2,,", &[6.0, 5.0, 4.0, 3.0, 2.0]), Some(false));
         assert_eq!(trend(",flattens,2,,", &[1.0, 2.0, 3.0, 2.0]), Some(false));

@@ -1,4 +1,5 @@
-//! Trends of Xu and Tang (2015), and identities between different forms of slip.
+//! Checks of trends in the paper of Xu and Tang (2015), and of identities between different
+//! definitions of slip.
 
 use bsm_case::{Case, OutputName, Settings, output, slip};
 use bsm_dyn::{
@@ -13,7 +14,7 @@ use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Xu and Tang 2015";
 
-/// Contact angles at nut and screw in Tables 2 and 3 \[deg\].
+/// Contact angles at nut and screw in Tables 2 and 3 of the paper \[deg\].
 const ANGLES: [f64; 2] = [50.0, 40.0];
 
 /// Returns all checks of this paper.
@@ -37,7 +38,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the case with the contact angles in motion that the paper states.
+/// Returns the case with the contact angles that the paper states for the running screw.
 fn running(case: Case) -> Case {
     Case {
         nut_running_contact_angle_deg: Some(ANGLES[0]),
@@ -46,7 +47,7 @@ fn running(case: Case) -> Case {
     }
 }
 
-/// Performs the sweeps of the paper with a model.
+/// Calculates the sweeps of the paper with the given model.
 pub(crate) fn study(
     published: &PublishedData,
     model: Model,
@@ -58,7 +59,7 @@ pub(crate) fn study(
     Ok(Study::slip(&case, &settings, &solution)?)
 }
 
-/// Evaluates the formulas of the paper as printed, for the case in Tables 1 to 3.
+/// Evaluates the printed formulas of the paper for the case in its Tables 1 to 3.
 fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     let settings: Settings = Model::RacewayControl.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
@@ -69,7 +70,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
     let angles = ANGLES.map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
-    // Eqs 1 and 2 as printed, with the nut at rest.
+    // The next expressions are Eqs 1 and 2 as printed, for a nut that does not rotate.
     let ((sin_a, cos_a), [nut, screw]) = (helix.lead_angle.sin_cos(), angles);
     let (d, w, speed) = (helix.radius / cos_a, ball.motion.omega, drive.screw_speed);
     let printed = [
@@ -86,7 +87,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = largest((0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()));
-    // Eq 3 with only the axial displacement, which is the same at both raceways.
+    // In Eq 3, only the axial displacement is used, which is the same at both raceways.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
@@ -111,19 +112,19 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         Check::new(&format!("xu2015/{key}"), &format!("{SOURCE}, {equation}"), claim)
     };
     Ok(vec![
-        check("eqs-1-2", "Eqs 1-2", "differential slip as printed equals the slip at the contact center")
+        check("eqs-1-2", "Eqs 1-2", "the printed formulas for the differential slip give the slip at the contact center")
             .measured(worst, "relative")
             .note(format!("{:.4} m/s at the nut, {:.4} at the screw, 50 and 40 deg", exact[0], exact[1]))
             .at_most(1e-11, "rounding errors of speeds that are a hundred times the slip"),
-        check("eq-3", "Eq 3", "contact angles from the distances between the centers of the grooves")
+        check("eq-3", "Eq 3", "the contact angles follow from the distances between the groove-arc centers")
             .measured(off, "of the length")
-            .note("with the axial displacement in (f) and without it in (e); as printed, both equations give the approaches again")
-            .at_most(1e-9, "the balance is solved to 1e-10 of the load"),
+            .note("the axial displacement is included in (f) and omitted in (e); as printed, both equations only reproduce the approaches")
+            .at_most(1e-9, "the forces are balanced to 1e-10 of the load"),
     ])
 }
 
-/// Compares the differential slip and the spin that model `traction` reports with the field of slip
-/// velocities.
+/// Compares the differential slip and the spin that model `traction` reports with values that are
+/// calculated from the slip velocity field.
 fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let settings: Settings = Model::Traction.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
@@ -144,7 +145,8 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             let state = solution.contact(site);
             let touch =
                 ContactSite { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
-            // This slip speed is taken from the solution of the model, not from the slip report.
+            // The slip speed is taken from the solution of the model instead of the slip report, so
+            // that the two can be compared.
             let own = state.and_then(|contact| contact.slip).map_or(f64::NAN, |slip| slip.speed);
             let contact = ball.contact(&touch);
             let tangent = BallFrame::<f64>::tangent();
@@ -154,8 +156,8 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
                 ball.relative_to(site).slip_velocity(helix.arc_length_per_radian(), &point)
             };
             value = value.max((own / number(slip) - 1.0).abs());
-            // The velocity field of a rigid motion is linear, so a large step causes no truncation
-            // error.
+            // The velocity field of a rigid motion is linear, so the difference has no truncation
+            // error even for a large step.
             let difference = (at(1e-3) - at(-1e-3)).dot(&tangent) / 2e-3;
             slope = slope.max((difference / number(spin) - 1.0).abs());
         }
@@ -168,7 +170,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     Ok([
         check(
             "field-value",
-            "differential slip equals the slip velocity field at the contact center",
+            "differential slip equals the slip velocity at the contact center",
             value,
             "rounding errors of speeds that are a hundred times the slip",
         ),

@@ -11,7 +11,7 @@ const BLOCK: usize = 1 << 18;
 /// Returns a hash as lowercase hexadecimal digits.
 pub(crate) fn hex(hash: Sha256) -> String {
     hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
-        // Writing to a string cannot fail.
+        // Writing to a string cannot fail, so the result is ignored.
         let _ = write!(text, "{byte:02x}");
         text
     })
@@ -22,8 +22,8 @@ pub(crate) fn of_bytes(bytes: &[u8]) -> String {
     hex(Sha256::new_with_prefix(bytes))
 }
 
-/// Reads all bytes of a reader and returns their hash and number, or `None` if `stopped` returns
-/// true before the end.
+/// Reads all bytes of a reader, and returns their hash and their number. Returns `None` if
+/// `stopped` returns true before the last byte has been read.
 pub(crate) fn of_reader(
     reader: &mut impl Read,
     stopped: impl Fn() -> bool,

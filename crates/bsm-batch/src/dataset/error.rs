@@ -1,94 +1,94 @@
-//! Errors of dataset folders.
+//! Errors that occur when a dataset is created, continued or finished.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::TableError;
 
-/// The reason why a dataset cannot be created, continued or finished.
+/// Reason why a dataset cannot be created, continued or finished.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// A file operation failed.
+    /// An operation on a file or folder failed.
     #[error("cannot {doing} {}: {error}", path.display())]
     Io {
-        /// The operation that failed.
+        /// Operation that failed, as a verb such as "write".
         doing: &'static str,
         /// Path of the file or folder.
         path: PathBuf,
         /// Error of the operating system.
         error: io::Error,
     },
-    /// The points cannot be read.
+    /// The points of the dataset cannot be read.
     #[error(transparent)]
     Read(TableError),
     /// A part file cannot be written.
     #[error("cannot write {}: {error}", path.display())]
     Write {
-        /// The part file.
+        /// Path of the part file.
         path: PathBuf,
-        /// The reason why the part cannot be written.
+        /// Reason why the part file cannot be written.
         error: TableError,
     },
-    /// A thread cannot be started.
+    /// The operating system did not start a thread.
     #[error("cannot start a thread: {0}")]
     Thread(io::Error),
-    /// The run was stopped.
+    /// The stop flag of the workers became true.
     #[error("stopped")]
     Stopped,
     /// The folder already contains the plan of an earlier run.
     #[error("{} holds the parts of {} task", folder.display(), if *same { "this" } else { "another" })]
     Begun {
-        /// The dataset folder.
+        /// Path of the dataset folder.
         folder: PathBuf,
-        /// True if the plan in the folder is identical to the given plan.
+        /// True if the plan in the folder equals the plan of this run.
         same: bool,
     },
-    /// The plan file does not contain a valid plan.
+    /// The file `plan.json` does not contain a valid plan.
     #[error("{} is not the plan of this task: {why}", path.display())]
     NotAPlan {
-        /// The plan file.
+        /// Path of the plan file.
         path: PathBuf,
-        /// The reason why the plan is invalid.
+        /// Reason why the plan is invalid.
         why: String,
     },
-    /// Some part files are damaged or do not belong to this plan.
+    /// Some part files are damaged or do not belong to the plan.
     #[error("{}", first_few(.0))]
     Damaged(Vec<(PathBuf, PartDefect)>),
-    /// Some parts or points do not belong to the plan.
+    /// The part files or the points do not belong to the plan in the folder.
     #[error("{0}")]
     NotOfThePlan(String),
-    /// The request cannot be carried out.
+    /// The dataset cannot be calculated as requested.
     #[error("{0}")]
     Refused(String),
 }
 
-/// Defect of a file that has the name of a part.
+/// Reason why a file with the name of a part is not a valid part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartDefect {
-    /// The file cannot be read.
+    /// The part file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The entry is a folder or another entry that is not a file.
+    /// The entry is not a file but, for example, a folder.
     #[error("is {0}, not a file")]
     NotAFile(&'static str),
     /// The plan contains no part with this file name.
     #[error("the plan has no part with this name")]
     NotInThePlan,
-    /// The file is empty.
+    /// The part file is empty.
     #[error("is empty")]
     Empty,
-    /// The file has no valid footer of a part.
+    /// The file does not end with the valid footer of a part.
     #[error("has an invalid footer: it is truncated, changed, or not a part file of bsm")]
     Footer,
     /// The file is a part of another plan.
     #[error("is a part of another plan")]
     OtherPlan(
-        /// The id of the other plan.
+        /// Id of the other plan.
         String,
     ),
-    /// The file is a copy of another part of the same plan.
+    /// The file is a copy of another part of the same plan, whose number is given.
     #[error("is a copy of part {0}")]
     OtherPart(String),
     /// The bytes before the footer do not match the hash in the footer.
@@ -102,7 +102,7 @@ impl DatasetError {
     }
 }
 
-/// Lists the first few damaged files.
+/// Describes the first few damaged files in one line of text.
 fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));

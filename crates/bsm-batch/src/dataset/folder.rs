@@ -1,4 +1,4 @@
-//! Folder layout of a dataset, and the creation and removal of its files.
+//! Names of the files in a dataset folder, and functions that create and remove these files.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -9,15 +9,15 @@ use tempfile::NamedTempFile;
 use super::DatasetError;
 use super::part::kind;
 
-/// Name of the plan file.
+/// Name of the file that contains the plan of a dataset.
 const PLAN: &str = "plan.json";
 /// Name of the folder that contains the finished parts.
 const DATA: &str = "data";
-/// Name of the folder that contains temporary files.
+/// Name of the folder that contains unfinished files under temporary names.
 const UNFINISHED: &str = "tmp";
 /// Name of the file that lists the parts.
 const LIST: &str = "parts.parquet";
-/// Name of the file that older versions wrote instead of a plan.
+/// Name of the file that older versions of the program wrote instead of a plan.
 const OLD_PLAN: &str = "parts.json";
 
 /// Number of random letters at the end of a temporary file name.
@@ -26,8 +26,8 @@ const RANDOM_LETTERS: usize = 8;
 /// Number of letters of the plan id in a temporary file name.
 const ID_LETTERS: usize = 12;
 
-/// A function that creates a temporary file. The function registers the file before creating it, so
-/// that the file is removed if the program is interrupted.
+/// A function that creates a temporary file. The function registers the file before it creates the
+/// file, so that the file is removed if the program is interrupted.
 pub type MakeTemporary =
     fn(&mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile>;
 
@@ -48,7 +48,7 @@ impl Folder {
         self.path.join(PLAN)
     }
 
-    /// Returns the path of a part file.
+    /// Returns the path of the file of a part.
     pub(super) fn part(&self, number: u64) -> PathBuf {
         self.path.join(DATA).join(format!("part-{number:06}.parquet"))
     }
@@ -58,8 +58,7 @@ impl Folder {
         self.path.join(LIST)
     }
 
-    /// Returns the entries of the data folder; the result is empty if the data folder does not
-    /// exist.
+    /// Returns all entries of the data folder. The list is empty if the data folder does not exist.
     pub(super) fn data(&self) -> Result<Vec<fs::DirEntry>, DatasetError> {
         match entries(&self.path.join(DATA)) {
             Err(DatasetError::Io { error, .. }) if error.kind() == ErrorKind::NotFound => {
@@ -69,10 +68,10 @@ impl Folder {
         }
     }
 
-    /// Reads the text of the plan file. An entry that cannot be a plan, such as a folder, is
+    /// Reads the text of the plan file. If the entry is not a file, for example a folder, it is
     /// rejected without reading it.
     pub(super) fn read_plan(&self) -> Result<String, DatasetError> {
-        /// Maximum length of a plan file \[B\]. This is enough for axes with a million values.
+        /// Maximum length of a plan file \[B\], which is sufficient for axes with a million values.
         const MAX_PLAN_BYTES: u64 = 64 << 20;
         let path = self.plan();
         let unreadable = |error| DatasetError::io("read", &path, error);
@@ -90,10 +89,10 @@ impl Folder {
         String::from_utf8(text).map_err(|_| not_a_plan("it is damaged".to_owned()))
     }
 
-    /// Creates the folder. An existing folder with other content is rejected.
+    /// Creates the dataset folder. If the folder exists and contains other files, it is rejected.
     pub(super) fn begin(&self) -> Result<(), DatasetError> {
-        // Remove a trailing path separator, because it would make `is_symlink` follow a symbolic
-        // link.
+        // Collecting the components removes a trailing path separator, which would make
+        // `is_symlink` follow a symbolic link.
         let named: PathBuf = self.path.components().collect();
         if named.is_symlink() && !named.exists() {
             let path = self.path.display();
@@ -109,8 +108,8 @@ impl Folder {
                 self.path.display()
             )));
         }
-        // Empty subfolders and temporary files are accepted, because a run that was killed right
-        // after its start leaves them behind.
+        // Empty subfolders and temporary files may be left over from a run that was killed shortly
+        // after its start, so they are accepted.
         for entry in entries(&self.path)? {
             let name = entry.file_name();
             let is_folder = entry.file_type().is_ok_and(|found| found.is_dir());
@@ -124,7 +123,9 @@ impl Folder {
             };
             if !own {
                 let path = self.path.display();
-                let what = format!("{path} is a folder that contains other files");
+                let what = format!(
+                    "{path} is a folder that contains other files; use a new or empty folder"
+                );
                 return Err(DatasetError::Refused(what));
             }
         }
@@ -140,8 +141,8 @@ impl Folder {
         Ok(())
     }
 
-    /// Creates a temporary file for a plan. The file is removed automatically unless it is renamed
-    /// to its final name.
+    /// Creates a temporary file for a plan. The file is removed automatically unless it is later
+    /// renamed.
     pub(super) fn unfinished(
         &self,
         name: &Path,
@@ -152,8 +153,8 @@ impl Folder {
         let prefix = format!("{stem}.{}.", &plan[..ID_LETTERS]);
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM_LETTERS);
-        // Temporary files are created with private permissions by default, but results should have
-        // the permissions that the umask allows.
+        // By default, only the owner can read a temporary file. Files with results should have the
+        // permissions that the umask allows.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         (self.make)(&mut || builder.tempfile_in(&folder))
@@ -175,15 +176,17 @@ impl Folder {
     }
 }
 
-/// Renames a complete file to its final name. The file survives a power failure.
+/// Gives a complete temporary file its final name. The function returns after the file has been
+/// written to disk, so that the file survives a power failure.
 ///
-/// * `replace`: true to replace an existing file with that name; otherwise such a file is an error.
+/// * `replace`: if true, an existing file with this name is replaced; if false, an existing file is
+///   an error.
 pub(super) fn complete(file: NamedTempFile, name: &Path, replace: bool) -> io::Result<()> {
     file.as_file().sync_all()?;
     if replace { file.persist(name) } else { file.persist_noclobber(name) }.map_err(|e| e.error)?;
     match name.parent() {
         Some(folder) if cfg!(unix) => File::open(folder)?.sync_all(),
-        // Other operating systems cannot open folders.
+        // Only Unix can open a folder and synchronize it to disk.
         _ => Ok(()),
     }
 }
@@ -195,7 +198,7 @@ fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>, DatasetError> {
 }
 
 /// Returns the plan id in the name of a temporary file, or `None` if [`Folder::unfinished`] cannot
-/// have created the name.
+/// have created this name.
 fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let name = entry.file_name().into_string().ok()?;
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };

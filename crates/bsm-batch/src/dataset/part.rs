@@ -1,9 +1,9 @@
-//! Part files: Parquet files that verify themselves.
+//! Part files of a dataset, which are Parquet files that contain hashes of their own contents.
 //!
-//! The footer of a part states its plan and its part number. It also contains two hashes: one of
-//! all bytes before the footer, and one of the footer itself, calculated with zeros in place of
-//! this second hash. Every changed bit of the file is therefore detected, and no separate log is
-//! needed that could be lost or become inconsistent.
+//! The footer of a part file contains its plan id, its part number and two hashes: a hash of all
+//! bytes before the footer, and a hash of the footer itself. The second hash is calculated with
+//! zeros in its own place. The hashes reveal every changed bit of the file, so no separate log is
+//! needed, which could be lost or become inconsistent.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -30,18 +30,18 @@ const DATA_BYTES: &str = "bsm.data_bytes";
 const DATA_SHA256: &str = "bsm.data_sha256";
 const FOOTER_SHA256: &str = "bsm.footer_sha256";
 
-/// Placeholder for the hash of the footer while this hash is calculated.
+/// Zeros that replace the hash of the footer while this hash is calculated.
 const ZEROS: [u8; 64] = [b'0'; 64];
 
-/// Number of bytes at the end of a Parquet file that contain the length of the footer and the magic
-/// number.
+/// Number of bytes after the footer of a Parquet file. They contain the length of the footer and a
+/// magic number.
 const TAIL: usize = 8;
 
-/// Maximum length of a footer \[B\], about fifty times the footer of the largest possible part with
-/// all outputs.
+/// Maximum length of a footer \[B\]. It is about fifty times the length of the longest footer that
+/// a part with all outputs can have.
 const MAX_FOOTER_BYTES: u64 = 64 << 20;
 
-/// Expected plan, number and row range of a part file.
+/// Plan id, number and rows that a part file is expected to have.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PartRange<'a> {
     /// Id of the plan.
@@ -52,7 +52,7 @@ pub(super) struct PartRange<'a> {
 }
 
 impl PartRange<'_> {
-    /// Rejects a part whose number of rows differs from the plan.
+    /// Returns an error if the number of solved rows differs from the number of rows in the plan.
     pub(super) fn check(&self, count: Count) -> Result<(), DatasetError> {
         let Self { number, rows, .. } = *self;
         let found = count.rows;
@@ -60,32 +60,32 @@ impl PartRange<'_> {
             return Ok(());
         }
         Err(DatasetError::NotOfThePlan(format!(
-            "the points changed while they were solved: part {number} has {found} of {rows} rows"
+            "the number of points changed during the run: part {number} has {found} rows instead of {rows}"
         )))
     }
 }
 
-/// A finished part.
+/// A finished part of a dataset.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
     /// Index of the part, counted from 0.
     pub number: u64,
-    /// Index of the first row of the part, counted from 0.
+    /// Index, within the dataset, of the first row of the part, counted from 0.
     pub first_row: u64,
-    /// Number of rows of the part.
+    /// Number of rows in the part.
     pub rows: u64,
-    /// Number of rows without a result.
+    /// Number of rows in the part that have no result.
     pub failed: u64,
-    /// Number of rows that are known to have other solutions.
+    /// Number of rows in the part whose points are known to have further solutions.
     pub several: u64,
-    /// Number of bytes before the footer.
+    /// Number of bytes in the part file before its footer.
     pub data_bytes: u64,
     /// SHA-256 hash of the bytes before the footer.
     pub data_sha256: String,
 }
 
-/// A writer that hashes all bytes before the footer. The footer is held back until its own hash has
-/// been inserted.
+/// A writer that calculates the hash of all bytes before the footer. The footer is written only
+/// after its own hash has been inserted.
 #[derive(Debug)]
 pub(super) struct HashingWriter<W> {
     out: W,
@@ -117,7 +117,7 @@ impl<W: Write> Write for HashingWriter<W> {
     }
 }
 
-/// Writes the footer of a part with its hashes, and returns the underlying writer.
+/// Writes the footer of a part file, including both hashes, and returns the underlying writer.
 pub(super) fn write_footer<W: Write + Send>(
     table: TableSink<HashingWriter<W>>,
     range: PartRange<'_>,
@@ -152,8 +152,8 @@ pub(super) fn write_footer<W: Write + Send>(
     Ok((out, part))
 }
 
-/// Returns the position of the hash in a footer. In Thrift's compact protocol, the hash follows its
-/// key, the field type and the length.
+/// Returns the position of the hash in a footer. In Thrift's compact protocol, the bytes before the
+/// hash are its key, the field type and the length.
 fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
     const FIELD: [u8; 2] = [0x18, 64];
     let key = FOOTER_SHA256.as_bytes();
@@ -161,11 +161,11 @@ fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
     (footer.get(at..at + 2)? == FIELD).then_some(at + 2..at + 2 + ZEROS.len())
 }
 
-/// Verifies a part file and returns the part.
+/// Verifies a part file, and returns the part that it contains.
 ///
-/// * `deep`: true to verify all bytes, false to verify only the footer.
+/// * `deep`: if true, all bytes are verified; if false, only the footer is verified.
 ///
-/// Returns `None` if the workers are stopped before the result is known.
+/// Returns `None` if the workers are stopped before the verification is complete.
 pub(super) fn verify(
     path: &Path,
     range: PartRange<'_>,
@@ -193,11 +193,11 @@ pub(super) fn verify(
     Ok(Some(part))
 }
 
-/// Verifies a footer and returns the part that it describes.
+/// Verifies the footer of a part file, and returns the part that the footer describes.
 ///
-/// * `len`: length of the part file.
+/// * `len`: length of the part file \[B\].
 fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part, PartDefect> {
-    // The footer is verified before its contents are used.
+    // The hash of the footer is verified before any other contents of the footer are used.
     let hash_place = place_of_hash(&footer).ok_or(PartDefect::Footer)?;
     let stored_hash = footer.get(hash_place.clone()).ok_or(PartDefect::Footer)?.to_owned();
     footer[hash_place].copy_from_slice(&ZEROS);
@@ -231,15 +231,16 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
     Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
 }
 
-/// Returns the length of a Parquet footer including its tail, or `None` if `tail` (the last bytes
-/// of the file) is invalid.
+/// Returns the length of a Parquet footer, including the bytes after it. Returns `None` if `tail`,
+/// the last bytes of the file, is invalid.
 fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
     let [a, b, c, d, letters @ ..] = tail;
     let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
     (letters == *b"PAR1" && footer <= MAX_FOOTER_BYTES).then_some(footer + TAIL as u64)
 }
 
-/// Reads a Parquet footer including its tail; returns `None` if the file has no footer.
+/// Reads the footer of a Parquet file, including the bytes after it. Returns `None` if the file has
+/// no footer.
 fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     let Some(at_tail) = len.checked_sub(TAIL as u64) else { return Ok(None) };
     let mut tail = [0; TAIL];
@@ -254,12 +255,12 @@ fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() as u64 == rest).then_some(bytes))
 }
 
-/// Returns the list of parts as a Parquet table, which becomes the file `parts.parquet` of a
+/// Returns the list of parts as a Parquet table, which is written to the file `parts.parquet` of a
 /// dataset.
 ///
 /// # Errors
 ///
-/// [`TableError`] if the table cannot be created.
+/// Returns [`TableError`] if the table cannot be created.
 pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
     let numbers = |read: fn(&Part) -> u64| -> ArrayRef {
         Arc::new(parts.values().map(read).collect::<UInt64Array>())
@@ -279,7 +280,7 @@ pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableEr
     Ok(writer.into_inner()?)
 }
 
-/// Returns a description of an entry that is not a file, such as "a folder".
+/// Describes a folder entry that is not a file, for example as "a folder".
 pub(super) fn kind(found: &fs::Metadata) -> &'static str {
     if found.is_dir() {
         "a folder"

@@ -1,5 +1,5 @@
-//! The plan of a dataset. It contains everything that determines the bytes of the parts, and
-//! nothing else.
+//! The plan of a dataset, which contains everything that determines the bytes of the part files,
+//! and nothing else.
 
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
@@ -14,25 +14,25 @@ use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
-/// Revision number of the results. It is incremented whenever a calculated number changes, so that
-/// parts with different results are never mixed.
+/// Version number of the results. It is incremented with every change of the program that changes a
+/// calculated number, so that a dataset never contains parts with different results.
 pub const RESULTS: u32 = 92;
 
-/// Revision number of the file format of the plan and the parts. The plan must determine every byte
-/// of the parts.
+/// Version number of the file formats of plans and parts. It is part of the plan, because the plan
+/// must determine every byte of the part files.
 const FORMAT: u32 = 6;
 
-/// Maximum number of parts of a dataset.
+/// Maximum number of parts in a dataset.
 pub const MAX_PARTS: u64 = 100_000;
 
-/// The plan of a dataset.
+/// Plan of a dataset, which determines all bytes of the part files.
 #[derive(Debug, Clone)]
 pub struct Plan {
     written: PlanFile,
     text: String,
 }
 
-/// Contents of a plan file. The order of the fields is the order of the keys in the file.
+/// Contents of a plan file. The keys in the file have the same order as these fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
@@ -44,7 +44,7 @@ struct PlanFile {
     columns: Vec<String>,
     rows: u64,
     rows_per_part: NonZeroU64,
-    /// Id of the plan: the SHA-256 hash of the file text, calculated with an empty id.
+    /// Id of the plan, which is the SHA-256 hash of the file text with an empty id.
     #[serde(default)]
     sha256: String,
 }
@@ -55,7 +55,7 @@ impl PlanFile {
         Ok(serde_json::to_string(self)? + "\n")
     }
 
-    /// Calculates the hash of the text and fills it in.
+    /// Sets the id of the plan to the hash of the text.
     fn sealed(mut self) -> serde_json::Result<Self> {
         self.sha256.clear();
         self.sha256 = digest::of_bytes(self.text()?.as_bytes());
@@ -63,12 +63,13 @@ impl PlanFile {
     }
 }
 
-/// Estimated cost of a plan.
+/// Estimated time and disk space that a dataset takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Computation time on one core \[s\].
+    /// Calculation time on a single core \[s\].
     pub core_seconds: f64,
-    /// Upper bound of the total size of all parts \[B\]. Repeated values take less space.
+    /// Upper bound of the total size of all part files \[B\]. Repeated values take less space than
+    /// this bound assumes.
     pub bytes: f64,
 }
 
@@ -88,14 +89,15 @@ impl Program {
 }
 
 impl Plan {
-    /// Creates a plan for solving points.
+    /// Creates the plan of a dataset from a task and its points.
     ///
-    /// * `rows_per_part`: number of rows per part. The default depends on the task.
+    /// * `rows_per_part`: number of rows per part. By default, it depends on the number of rows and
+    ///   on the model.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the points cannot be read, or if there would be more than [`MAX_PARTS`]
-    /// parts.
+    /// Returns [`DatasetError`] if the points cannot be read, or if there would be more than
+    /// [`MAX_PARTS`] parts.
     pub fn new(
         task: &Task,
         points: &Points,
@@ -108,8 +110,8 @@ impl Plan {
         if rows.div_ceil(rows_per_part.get()) > MAX_PARTS {
             let least = rows.div_ceil(MAX_PARTS);
             return Err(DatasetError::Refused(format!(
-                "{rows} rows in parts of {rows_per_part} are more than {MAX_PARTS} parts; take at least {least} rows \
-                 for a part"
+                "{rows} rows with {rows_per_part} rows per part make more than {MAX_PARTS} parts; use at least {least} rows \
+                 per part"
             )));
         }
         let base = Case { description: None, ..task.base.clone() };
@@ -134,14 +136,14 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Returns the reason as text if the text is not a plan, belongs to another program version, or
-    /// has been changed.
+    /// Returns a text that states the reason if the file is not a plan, was written by another
+    /// program version, or has been changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let written: PlanFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let (found, this) = (&written.program, Program::this());
         if (written.format, found) != (FORMAT, &this) {
             return Err(format!(
-                "it was made by {} {} (results {}, format {}), but this is {} {} (results {}, format {FORMAT})",
+                "it was made by {} {} (results {}, format {}), but this program is {} {} (results {}, format {FORMAT})",
                 found.name,
                 found.version,
                 found.results,
@@ -159,11 +161,11 @@ impl Plan {
         Ok(Self { written, text: as_written })
     }
 
-    /// Returns the task of the plan.
+    /// Returns the task that calculates the dataset.
     ///
     /// # Errors
     ///
-    /// Returns the reason as text if the plan contains unknown names.
+    /// Returns a text that states the reason if the plan contains unknown names.
     pub fn task(&self) -> Result<Task, String> {
         let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
         let base = Case::from_json(&base).map_err(|e| e.to_string())?;
@@ -173,14 +175,15 @@ impl Plan {
         Ok(Task::new(base, settings, outputs))
     }
 
-    /// Returns the points of the plan. If the points come from a table, checks that the table has
-    /// not changed since the plan was made.
+    /// Returns the points of the plan. If the points come from a table, the table must not have
+    /// changed since the plan was created.
     ///
-    /// * `table`: returns the path of the table with the given name.
+    /// * `table`: function that returns the path of the table with the given name.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the points are invalid, or if the table is missing or has changed.
+    /// Returns [`DatasetError`] if the points are invalid, or if the table is missing or has
+    /// changed.
     pub fn points(
         &self,
         table: impl FnOnce(&str) -> PathBuf,
@@ -189,20 +192,20 @@ impl Plan {
         self.written.points.read(table, workers)
     }
 
-    /// Estimates the computation time and the size of the dataset.
+    /// Estimates the calculation time and the size of the dataset.
     ///
     /// # Errors
     ///
-    /// The errors of [`task`](Self::task).
+    /// Returns the same errors as [`task`](Self::task).
     pub fn estimate(&self) -> Result<Estimate, String> {
-        /// Size of a part footer \[B\].
+        /// Size of the footer of a part file without its columns \[B\].
         const FOOTER: f64 = 1500.0;
-        /// Size of a column entry in the footer \[B\].
+        /// Size of the footer entry for one column \[B\].
         const COLUMN: f64 = 150.0;
         let task = self.task()?;
         let [rows, parts] = [self.rows(), self.parts()].map(approximate);
         let inputs = self.written.points.inputs();
-        #[expect(clippy::cast_precision_loss, reason = "there are some fifty")]
+        #[expect(clippy::cast_precision_loss, reason = "there are about fifty columns")]
         let columns = (inputs.len() + task.outputs.len()) as f64;
         let bytes = |output: &&Output| match output.json_type {
             "boolean" => 0.125,
@@ -210,7 +213,7 @@ impl Plan {
             _ => 8.0,
         };
         let outputs = task.outputs.iter().map(bytes).sum::<f64>();
-        // With `auto`, each row contains the reason why its model was chosen.
+        // If the model is `auto`, each row contains the reason why its model was chosen.
         let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
         let data = rows * (words + outputs + inputs.iter().sum::<f64>());
         let core_seconds = rows * seconds(task.settings.model);
@@ -227,7 +230,7 @@ impl Plan {
         &self.written.sha256
     }
 
-    /// Returns the total number of rows.
+    /// Returns the number of rows in the dataset.
     pub fn rows(&self) -> u64 {
         self.written.rows
     }
@@ -237,12 +240,13 @@ impl Plan {
         self.written.rows_per_part.get()
     }
 
-    /// Returns the number of parts. A table without rows still has one part.
+    /// Returns the number of parts in the dataset. A dataset without rows has one part.
     pub fn parts(&self) -> u64 {
         self.rows().div_ceil(self.rows_per_part()).max(1)
     }
 
-    /// Returns the row range of a part, or an error if the plan contains no such part.
+    /// Returns the rows that belong to a part, or an error if the plan has no part with this
+    /// number.
     pub(super) fn range(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
@@ -258,10 +262,10 @@ impl Plan {
         PartRange { plan: self.id(), number, first_row, rows }
     }
 
-    /// Lists the keys whose values differ from the text of another plan. Short values are included.
-    /// Returns `None` if the other text is not a plan.
+    /// Lists the keys whose values in this plan differ from the values in the text of another plan.
+    /// For short values, both values are included. Returns `None` if the text is not a plan.
     pub fn differences(&self, other: &str) -> Option<String> {
-        // The hash differs whenever any other key differs.
+        // The hash is not compared, because it differs whenever any other key differs.
         const HASH: &str = "sha256";
         let parse = |text: &str| match serde_json::from_str(text) {
             Ok(Value::Object(keys)) => Some(keys),
@@ -283,11 +287,11 @@ impl Plan {
 }
 
 impl Task {
-    /// Describes the origin of a results table: program, points, case, settings, and columns with
-    /// their units.
+    /// Describes how a table of results was calculated: program, points, case, settings, and
+    /// columns with their units.
     ///
     /// * `points`: description of the points from [`Points::about`].
-    /// * `columns`: columns of the points.
+    /// * `columns`: columns of the table of points.
     pub fn about(&self, points: &Value, columns: &Columns) -> Value {
         let column = |Heading { name, unit, about, .. }: Heading<'_>| {
             (name.to_owned(), json!({ "unit": unit, "about": about }))
@@ -303,14 +307,14 @@ impl Task {
     }
 }
 
-/// Converts a count to a floating-point number for an estimate.
+/// Converts a count to a floating-point number, which is sufficiently accurate for an estimate.
 #[expect(clippy::cast_precision_loss, reason = "for an estimate")]
 fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Returns the estimated time for solving and writing a row with one output on one core \[s\]. The
-/// balls are assumed to roll without gross sliding.
+/// Returns the estimated time that one core takes to solve and write a row with one output \[s\].
+/// The balls are assumed to roll without gross sliding.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
         ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,
@@ -323,15 +327,15 @@ fn seconds(model: ModelChoice) -> f64 {
     1e-6 * microseconds
 }
 
-/// Returns the default number of rows per part. It is the largest power of two for which a part
-/// takes only a few seconds, so that a killed run loses little work. The number is doubled until
-/// the number of parts does not exceed its limit.
+/// Returns the default number of rows per part. It is the largest power of two for which
+/// calculating a part takes only a few seconds, so that little work is lost if the run is killed.
+/// If this leads to too many parts, the number of rows is doubled until the limit is met.
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Maximum number of rows before doubling. With this limit, a part takes less than an hour even
-    /// if each point takes a hundred times its estimated time, as in model `rigid` with large
-    /// inertia forces.
+    /// Maximum number of rows per part before the number is doubled. With this maximum, a part
+    /// takes less than an hour even if every point takes a hundred times as long as estimated, for
+    /// example with model `rigid` and large inertia forces.
     const MAX_ROWS: u32 = 1 << 20;
-    /// Maximum estimated time of a part on one core \[s\].
+    /// Maximum estimated time for calculating a part on one core \[s\].
     const MAX_SECONDS: f64 = 5.0;
 
     let mut count = MAX_ROWS;

@@ -1,4 +1,5 @@
-//! Points from a grid, a random generator or a table. They can be generated or read repeatedly.
+//! Points of a grid, random points, or points of a table. All of them can be generated or read
+//! repeatedly.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -16,18 +17,18 @@ use crate::{
     DrawSource, Draws, Format, GridSource, PointSet, Source, TableError, TableFormat, Workers,
 };
 
-/// Points that can be generated or read repeatedly.
+/// Operating points that can be generated or read repeatedly.
 #[derive(Debug, Clone)]
 pub enum Points {
     /// The points of a grid.
     Grid(Grid),
     /// Random points.
     Draws(Draws),
-    /// The rows of a table.
+    /// The rows of a table file.
     Table {
-        /// Path of the file.
+        /// Path of the table file.
         path: PathBuf,
-        /// Names of the columns to copy.
+        /// Names of the columns that are copied to the results.
         keep: Vec<String>,
         /// Separators, decimal sign and column names of the table.
         table_format: TableFormat,
@@ -39,7 +40,7 @@ impl Points {
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the table cannot be opened.
+    /// Returns [`TableError`] if the table cannot be opened.
     pub fn open(&self) -> Result<Box<dyn Source>, TableError> {
         match self {
             Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
@@ -54,9 +55,9 @@ impl Points {
         }
     }
 
-    /// Returns the description of the points in a plan, and the number of points. A table file is
-    /// read to its end to calculate its hash. Its rows are counted unless a footer states their
-    /// number.
+    /// Returns the description of the points for a plan, and the number of points. A table file is
+    /// read completely to calculate its hash. Its rows are counted, unless the file states the
+    /// number of rows in its footer.
     pub(super) fn written(
         &self,
         workers: &Workers<'_>,
@@ -83,12 +84,12 @@ impl Points {
         Ok((PointsEntry::Table(table), rows))
     }
 
-    /// Returns a description of the points for the metadata of a table. A pipe has no name, and its
-    /// contents are not hashed.
+    /// Returns a description of the points for the metadata of a table. For a pipe, the description
+    /// contains neither a name nor a hash.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if a table cannot be read.
+    /// Returns [`DatasetError`] if a table cannot be read.
     pub fn about(&self, workers: &Workers<'_>) -> Result<Value, DatasetError> {
         Ok(match self {
             Self::Grid(grid) => json!(written_grid(grid)),
@@ -105,9 +106,9 @@ impl Points {
     }
 }
 
-/// Reports that the points in a plan are invalid.
+/// Returns the error for invalid points in a plan.
 pub(super) fn invalid_points(why: impl Display) -> DatasetError {
-    DatasetError::Refused(format!("the points of the plan: {why}"))
+    DatasetError::Refused(format!("the points in the plan are invalid: {why}"))
 }
 
 fn written_grid(grid: &Grid) -> PointsEntry {
@@ -123,7 +124,7 @@ fn written_draws(draws: &Draws) -> PointsEntry {
 ///
 /// # Errors
 ///
-/// [`io::Error`] if the file cannot be read.
+/// Returns [`io::Error`] if the file cannot be read.
 pub fn sha256(path: &Path) -> io::Result<(String, u64)> {
     let hash = digest::of_reader(&mut File::open(path)?, || false)?;
     hash.ok_or_else(|| io::Error::other("never stopped"))
@@ -147,7 +148,7 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
     Ok((name, sha256, bytes))
 }
 
-/// Description of points in a plan.
+/// Description of the points in a plan file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum PointsEntry {
@@ -165,21 +166,21 @@ pub(super) struct DrawsEntry {
 }
 
 impl PointsEntry {
-    /// Returns the estimated size of each input in a row of a part \[B\].
+    /// Returns the estimated size that the value of each input takes in a row of a part file \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// Uncompressed size of a number \[B\].
+        /// Size of a number without compression \[B\].
         const NUMBER: f64 = 8.0;
-        /// Assumed number of input columns of a table.
+        /// Number of input columns that is assumed for a table.
         const COLUMNS: usize = 4;
-        /// Compressed size of a number that repeats within Snappy's window of 64 kB \[B\].
-        /// Measured: 0.4 to 0.5 B.
+        /// Compressed size of a number that occurs repeatedly within the window of 64 kB in which
+        /// Snappy finds repetitions \[B\]. Measured values are 0.4 to 0.5 B.
         const REPEATED: f64 = 0.5;
-        /// Maximum number of values on the innermost axis. With at most this number, the values of
-        /// the axis are assumed to repeat within the window.
+        /// Maximum number of values on the innermost axis for which these values are assumed to
+        /// repeat within the window of Snappy.
         const REPEATING: usize = 1 << 14;
         match self {
-            // Outer axes have runs of equal values, and the values of the innermost axis repeat
-            // periodically.
+            // On outer axes, the same value occurs in many consecutive rows; on the innermost axis,
+            // the values repeat periodically.
             Self::Grid(axes) => {
                 let bytes = |(range, text): (usize, &String)| match Axis::parse(text) {
                     Ok(axis) if range == 0 && axis.len() > REPEATING => NUMBER,
@@ -192,10 +193,10 @@ impl PointsEntry {
         }
     }
 
-    /// Returns the points. If they come from a table, the table file must be the one for which the
-    /// plan was made.
+    /// Returns the points of the plan. If the points come from a table, the file must be identical
+    /// to the file for which the plan was created.
     ///
-    /// * `table`: returns the path of the table with the given name.
+    /// * `table`: function that returns the path of the table with the given name.
     pub(super) fn read(
         &self,
         table: impl FnOnce(&str) -> PathBuf,
@@ -210,10 +211,10 @@ impl PointsEntry {
                 let path = table(&written.name);
                 let (keep, table_format) = (written.keep.clone(), written.table_format.clone());
                 let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
-                // A file with a different length is rejected without calculating its hash.
+                // If the lengths differ, the file is rejected without calculating its hash.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
                     return Err(DatasetError::Refused(format!(
-                        "{} does not match the point table of the plan ({}): the contents differ",
+                        "{} is not identical to the table of points in the plan ({})",
                         path.display(),
                         written.name
                     )));

@@ -1,24 +1,22 @@
-//! Compares the results of a table with the results of single solves.
+//! Comparison of a table row with a solution of the same operating point outside a table.
 
 use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record, output};
 use bsm_dyn::{Ball, Status};
 
-/// Outputs that describe the iteration instead of the solution, and are therefore not compared.
+/// Outputs that describe the iteration instead of the solution. They are not compared.
 const ITERATION_OUTPUTS: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
-/// Error bounds among the outputs. A bound is at least 1e-9 and equals ten times a difference
-/// between two efficiencies. If the residual is this small, each efficiency is accurate to 1e-12,
-/// so the bound is accurate to one percent.
+/// Outputs that are error bounds. A bound is at least 1e-9 and equals ten times the difference
+/// between two efficiencies. With such small residuals, each efficiency is accurate to 1e-12, so
+/// the bound is accurate to one percent.
 const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 
-/// Returns the absolute tolerance of an output. It is added to a tolerance that is relative to the
-/// value.
+/// Returns the absolute tolerance of an output, which is added to the relative tolerance.
 ///
-/// Newton's method stops at a residual of 1e-13 times the load, or of 1e-12 times the inertia
-/// forces if these are smaller. Rounding errors of the loads are about 1e-16. `iota` is the ratio
-/// of inertia forces to load; results that depend on inertia are accurate only to the corresponding
-/// tolerance.
+/// Newton's method stops at a residual of 1e-13 of the load, or of 1e-12 of the inertia forces if
+/// this is smaller. Rounding errors of the loads are about 1e-16. `iota` is the ratio of inertia
+/// forces to load. Results that depend on inertia have errors that are proportional to 1/`iota`.
 fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     let value = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);
@@ -33,22 +31,22 @@ fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     let scatter = match unit {
         "N" => 1e-13 * load,
         "deg" => 1e-10 * 90.0,
-        // Slip is a difference between speeds of this magnitude.
+        // Slip is the difference between speeds of this order of magnitude.
         "rad/s" => motion * speed * pitch / ball,
         "m/s" => motion * speed * pitch,
-        // Displacement is a difference between lengths of up to 1 mm.
+        // A displacement is the difference between lengths of up to 1 mm.
         "um" => 1e-11,
-        // The power loss is a difference between powers of this magnitude.
+        // A power loss is the difference between powers of this order of magnitude.
         "W" => 1e-12 * axial * pitch * speed,
         _ => 0.0,
     };
-    // If inputs are missing, the scatter is NaN, and the result is 0.
+    // If inputs are missing, the tolerance is NaN, and 0 is returned instead.
     scatter.max(0.0)
 }
 
-/// Compares the results of a table row with a single solve. The status must be the same, and every
-/// output must agree to within 1e-10 of its value plus its absolute tolerance. Returns true if the
-/// row converged.
+/// Compares the results of a table row with a solution outside a table. The status must be the
+/// same, and outputs must agree to within 1e-10 of their value plus their absolute tolerance.
+/// Returns true if the row converged.
 pub(crate) fn assert_alike(
     what: &dyn Fn() -> String,
     (answers, row): (&Answers, usize),
@@ -67,8 +65,8 @@ pub(crate) fn assert_alike(
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
-        // Near a spin pole, a table and a single solve approach the root of the quadrature rule
-        // from different sides. They agree to within 1e-4 of their error bound.
+        // Near a spin pole, the root of the quadrature rule is approached from different sides in
+        // the two calculations. The results agree to within 1e-4 of their error bound.
         let stated = expected.number(output!(loss_error_bound)).unwrap_or(0.0).max(0.0);
         let tolerance = (part + 1e-4 * stated) * known.abs() + absolute_tolerance(unit, case);
         let difference = (found - known).abs();

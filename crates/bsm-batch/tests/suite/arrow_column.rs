@@ -1,4 +1,4 @@
-//! Tests the conversion of Arrow columns to numbers and text.
+//! Tests of the conversion of Arrow columns to numbers and text.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ fn texts(column: impl Array + 'static) -> Value {
     Value::Array(values(&(Arc::new(column) as ArrayRef)).expect("has a text"))
 }
 
-/// Checks for each type that the values are the same as in a text file and that nulls stay null.
+/// For each type, the values must be the same as in a text file, and nulls must remain nulls.
 #[test]
 fn column_values_match_the_values_in_a_text_file() {
     let decimals = Decimal128Array::from(vec![Some(-12_345), None]).with_precision_and_scale(9, 3);
     let decimals = decimals.expect("digits");
     let days: DictionaryArray<Int8Type> = [Some("Mon"), None, Some("Mon")].into_iter().collect();
-    // The timestamp is 2026-11-24, 18:30:00.5.
+    // The timestamp represents 2026-11-24, 18:30:00.5.
     let time = TimestampMillisecondArray::from(vec![1_795_545_000_500]);
     for (found, expected) in [
         (texts(Int32Array::from(vec![Some(-7), None])), json!([-7, null])),
@@ -50,15 +50,15 @@ fn column_values_match_the_values_in_a_text_file() {
     );
 }
 
-/// Regression test: bytes that are not UTF-8 used to become empty cells.
+/// In an earlier version, bytes that are not UTF-8 became empty cells.
 #[test]
 fn bytes_that_are_not_utf8_are_rejected() {
     let column: ArrayRef = Arc::new(BinaryArray::from(vec![&b"ab"[..], b"\xff"]));
     assert!(values(&column).is_err_and(|error| error.to_string().contains("not UTF-8 text")));
 }
 
-/// Regression test: 0.1 with 40 decimals used to be read as 0.09999999999999999, because its digits
-/// and its scale factor were rounded before the division.
+/// In an earlier version, 0.1 with 40 decimal places was read as 0.09999999999999999, because its
+/// digits and its scale factor were rounded before the division.
 #[test]
 fn decimals_are_read_as_the_nearest_double() {
     let digits = i256::from_i128(10).checked_pow(39).expect("39 digits");

@@ -1,4 +1,4 @@
-//! Tests of table columns that contain analysis results.
+//! Tests of table columns that contain results of analyses.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
 use bsm_case::{
@@ -12,14 +12,15 @@ const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/fe
 
 const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-/// Returns an example case for a nut with three loaded turns. The given input is removed.
+/// Returns an example case of a nut with three loaded turns, in which the input `without` is
+/// missing.
 fn dong_case(without: &str) -> Case {
     let mut case = Case::from_json(DONG).expect("an example");
     case.loaded_turns = Some(3.0);
     let mut json = case.to_json();
-    // The nut analysis needs these inputs.
+    // These inputs are required for the nut analysis.
     json["loaded_turns"] = 2.into();
-    // The axis analysis needs these inputs.
+    // These inputs are required for the axis analysis.
     json["axis_heat_transfer_W_K"] = 50.into();
     json["accuracy_grade"] = 5.into();
     json["stroke_mm"] = 500.into();
@@ -41,8 +42,9 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
     Answers::select(Some(&names)).expect("outputs")
 }
 
-/// Returns all numeric outputs that the analyses calculate for a dry screw, except for the warm
-/// state, the loss in the ball returns and the modified life. The last two need a lubricant.
+/// Returns all numeric outputs that the analyses calculate for a dry screw. Results of the warm
+/// state are left out, and so are the loss in the ball returns and the modified life, which need a
+/// lubricant.
 fn all_columns() -> Vec<&'static Output> {
     let needs_lubricant =
         |kind: &AnalysisKind| matches!(kind, AnalysisKind::Warm | AnalysisKind::Band);
@@ -70,9 +72,9 @@ fn has_same_bits(a: f64, b: Option<f64>) -> bool {
     a.to_bits() == b.unwrap_or(f64::NAN).to_bits()
 }
 
-/// For the case of each row, a column must be bit-identical to the result of the corresponding
-/// analysis command, even if a kernel solves the other columns. If slip or jamming columns are
-/// requested, `auto` must choose one model for all columns.
+/// A column with results of an analysis must be bit-identical to the results of the corresponding
+/// command for the case of each row, even if a kernel calculates the other columns. If slip or
+/// jamming columns are requested, `auto` must choose one model for all columns.
 #[test]
 fn table_columns_match_the_results_of_the_analyses() {
     let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
@@ -119,13 +121,14 @@ fn table_columns_match_the_results_of_the_analyses() {
                 numbers_seen += usize::from(expected.is_some());
             }
         }
-        // There are six rows with about sixty numbers each.
+        // The table has six rows, each with about sixty numbers.
         assert!(numbers_seen > 300, "{settings:?}: {numbers_seen}");
     }
 }
 
-/// Regression test: `auto` used to choose the model of each row from the error of the efficiency.
-/// Between two loads, the wedge angle jumped from 0.004 to 5.3 deg, which falsely indicated a jam.
+/// In an earlier version, `auto` chose the model of each row according to the error of the
+/// efficiency. Between two loads, the wedge angle changed abruptly from 0.004 to 5.3 deg, which
+/// falsely indicated jamming.
 #[test]
 fn motion_columns_use_one_model_for_all_rows() {
     let grid = grid(&["axial_load_N=2000:24000:12"]);
@@ -136,14 +139,14 @@ fn motion_columns_use_one_model_for_all_rows() {
     assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
-        // The load doubles in the first step. The margin grows slightly faster than the load, so it
-        // more than doubles.
+        // In the first step, the load doubles. The jamming margin increases slightly faster than
+        // the load, so it more than doubles.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }
 
-/// Regression test: rows of a vertical axis had no results for a falling axis, because only the
-/// axis sheet included the effect of the weight.
+/// In an earlier version, rows of a vertical axis contained no results for the falling axis,
+/// because only the axis sheet took the weight into account.
 #[test]
 fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
     let mut base = Case::from_json(AXIS).expect("a case");
@@ -165,9 +168,9 @@ fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
     }
 }
 
-/// If a table has warm-state columns, the warm results of the nut must agree with them to within
-/// the tolerance of the search for the warm state. A row above the fold must have no solution,
-/// regardless of the requested columns.
+/// If a table has warm-state columns, the results of the nut must belong to the same warm state, to
+/// within the tolerance of the search for this state. A row above the fold must have no solution,
+/// whichever columns are requested.
 #[test]
 fn all_columns_of_a_row_use_the_same_warm_state() {
     let grid = grid(&["screw_speed_rpm=500,1500"]);
@@ -183,8 +186,8 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     };
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
-    // Regression test: the warm case of a row was rejected because of a conductance that its axis
-    // no longer used, and the axis results were calculated without the warm state.
+    // In an earlier version, the warm case of a row was rejected because of a conductance that its
+    // axis no longer used, and the axis was calculated without the warm state.
     let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
@@ -198,8 +201,8 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     assert!(has_same_bits(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
-/// Regression test: for a nut without balls, a nut column used to be solved and rejected separately
-/// in each row.
+/// In an earlier version, a nut column of a nut without balls was calculated for each row and
+/// rejected each time.
 #[test]
 fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);
@@ -213,8 +216,8 @@ fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
     );
 }
 
-/// Results of analyses are never calculated by a kernel. Requesting them must leave all other
-/// columns bit-identical.
+/// Results of analyses are never calculated by a kernel. If they are requested, all other columns
+/// must remain bit-identical.
 #[test]
 fn columns_of_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
@@ -239,8 +242,8 @@ fn columns_of_analyses_do_not_change_other_columns() {
     }
 }
 
-/// A column that cannot be calculated in any row must be rejected before any row is solved. The
-/// error lists the missing inputs.
+/// If a column cannot be calculated in any row, it must be rejected before the first row is solved.
+/// The error must list the missing inputs.
 #[test]
 fn columns_that_cannot_be_calculated_in_any_row_are_rejected() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
@@ -264,14 +267,14 @@ fn columns_that_cannot_be_calculated_in_any_row_are_rejected() {
             Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
         assert!(error.contains(words), "{column}: {error}");
     }
-    // One of the two alternative inputs is enough.
+    // One of two alternative inputs is given, which is sufficient.
     let columns = outputs(&["ball_return_margin"]);
     Task::over_grid(dong_case("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");
 }
 
-/// An output that does not depend on the motion must not require an operating point. A row in which
-/// required inputs are missing must report them.
+/// An output that does not depend on the motion must not require an operating point. The message of
+/// a row must name the required inputs that are missing.
 #[test]
 fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");
@@ -288,8 +291,8 @@ fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     assert!(words.contains("friction_coefficient is required"), "{words}");
 }
 
-/// Warm-state columns must depend on the conductances of each row. For an X arrangement at 1000 rpm
-/// without load, the results agree with the table of an independent solution to whole newtons. A
+/// Warm-state columns must depend on the conductances of each row. In X arrangement at 1000 rpm
+/// without load, the results must agree with an independent solution, which prints whole newtons. A
 /// column for a single ball must use the lubricant temperature of the warm state.
 #[test]
 fn warm_state_columns_depend_on_the_conductances_of_the_row() {
@@ -308,7 +311,7 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
         assert!((preload - expected).abs() < 0.6, "{preload}, not {expected}");
         assert!(nut > 20.0 && oil > nut, "{nut} {oil}");
     }
-    // The speed of this row is above the fold at 874 rpm, so the row has no warm state.
+    // The speed of this row is above the fold, which is at 874 rpm, so the row has no warm state.
     let one = self::grid(&["nut_conductance_W_K=40"]);
     let task = Task::over_grid(base, settings, outputs(&names[..1]), None, &one).expect("a task");
     let answers = solve(&task, &one);
@@ -316,14 +319,15 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
     assert!(answers.columns[0][0].is_nan());
 }
 
-/// If the push forces between the balls exceed the range of the model, a row must contain the
-/// results that are still valid, and a message with the reason why other results are missing.
+/// If the push forces between the balls exceed the valid range of the ball-train model, a row must
+/// contain all results that are still valid, and a message with the reason why other results are
+/// missing.
 #[test]
 fn row_message_explains_missing_torque_with_large_push_forces() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");
-    // The ball loads are up to 190 N, so a push force of 6 N is too large.
+    // The largest ball load is 190 N, so the ball-train model is not valid for a push force of 6 N.
     let grid = grid(&["return_push_N=0:6:2"]);
     let outputs = outputs(&["friction_torque_Nm", "needed_gap_mm", "max_contact_load_N"]);
     let task = Task::over_grid(base, Settings::default(), outputs, None, &grid).expect("a task");
@@ -338,8 +342,8 @@ fn row_message_explains_missing_torque_with_large_push_forces() {
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
 
-/// A table may have a column named `model`; its inputs must still be read. Outputs follow the
-/// status columns, and some of them have the same name as an input.
+/// If a table has a column named `model`, its inputs must still be read. Columns after the status
+/// columns are outputs, even if one of them has the name of an input.
 #[test]
 fn columns_of_earlier_results_are_ignored() {
     let inputs = |names: &[&str]| {
@@ -352,9 +356,10 @@ fn columns_of_earlier_results_are_ignored() {
     assert!(inputs(&["model", "status", "message", temperature]).is_empty());
 }
 
-/// A column that has the name of a result is not read, so a note names it. Such columns used to be ignored without a hint.
+/// A column with the name of a result is not read, and a note names this column. In an earlier
+/// version, such columns were ignored without a note.
 #[test]
-fn ignored_columns_are_named() {
+fn note_lists_the_ignored_columns() {
     let note = |names: &[&str]| {
         let columns = Columns::sort(names.iter().copied(), &[], &TableFormat::default());
         columns.expect("known names").ignored_note()

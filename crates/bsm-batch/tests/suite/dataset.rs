@@ -1,5 +1,6 @@
-//! Tests of datasets that are split into part files. Their bytes must not depend on the number of
-//! processes or interruptions, and only verified parts may count as complete.
+//! Tests of datasets, which are divided into part files. The bytes of the part files must not
+//! depend on the number of processes or on interruptions, and only verified parts may count as
+//! complete.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -42,8 +43,8 @@ fn task(model: Model) -> Task {
     Task::new(base, Settings::from(model), outputs)
 }
 
-/// Returns a grid of loads and friction coefficients. The screw is self-locking at the last
-/// coefficient, so that a third of the rows have no solution.
+/// Returns a grid of loads and friction coefficients. With the largest friction coefficient, the
+/// screw is self-locking, so a third of the rows have no solution.
 fn grid() -> Grid {
     let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
     Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
@@ -58,7 +59,7 @@ fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
     dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
-/// Returns the relative paths and contents of all files in a folder and its subfolders.
+/// Returns the contents of all files in a folder and its subfolders, by relative path.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -80,7 +81,7 @@ fn temporary_folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// Reads all rows of a table and returns their values.
+/// Reads all rows of a table and returns the values of their inputs.
 fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
     let mut rows = Vec::new();
     while let Some(chunk) = source.next(size).expect("a table") {
@@ -109,7 +110,8 @@ fn part_bytes_depend_only_on_the_plan() {
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
-    // Solves the parts in another order. Existing parts are found and counted.
+    // The same parts are solved in another order. Parts that exist already must be found and
+    // counted.
     let other = temporary_folder();
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
@@ -118,7 +120,7 @@ fn part_bytes_depend_only_on_the_plan() {
         let part = &solved.expect("solved")[&number];
         assert_eq!((part.number, part.first_row, part.rows), (number, number * 50, rows));
     }
-    // A dataset can be opened if only its folder is known.
+    // The folder alone is sufficient to open a dataset.
     let parts = Dataset::open(other.path(), make).expect("a folder");
     let task = parts.plan().task().expect("a task");
     let points = parts.points(None, &workers).expect("a grid");
@@ -134,8 +136,8 @@ fn part_bytes_depend_only_on_the_plan() {
     assert!(files(other.path()) == expected);
 }
 
-/// All parts together must contain the same rows as a single file, and each part must be an
-/// ordinary Parquet file.
+/// All parts together must contain the same rows as a single file, and each part must be a valid
+/// Parquet file.
 #[test]
 fn parts_contain_the_rows_of_a_single_file() {
     let (task, folder) = (task(Model::Rigid), temporary_folder());
@@ -175,7 +177,8 @@ fn parts_contain_the_rows_of_a_single_file() {
     assert_eq!(parts.len(), 240);
 }
 
-/// Every changed byte must be detected, whether it is in the data, the footer, a hash or the tail.
+/// A changed byte must be detected in the data, the footer, the hashes, and the bytes after the
+/// footer.
 #[test]
 fn every_changed_byte_of_a_part_is_detected() {
     let (task, points, folder) =
@@ -202,7 +205,7 @@ fn every_changed_byte_of_a_part_is_detected() {
     assert_eq!(damaged(&[&good[..], b"PAR1"].concat()), 1);
 }
 
-/// Regression test: a part used to be skipped if any file with its name existed.
+/// In an earlier version, a part was skipped if any file with its name existed.
 #[test]
 fn a_damaged_part_stops_the_run_and_is_kept() {
     let (task, points, folder) =
@@ -215,7 +218,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
     assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
-    // A file that appears while the part is being solved must not be overwritten, either.
+    // A file that is created while its part is being solved must not be overwritten, either.
     fs::remove_file(parts.part_file(2)).expect("there");
     let mut appear = |_: Event<'_>| fs::write(parts.part_file(2), b"mine").expect("writable");
     let error = parts.run_parts(&task, &points, [2], false, &workers, &mut appear);
@@ -224,7 +227,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
 }
 
-/// Concurrent processes do not need a lock.
+/// Several processes can solve the same dataset at the same time without a lock.
 #[test]
 fn three_concurrent_processes_write_identical_parts() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
@@ -241,14 +244,14 @@ fn three_concurrent_processes_write_identical_parts() {
     assert!(files(raced.path()) == files(alone.path()));
 }
 
-/// The run is stopped while a chunk is being solved with the slowest model.
+/// The run is stopped while it solves a chunk with the slowest model.
 #[test]
-fn stopping_takes_effect_within_a_chunk() {
+fn a_run_can_be_stopped_within_a_chunk() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder) = (task(Model::Traction), temporary_folder());
-    // A part takes a few seconds, so that no part is finished before the run is stopped.
+    // A part takes a few seconds, so the run is stopped before it finishes a part.
     let plan = plan(&task, &points, 1 << 20);
     let asked = thread::scope(|scope| {
         let asked = scope.spawn(|| {
@@ -263,18 +266,19 @@ fn stopping_takes_effect_within_a_chunk() {
         assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
         asked.join().expect("no panic")
     });
-    // A chunk takes a few milliseconds. The limit leaves a margin for a busy machine.
+    // Solving a chunk takes a few milliseconds. The limit is larger, because the machine may be
+    // busy.
     assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
 }
 
-/// Complete row groups of a Parquet table are skipped without reading them. The remaining rows must
-/// be the same as if the whole table had been read.
+/// If rows of a Parquet table are skipped, complete row groups are not read at all. The remaining
+/// rows must be the same as if the whole table had been read.
 #[test]
 fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
-    // The table has more rows than a row group, and the number of rows is not a multiple of the
+    // The table has more rows than a row group, and the number of its rows is not a multiple of the
     // chunk size.
     let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
     let grid = Grid::new(axes).expect("a grid");
@@ -307,9 +311,9 @@ fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     }
 }
 
-/// The program runs its commands on the worker threads. With a single worker, a command that waits
-/// for a worker must not deadlock. The table has more rows than a chunk, and one axis has more
-/// values than a dictionary can hold.
+/// The program runs its commands on the worker threads. If there is only one worker, a command that
+/// waits for a worker must not cause a deadlock. The table has more rows than a chunk, and one axis
+/// has more values than a dictionary can hold.
 #[test]
 fn a_table_solved_on_a_single_worker_is_bit_identical() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
@@ -330,7 +334,7 @@ fn a_table_solved_on_a_single_worker_is_bit_identical() {
     }
 }
 
-/// A table without rows must produce one part without rows, which Parquet readers can open.
+/// A table without rows must produce one part without rows, which must be a valid Parquet file.
 #[test]
 fn table_without_rows_produces_one_empty_part() {
     let folder = temporary_folder();
@@ -353,7 +357,7 @@ fn table_without_rows_produces_one_empty_part() {
 #[test]
 fn part_solved_in_memory_equals_the_part_file() {
     let (points, folder) = (Points::Grid(grid()), temporary_folder());
-    // The outputs include a text, a boolean, a count and a number.
+    // One output is a text, one a boolean, one a count, and one a number.
     let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let task = Task { outputs, ..task(Model::RacewayControl) };
@@ -374,8 +378,8 @@ fn part_solved_in_memory_equals_the_part_file() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
-/// Regression test: `--repair` used to overwrite good parts if the plan file had been replaced by
-/// another plan.
+/// In an earlier version, `--repair` overwrote valid parts if another plan had replaced the plan
+/// file.
 #[test]
 fn parts_of_another_plan_are_not_overwritten() {
     let (points, [mine, yours]) = (Points::Grid(grid()), [temporary_folder(), temporary_folder()]);
@@ -393,15 +397,15 @@ fn parts_of_another_plan_are_not_overwritten() {
     let refused = repair(&task(Model::QuasiStatic));
     assert!(matches!(refused, Err(DatasetError::NotOfThePlan(_))), "{refused:?}");
     assert!(files(mine.path()) == before);
-    // With its own plan, the folder is intact again. A single part of the other plan counts as
-    // damage.
+    // After its own plan has been restored, the folder is intact again. A single part of another
+    // plan counts as damaged.
     fs::write(&plan, own).expect("writable");
     let [from, to] = [&yours, &mine].map(|f| f.path().join("data/part-000001.parquet"));
     fs::copy(from, to).expect("writable");
     assert_eq!(repair(&task(Model::ClosedForm)).expect("repaired"), 3);
 }
 
-/// Regression test: a part file that is not in the plan used to be ignored.
+/// In an earlier version, part files that are not in the plan were ignored.
 #[test]
 fn part_file_that_is_not_in_the_plan_is_reported() {
     let (task, points, folder) =
@@ -409,7 +413,8 @@ fn part_file_that_is_not_in_the_plan_is_reported() {
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
     parts.check_names().expect("the parts of the plan");
-    // Programs that read the folder would also read such copies, whatever their names.
+    // Programs that read the folder would also read these copies of parts, whatever their names
+    // are.
     for name in ["part-000003.parquet", "part-2.parquet", "other.parquet", "PART-000002.PARQUET"] {
         let path = folder.path().join("data").join(name);
         fs::copy(parts.part_file(2), &path).expect("writable");
@@ -421,15 +426,15 @@ fn part_file_that_is_not_in_the_plan_is_reported() {
     fs::create_dir(&within).expect("a folder");
     assert!(parts.check_names().is_err_and(|why| why.to_string().contains("data/sub")));
     fs::remove_dir(within).expect("removable");
-    // Other programs ignore these entries, because they are hidden or are not Parquet files.
+    // Programs that read the folder ignore these files, which are hidden or are not Parquet files.
     for name in [".part-000002.parquet", "notes.txt"] {
         fs::write(folder.path().join("data").join(name), "mine").expect("writable");
     }
     parts.check_names().expect("the parts of the plan");
 }
 
-/// Regression test: `parts.parquet` used to be kept if it belonged to another folder or if a part
-/// was lost after `parts.parquet` had been written.
+/// In an earlier version, `parts.parquet` was kept even if it belonged to another folder, or if a
+/// part was lost after `parts.parquet` had been written.
 #[test]
 fn repair_rewrites_or_removes_the_list_of_parts() {
     let (task, points, folder) =
@@ -446,7 +451,7 @@ fn repair_rewrites_or_removes_the_list_of_parts() {
     assert_eq!(fs::read(&list).expect("left"), b"of another folder");
     run(0..3, true);
     assert!(files(folder.path()) == expected);
-    // The list of parts is valid only if all parts exist.
+    // Without one of the parts, the list of parts is not valid.
     fs::remove_file(parts.part_file(2)).expect("removable");
     run(0..2, true);
     assert!(!list.exists());
@@ -454,7 +459,8 @@ fn repair_rewrites_or_removes_the_list_of_parts() {
     assert!(!list.exists());
 }
 
-/// The random points are solved in parts, after the dataset has been opened from its folder alone.
+/// The dataset is opened from its folder alone, and its random points are solved in parts of
+/// different sizes.
 #[test]
 fn random_points_do_not_depend_on_the_part_size() {
     let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
@@ -478,7 +484,7 @@ fn random_points_do_not_depend_on_the_part_size() {
     assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
 }
 
-/// A dataset whose points come from a table can be continued only with the same table.
+/// If the points of a dataset come from a table, only the same table can continue the dataset.
 #[test]
 fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     let folder = temporary_folder();
@@ -501,7 +507,7 @@ fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     for number in [1, 2] {
         fs::remove_file(parts.part_file(number)).expect("removable");
     }
-    // The table may be in the parent folder under its original name, or at any other path.
+    // The table may be in the parent folder under its original name, or at any other given path.
     let beside = parts.points(None, &workers).expect("the table");
     parts.run_parts(&task, &beside, [2], false, &workers, &mut |_| {}).expect("solved");
     let moved = folder.path().join("other.parquet");
@@ -512,10 +518,10 @@ fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     assert!(files(&map) == expected);
     write("500:9001");
     let said = parts.points(None, &workers).expect_err("another table").to_string();
-    assert!(said.contains("does not match the point table of the plan"), "{said}");
+    assert!(said.contains("is not identical to the table of points in the plan"), "{said}");
 }
 
-/// Damaged parts are replaced only on request. They do not prevent other parts from being solved.
+/// Damaged parts do not prevent other parts from being solved, and are replaced only with `repair`.
 #[test]
 fn damaged_parts_are_replaced_only_on_request() {
     let (task, points, folder) =
@@ -530,7 +536,8 @@ fn damaged_parts_are_replaced_only_on_request() {
     fs::remove_file(parts.part_file(2)).expect("removable");
     let run = |repair| parts.run_parts(&task, &points, 0..3, repair, &workers, &mut |_| {});
     let said = run(false).expect_err("damaged").to_string();
-    // A run without repair only checks the footers, which do not reveal a flipped bit in the data.
+    // Without `repair`, a run verifies only the footers, which do not reveal a flipped bit in the
+    // data.
     assert!(said.contains("part-000001.parquet") && !said.contains("part-000000"), "{said}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
     assert!(parts.part_file(2).exists());
@@ -543,7 +550,8 @@ fn damaged_parts_are_replaced_only_on_request() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
-/// The estimated size of a dataset must be an upper bound and at most twice the actual size.
+/// The estimated size of a dataset must be at least as large as the actual size, and at most twice
+/// as large.
 #[test]
 fn estimated_size_is_an_upper_bound_for_the_parts() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
@@ -562,10 +570,10 @@ fn estimated_size_is_an_upper_bound_for_the_parts() {
 }
 
 /// A plan with 1e12 points can be created and opened, and one of its parts can be solved. This must
-/// not take more time and memory than a single part needs.
+/// not take more time and memory than a single part requires.
 #[test]
 fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
-    // The plan has 59 604 parts of 2^24 rows and a last part of 4096 rows.
+    // The plan has 59 604 parts with 2^24 rows each, and a last part with 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
@@ -580,6 +588,6 @@ fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
     assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
     let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
     assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
-    // The test takes 0.1 s. The limit leaves a margin for a busy machine.
+    // The test takes 0.1 s. The limit is larger, because the machine may be busy.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
 }

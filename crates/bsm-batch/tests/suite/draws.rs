@@ -1,4 +1,4 @@
-//! Tests of random points: distributions of the inputs, and independence of the rows.
+//! Tests of random points: distributions of the inputs, and statistical independence of the rows.
 
 use std::ops::Range;
 
@@ -15,10 +15,10 @@ fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
     values
 }
 
-/// A row must contain the same numbers if it is generated alone, in any chunk, or after skipping
-/// any number of rows.
+/// A row must contain the same numbers if it is generated alone, in a chunk of any size, or after
+/// any number of rows has been skipped.
 #[test]
-fn a_row_depends_only_on_seed_input_and_number() {
+fn random_row_depends_only_on_seed_inputs_and_row_number() {
     let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
     for place in 0..2 {
         let all = column(&draws, place, 0..5000);
@@ -37,8 +37,8 @@ fn a_row_depends_only_on_seed_input_and_number() {
     assert!(source.next(1).expect("never fails").is_none());
 }
 
-/// The expected numbers are fixed, because one build of the program may continue a dataset that
-/// another build began.
+/// The expected numbers are constants, because another build of the program may continue a dataset,
+/// and must generate the same points.
 #[test]
 fn random_numbers_do_not_change_between_builds() {
     let draws = draws(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);
@@ -47,12 +47,12 @@ fn random_numbers_do_not_change_between_builds() {
     assert_eq!(format!("{found:?}"), expected);
 }
 
-/// The mean and standard deviation of 20 000 random values must be within five standard errors,
-/// which are 5 σ/√N for the mean and, for the standard deviation, 5 σ/√(2N) for a normal
-/// distribution and less for a uniform distribution. The correlation of two inputs must be less
-/// than 5/√N.
+/// Mean and standard deviation of 20 000 random values must be within five standard errors of the
+/// requested values. Five standard errors are 5 σ/√N for the mean. For the standard deviation, they
+/// are 5 σ/√(2N) for a normal distribution, and less for a uniform distribution. The correlation of
+/// two inputs must be less than 5/√N.
 #[test]
-fn draws_have_the_requested_distributions() {
+fn random_inputs_have_the_requested_distributions() {
     let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
     let columns = [column(&draws, 0, 0..20_000), column(&draws, 1, 0..20_000)];
     let mean = |values: &[f64]| values.iter().sum::<f64>() / 2e4;
@@ -72,14 +72,14 @@ fn draws_have_the_requested_distributions() {
     assert!((normal - 0.1).abs() < 3.6e-4 && (deviation - 0.01).abs() < 2.5e-4, "{normal}");
     let product: Vec<_> = a.iter().zip(&b).map(|(a, b)| a * b).collect();
     assert!(mean(&product).abs() < 0.036);
-    // In a normal distribution, 68.3 % of all values are within one standard deviation. The
-    // tolerance is 5 √(0.683·0.317/N).
+    // In a normal distribution, 68.3 % of all values are within one standard deviation of the mean.
+    // The tolerance is 5 √(0.683·0.317/N).
     let within = b.iter().filter(|x| x.abs() < 1.0).map(|_| 1.0).sum::<f64>() / 2e4;
     assert!((within - 0.6827).abs() < 0.017, "{within}");
 }
 
 #[test]
-fn draws_round_trip_through_text() {
+fn distributions_round_trip_through_text() {
     for text in ["axial_load_N=uniform:2000:8000", "lead_mm=normal:20:0.01"] {
         assert_eq!(Draw::parse(text).expect("a draw").to_string(), text);
     }

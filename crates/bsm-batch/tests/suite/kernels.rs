@@ -1,4 +1,4 @@
-//! Compares the kernels with the models at random points with fixed seeds.
+//! Comparison of the vectorized kernels with the scalar models at random points, using fixed seeds.
 
 use crate::alike;
 
@@ -37,8 +37,8 @@ const INPUTS: [&str; 16] = [
     "ball_poisson_ratio",
 ];
 
-/// Returns points within and slightly beyond practical ranges. The screw, the nut or both are
-/// driven, in both directions.
+/// Returns random points in the practical range and slightly outside it. The screw, the nut, or
+/// both of them are driven in either direction.
 fn points(count: usize) -> (Chunk, Columns) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut elastic = ChaCha8Rng::seed_from_u64(7);
@@ -97,14 +97,14 @@ fn all_outputs() -> Vec<&'static Output> {
     Answers::select(None).expect("all outputs")
 }
 
-/// Compares every output at every point. Outputs must agree to within 1e-10 of their value plus an
-/// absolute tolerance.
+/// Compares all outputs of a kernel and of its model at random points. Outputs must agree to within
+/// 1e-10 of their value plus an absolute tolerance.
 fn compare_kernel_with_model(settings: &Settings, count: usize) {
     compare_kernel_with_model_at(settings, &Case::default(), &INPUTS, &points(count));
 }
 
-/// Same as [`compare_kernel_with_model`], but for the given points. The kernel must solve some rows
-/// itself; otherwise the model would be compared with itself.
+/// Compares a kernel and its model like [`compare_kernel_with_model`], but at the given points. The
+/// kernel must solve some of the rows itself, because all other rows are solved by the model.
 fn compare_kernel_with_model_at(
     settings: &Settings,
     base: &Case,
@@ -115,7 +115,8 @@ fn compare_kernel_with_model_at(
     assert!(of_kernel > 0, "the kernel solves none of the rows that converge");
 }
 
-/// Compares every output at every point, and returns the number of rows that the kernel has solved.
+/// Compares all outputs of a kernel and of its model at all points. Returns the number of rows that
+/// the kernel has solved.
 fn assert_rows(
     settings: &Settings,
     base: &Case,
@@ -158,7 +159,7 @@ fn rigid_kernel_matches_its_model() {
 }
 
 /// The controlling raceway is either given or determined by the model. The kernel solves five of
-/// six points. At the other points, the inertia forces are as large as the load.
+/// six points; at the other points, the inertia forces are as large as the load.
 #[test]
 fn raceway_control_kernel_matches_its_model() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
@@ -166,9 +167,9 @@ fn raceway_control_kernel_matches_its_model() {
     }
 }
 
-/// Friction is calculated either at every point of the contacts or with one coefficient per
-/// contact. The lubricant has the temperature of the row. All losses outside the contacts are
-/// included.
+/// The friction is calculated either at every point of a contact, or with one friction coefficient
+/// per contact. The lubricant temperature differs from row to row, and all losses outside the
+/// contacts are included.
 #[test]
 fn lubricated_raceway_control_kernel_matches_its_model() {
     const COUNT: usize = 3000;
@@ -195,7 +196,7 @@ fn elastic_kernel_matches_its_model() {
     compare_kernel_with_model(&Model::Elastic.into(), 4000);
 }
 
-/// The points in `validation/hard` include points with several solutions.
+/// The points are taken from `validation/hard`, where some points have several solutions.
 #[test]
 fn hard_points_have_the_same_root_in_tables_and_single_solves() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard/solved");
@@ -214,19 +215,20 @@ fn hard_points_have_the_same_root_in_tables_and_single_solves() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance is the same as for ordinary rows.
+        // The tolerance is the same as for other rows.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
 }
 
-/// The chosen model, its error bound and the stated reason must be the same as in a single solve.
+/// The chosen model, its error bound and the stated reason must be the same in a kernel and in the
+/// scalar solver.
 #[test]
-fn auto_chooses_the_same_model_in_a_kernel() {
+fn auto_chooses_the_same_model_in_kernel_and_scalar_solver() {
     for tolerance in [1e-1, 1e-2] {
         compare_kernel_with_model(&Settings { tolerance, ..auto_settings() }, campaign(1000));
     }
-    // At this tolerance, only model `traction` is accurate enough, and it has no kernel.
+    // With this tolerance, only model `traction`, which has no kernel, is accurate enough.
     let accurate = Settings { tolerance: 1e-6, ..auto_settings() };
     let points = points(campaign(1000));
     assert_eq!(assert_rows(&accurate, &Case::default(), &INPUTS, &points), 0);
@@ -241,8 +243,9 @@ fn all_settings() -> impl Iterator<Item = Settings> {
     Model::ALL.into_iter().map(Settings::from).chain([auto_settings()])
 }
 
-/// Returns a suitable number of points for a model. In a test build, solving a point with
-/// `traction` takes as long as solving a hundred points with another model.
+/// Returns as many points as a test can solve with the given model in a short time. In a test
+/// build, solving one point with `traction` takes as long as solving a hundred points with another
+/// model.
 fn sufficient_points(settings: &Settings, count: usize) -> (Chunk, Columns) {
     let is_slow = matches!(settings.model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction));
     points(if is_slow { count / 16 } else { count })
@@ -253,7 +256,7 @@ fn rows_of_chunk(chunk: &Chunk, first: usize, last: usize) -> Chunk {
     Chunk { first: first as u64 + 1, ..chunk.select(&(first..last).collect::<Vec<_>>()) }
 }
 
-/// Returns the status and the bits of all outputs for each row.
+/// Returns the status of each row and the bits of all its outputs.
 fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     let rows = answers.verdicts.iter().enumerate();
     rows.map(|(row, verdict)| {
@@ -263,9 +266,9 @@ fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     .collect()
 }
 
-/// Results must be bit-identical for every instruction set, chunk size and number of threads.
+/// The results must be bit-identical for all instruction sets, chunk sizes and numbers of threads.
 #[test]
-fn results_depend_only_on_the_point() {
+fn results_do_not_depend_on_chunks_threads_or_instruction_set() {
     for settings in all_settings() {
         // The table has more rows than two threads take at a time.
         let (model, (chunk, columns)) =
@@ -292,7 +295,7 @@ fn results_depend_only_on_the_point() {
     }
 }
 
-/// Returns, for each row, whether the kernel solves it. All other rows are left to the model.
+/// Returns for each row whether the kernel solves it. The model solves all other rows.
 fn solved_by_kernel(
     settings: &Settings,
     base: &Case,
@@ -316,8 +319,8 @@ fn solved_by_kernel(
     done
 }
 
-/// Returns two counts: rows with a solution that the kernel does not find, and all rows with a
-/// solution.
+/// Returns the number of solvable rows that the kernel leaves to the model, and the number of all
+/// solvable rows.
 fn count_rows_left_to_the_model(
     settings: &Settings,
     base: &Case,
@@ -334,8 +337,8 @@ fn count_rows_left_to_the_model(
     (left, with_root)
 }
 
-/// The speed of tables depends on this property: at nearly all points that have a solution, the
-/// kernel must find it without using Newton's method of the model.
+/// The kernel must solve nearly all points that have a solution, because the speed of tables
+/// depends on it. The model solves the remaining points with Newton's method.
 #[test]
 fn kernels_solve_nearly_all_points_that_have_a_root() {
     const COUNT: usize = 10_000;
@@ -360,8 +363,8 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
     assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
 }
 
-/// If the caller provides no memory for an output, its values are returned separately, and only if
-/// there are any.
+/// If the caller provides no buffer for an output, the values of this output are returned
+/// separately. If there are no values, nothing is returned.
 #[test]
 fn outputs_without_a_buffer_are_returned_separately() {
     for settings in all_settings() {
@@ -393,7 +396,7 @@ fn outputs_without_a_buffer_are_returned_separately() {
     }
 }
 
-/// An output must not depend on which other outputs are requested.
+/// The values of an output must not depend on which other outputs are requested.
 #[test]
 fn output_values_do_not_depend_on_other_requested_outputs() {
     let (base, everything) = (Case::default(), all_outputs());
@@ -410,8 +413,8 @@ fn output_values_do_not_depend_on_other_requested_outputs() {
     }
 }
 
-/// Rows with an invalid value, a missing value or text must keep their position among ordinary rows
-/// and report an error. A lead in a row replaces the lead angle of the base case.
+/// A row with an invalid value, a missing value or a text must keep its position between valid
+/// rows, and must report an error. A lead in a row replaces the lead angle of the base case.
 #[test]
 fn invalid_rows_keep_their_position_and_are_reported() {
     let base = Case::from_json(
@@ -436,7 +439,7 @@ fn invalid_rows_keep_their_position_and_are_reported() {
         ([Cell::Missing, number(30.0), number(0.0)], "invalid_input", "ball_diameter_mm"),
         ([number(8.74), number(30.0), number(2000.0)], "invalid_input", "nut_speed_rpm"),
         ([number(8.74), number(30.0), Cell::Missing], "converged", ""),
-        // In a row without a lead, the lead angle of the base case is used.
+        // If the lead is missing in a row, the lead angle of the base case is used.
         ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
         ([number(8.74), number(10.0), number(0.0)], "no_solution", "rolls on the nut"),
     ];

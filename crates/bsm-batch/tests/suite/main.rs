@@ -1,4 +1,4 @@
-//! Tests of tables, datasets and kernels.
+//! Tests of tables, datasets and vectorized kernels.
 
 mod alike;
 mod arrow_column;
@@ -12,7 +12,7 @@ mod plan;
 mod rows;
 mod text;
 
-// Private modules are included and tested directly. The library itself is compiled once, without
-// these tests.
+// Private modules are included here and tested directly, so that the library is compiled only once,
+// without tests.
 #[path = "../../src/dataset/digest.rs"]
 mod digest;

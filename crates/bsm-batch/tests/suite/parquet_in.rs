@@ -1,6 +1,6 @@
-//! Tests of Parquet tables written by other programs. The common codecs must be read and checksums
-//! verified. Unsupported tables, and tables that would need unlimited memory, must be rejected with
-//! a message.
+//! Tests of Parquet tables that other programs have written. All common codecs must be readable,
+//! and checksums must be verified. Tables that are not supported or that would need unlimited
+//! memory must be rejected with a message.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-/// Numbers in the first input column, and strings in the first copied column.
+/// Numbers in the first input column, and texts in the first copied column.
 type Rows = (Vec<f64>, Vec<String>);
 
 fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
@@ -68,7 +68,7 @@ fn writer_properties(codec: Compression) -> WriterProperties {
     WriterProperties::builder().set_compression(codec).build()
 }
 
-/// Returns all supported codecs.
+/// Returns all codecs that are supported.
 fn codecs() -> [Compression; 6] {
     [
         Compression::UNCOMPRESSED,
@@ -88,8 +88,8 @@ fn column(numbers: Vec<f64>) -> ArrayRef {
     Arc::new(Float64Array::from(numbers))
 }
 
-/// Regression test: tables that pandas and Polars had compressed with Zstandard, gzip or LZ4 were
-/// reported as "not a Parquet table".
+/// In an earlier version, tables that pandas and Polars had compressed with Zstandard, gzip or LZ4
+/// were rejected as "not a Parquet table".
 #[test]
 fn all_common_codecs_are_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
@@ -105,7 +105,7 @@ fn all_common_codecs_are_read() {
     }
 }
 
-/// Regression test: the message used to be "Disabled feature at compile time".
+/// In an earlier version, the message was "Disabled feature at compile time".
 #[test]
 fn unsupported_codecs_are_rejected_with_advice() {
     let brotli =
@@ -125,7 +125,7 @@ fn unsupported_codecs_are_rejected_with_advice() {
     assert!(encrypted.contains("uses encryption, which is not supported"), "{encrypted}");
 }
 
-/// Regression test: copied columns with structures or maps used to cause unclear errors.
+/// In an earlier version, the errors for copied columns with structures or maps were unclear.
 #[test]
 fn copied_structures_maps_and_lists_are_rejected() {
     let list = ListArray::from_iter_primitive::<Int32Type, _, _>([Some([Some(1), None])]);
@@ -148,8 +148,8 @@ fn copied_structures_maps_and_lists_are_rejected() {
     }
 }
 
-/// Regression test: Parquet stores durations as plain integers, so an input of 8000 s was read as
-/// 8000 N.
+/// Parquet stores durations as plain integers. In an earlier version, an input of 8000 s was
+/// therefore read as 8000 N.
 #[test]
 fn durations_are_rejected_as_numbers() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
@@ -161,7 +161,7 @@ fn durations_are_rejected_as_numbers() {
     );
 }
 
-/// Regression test: copied ids and dates used to become text.
+/// In an earlier version, copied ids and dates were converted to text.
 #[test]
 fn copied_columns_keep_their_types() {
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![Some(1 << 60), None, Some(-7)]));
@@ -210,14 +210,15 @@ fn copied_columns_keep_their_types() {
     assert!(rows.contains(second), "{rows}");
 }
 
-/// Regression test: a flipped bit silently changed numbers. The file was written by pyarrow 26.0.1
-/// with `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet", compression="none",
-/// use_dictionary=False, write_statistics=False, store_schema=False, write_page_checksum=True)`.
+/// In an earlier version, a flipped bit changed numbers without an error. The file was written by
+/// pyarrow 26.0.1 with `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet",
+/// compression="none", use_dictionary=False, write_statistics=False, store_schema=False,
+/// write_page_checksum=True)`.
 #[test]
 fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     const TABLE: &[u8] = include_bytes!("checksums.parquet");
     // The page data consist of 6 bytes of levels and three numbers. They follow the page header,
-    // which is 25 bytes long and begins after the magic number.
+    // which has 25 bytes and begins after the magic number of 4 bytes.
     const PAGE: std::ops::Range<usize> = 29..59;
     assert_eq!(read(TABLE.to_vec(), &[]).expect("a table").0, [5.0, 6.0, 7.0]);
     assert_eq!(TABLE[PAGE.end - 8..PAGE.end], 7.0_f64.to_le_bytes());
@@ -229,7 +230,8 @@ fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     }
 }
 
-/// Encodes an integer field that directly follows the previous field, in Thrift's compact protocol.
+/// Encodes an integer field in Thrift's compact protocol. The field must follow directly after the
+/// previous field.
 fn integer_field(value: u32) -> Vec<u8> {
     let mut rest = u64::from(value) << 1;
     let mut bytes = vec![0x15];
@@ -241,11 +243,11 @@ fn integer_field(value: u32) -> Vec<u8> {
     bytes
 }
 
-/// Creates the header of a data page with plain numbers. The header declares the given unpacked
-/// length and compressed length.
+/// Returns the header of a data page with plain numbers. The header specifies the given
+/// uncompressed and compressed lengths.
 fn data_page(length: u32, compressed: u32) -> Vec<u8> {
-    // The header contains page type 0 and a structure: 3 values, plain encoding, run-length encoded
-    // levels.
+    // The header contains page type 0 and a structure, which specifies 3 values, plain encoding,
+    // and run-length encoded levels.
     let head =
         [integer_field(0), integer_field(length), integer_field(compressed), vec![0x2c]].concat();
     let values =
@@ -254,14 +256,14 @@ fn data_page(length: u32, compressed: u32) -> Vec<u8> {
     [head, values, vec![0; 24]].concat()
 }
 
-/// Creates the header of a dictionary page with plain numbers.
+/// Returns the header of a dictionary page with plain numbers.
 fn dictionary(length: u32, values: u32) -> Vec<u8> {
     let head = [integer_field(2), integer_field(length), integer_field(24), vec![0x4c]].concat();
     [head, integer_field(values), integer_field(0), vec![0, 0], vec![0; 24], data_page(24, 24)]
         .concat()
 }
 
-/// Creates a Parquet file whose only column consists of the given pages.
+/// Returns a Parquet file whose only column consists of the given pages.
 fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     let number = Type::primitive_type_builder(name, Physical::DOUBLE)
         .with_repetition(Repetition::REQUIRED)
@@ -295,8 +297,8 @@ fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     writer.into_inner().expect("a footer")
 }
 
-/// Regression test: reading a file of 2 kB took 291 MB of memory. The test covers every codec and
-/// uncompressed dictionaries.
+/// In an earlier version, reading a file of 2 kB took 291 MB of memory. The test covers all codecs
+/// and uncompressed dictionaries.
 #[test]
 fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
     let bombs = [
@@ -310,13 +312,13 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         let table = chunk_of(codec, "lead_mm", bomb);
         assert!(table.len() < 2000);
         let mut said = String::new();
-        // The footer and the text take a few kB.
+        // Reading the footer and formatting the message take a few kB.
         let memory = measure(|| said = error_text(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
-        assert!(said.starts_with("not a Parquet table: a page declares "), "{said}");
-        assert!(said.contains(" kB, but in a file of 1 kB, at most 33"), "{said}");
+        assert!(said.starts_with("not a Parquet table: a page header specifies "), "{said}");
+        assert!(said.contains(" kB, but in a file of 1 kB, a page may have at most 33"), "{said}");
     }
-    // The pages themselves are valid if they declare the correct lengths.
+    // The same pages are valid if their headers specify the correct lengths.
     let whole = data_page(24, 24);
     assert_eq!(
         read(chunk_of(Compression::UNCOMPRESSED, "lead_mm", &whole), &[]).expect("a table").0,
@@ -324,8 +326,8 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
     );
 }
 
-/// A large table whose inputs are mostly constant is compressed by a factor of more than 500, but
-/// it must not be mistaken for a decompression bomb.
+/// A large table whose inputs are mostly constant is compressed by a factor of more than 500. It
+/// must not be rejected as a decompression bomb.
 #[test]
 fn a_highly_compressible_table_is_read() {
     const ROWS: usize = 200_000;

@@ -1,4 +1,4 @@
-//! Tests of the Parquet tables that the program writes: values, statistics and size.
+//! Tests of the values, the statistics and the size of Parquet tables that the program writes.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -16,7 +16,7 @@ use parquet::file::statistics::Statistics;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Returns the footer and the rows of a table.
+/// Returns the metadata and the rows of a Parquet table.
 fn read(table: Vec<u8>) -> (Arc<ParquetMetaData>, Vec<RecordBatch>) {
     let reader = ParquetRecordBatchReaderBuilder::try_new(Bytes::from(table)).expect("a table");
     let metadata = reader.metadata().clone();
@@ -24,8 +24,8 @@ fn read(table: Vec<u8>) -> (Arc<ParquetMetaData>, Vec<RecordBatch>) {
     (metadata, batches.map(|batch| batch.expect("rows")).collect())
 }
 
-/// Returns a value of one of five kinds that occur in real tables: constant, constant over a run of
-/// rows, periodic like a grid axis, one of a few values, or different in every row.
+/// Returns a value of one of five kinds that occur in real tables: constant, constant in many
+/// consecutive rows, periodic like a grid axis, one of a few values, or different in every row.
 fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     const FEW: [f64; 5] = [0.0, -0.0, f64::NAN, 1e300, -2.5];
     match kind {
@@ -37,7 +37,7 @@ fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     }
 }
 
-/// The kind of value changes between writes. NaN represents an empty cell.
+/// The kind of values changes from one write to the next. NaN represents an empty cell.
 #[test]
 fn numbers_round_trip_through_parquet() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
@@ -74,7 +74,7 @@ fn numbers_round_trip_through_parquet() {
     }
 }
 
-/// Text columns whose text is nearly the same in all rows must take almost no space, and repeated
+/// A text column with nearly the same text in all rows must take almost no space, and repeated
 /// input values must take less than one byte per row.
 #[test]
 fn repeated_texts_and_inputs_take_almost_no_space() {

@@ -1,4 +1,4 @@
-//! Tests of the plan of a dataset: its text, its id, and the number of rows per part.
+//! Tests of the plan of a dataset: its text, its id, and its number of rows per part.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::sync::atomic::AtomicBool;
@@ -72,8 +72,9 @@ fn a_plan_is_one_line_of_canonical_json() {
     }
 }
 
-/// Every setting that affects the results must change the id and be named as the difference. The
-/// description of a case and outputs that are only displayed must not change the id.
+/// Every setting that affects the results must change the id of the plan, and must be named as a
+/// difference between the plans. The id must not depend on the description of the case or on
+/// outputs that are only displayed.
 #[test]
 fn plan_id_changes_with_every_setting_that_affects_results() {
     let points = grid(&["lead_mm=5:10:11"]);
@@ -119,7 +120,7 @@ fn draws(of: &str, count: u64) -> Points {
     Points::Draws(Draws::new(7, count, of).expect("draws"))
 }
 
-/// Random points must be unchanged after the plan is written and read.
+/// Random points must not change if a plan is written and read again.
 #[test]
 fn a_plan_of_random_points_round_trips() {
     let plan = plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16);
@@ -131,9 +132,9 @@ fn a_plan_of_random_points_round_trips() {
     assert_eq!(made.expect("a plan").text(), plan.text());
 }
 
-/// A part takes a few seconds on one core, regardless of the number of rows. If there would be more
-/// than 100 000 parts, the size of the parts is doubled, so that a part has less than 1/50 000 of
-/// the rows.
+/// Calculating a part takes a few seconds on one core, whatever the number of rows is. If there
+/// were more than 100 000 parts, the number of rows per part is doubled, so a part has less than
+/// 1/50 000 of all rows.
 #[test]
 fn part_size_depends_on_row_count_and_model() {
     for (rows, model, parts, power) in [

@@ -1,4 +1,4 @@
-//! A table row must give the same result as `bsm solve --set` with the values of the row.
+//! Tests that a table row gives the same result as `bsm solve --set` with the values of this row.
 
 use crate::alike;
 
@@ -18,7 +18,7 @@ fn drive() -> Case {
     Case::from_json(DRIVE.as_bytes()).expect("an example")
 }
 
-/// A table of input cells.
+/// A table that consists of input cells.
 struct Table {
     keys: Vec<InputKey>,
     rows: Vec<Vec<Cell<'static>>>,
@@ -35,7 +35,7 @@ impl Table {
         task.solve(&chunk, &columns)
     }
 
-    /// Returns the cells of a row as arguments of `--set`.
+    /// Returns the cells of a row in the form in which `--set` accepts them.
     fn assignments(&self, row: usize) -> Vec<String> {
         let word = |(key, cell): (&InputKey, &Cell)| match cell {
             Cell::Number(value) => Some(format!("{}={value}", key.name())),
@@ -45,7 +45,8 @@ impl Table {
         self.keys.iter().zip(&self.rows[row]).filter_map(word).collect()
     }
 
-    /// Compares every row with a single solve and counts the converged rows.
+    /// Compares every row of the table with a solution outside the table, and counts the converged
+    /// rows.
     fn assert_solved(&self, base: &Case, settings: &Settings, seen: &mut Tally) {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
@@ -72,7 +73,7 @@ impl Table {
         }
     }
 
-    /// Builds the case of a row independently of the code under test.
+    /// Builds the case of a row without using the tested code.
     fn case_built_by_hand(&self, base: &Case, row: usize) -> Case {
         let mut case = base.clone();
         let cells = || self.keys.iter().zip(&self.rows[row]);
@@ -95,8 +96,8 @@ struct Tally {
     work: ModelWorkspace,
     converged: Vec<(ModelChoice, usize)>,
     unsolved: usize,
-    /// Message fragments of invalid rows, each with the number of rows whose message contains the
-    /// fragment.
+    /// Parts of messages about invalid rows, each with the number of rows whose message contains
+    /// this part.
     invalid: [(&'static str, usize); 6],
 }
 
@@ -120,8 +121,8 @@ impl Tally {
     }
 }
 
-/// Regression test: in a table with a column for the lead and a column for the lead angle, a row
-/// with only one of them was solved with the value of the base case.
+/// A table has a column for the lead and a column for the lead angle. In an earlier version, a row
+/// with a value in only one of the two columns was solved with the value of the base case.
 #[test]
 fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
     let table = Table {
@@ -141,13 +142,13 @@ fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
         }
     }
     let answers = table.solve(&drive(), &Model::RacewayControl.into());
-    // The expected digits are those that `bsm solve --set lead_angle_deg=6 --model raceway-control`
-    // prints.
+    // The expected value has the digits that `bsm solve --set lead_angle_deg=6 --model
+    // raceway-control` prints.
     assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
 }
 
-/// A row with both values must be treated like a case with both values: it is solved if they agree,
-/// and rejected otherwise.
+/// A row with both lead and lead angle must be treated like a case with both inputs: it is solved
+/// if they agree, and rejected if they contradict each other.
 #[test]
 fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     let agreeing = 41.5 * std::f64::consts::PI * 6.0_f64.to_radians().tan();
@@ -167,7 +168,7 @@ fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     }
 }
 
-/// The library itself must check the solver settings.
+/// The settings of the solver must be checked by the library, not only by the program.
 #[test]
 fn settings_out_of_range_are_rejected_in_every_model() {
     let table = Table {
@@ -192,9 +193,9 @@ fn model_choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
-/// Returns one of a few practical values. Because there are only a few, rows also contain special
-/// combinations: equal speeds, leads that agree, drives in which both parts turn, balls that do not
-/// fit, and zero friction.
+/// Returns one of a few practical values of an input. There are only a few values, so rows often
+/// contain special combinations: equal speeds, leads that agree, drives in which both parts turn,
+/// balls that do not fit, and zero friction.
 fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
@@ -219,7 +220,7 @@ fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     *values.choose(rng).expect("some values")
 }
 
-/// Inputs that models use, and one input that no model uses.
+/// Inputs that at least one model uses, and one input that no model uses.
 const KEYS: [InputKey; 19] = [
     InputKey::lead_angle_deg,
     InputKey::lead_mm,
@@ -252,8 +253,8 @@ fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
     }
 }
 
-/// Most tables use inexpensive models. Models that integrate friction take about a thousand times
-/// as long.
+/// Chooses an inexpensive model for most tables, because models that integrate friction take about
+/// a thousand times as long.
 fn random_model_choice(rng: &mut impl Rng) -> ModelChoice {
     match rng.random_range(0..200) {
         0..50 => Model::ClosedForm.into(),
@@ -266,9 +267,9 @@ fn random_model_choice(rng: &mut impl Rng) -> ModelChoice {
     }
 }
 
-/// Compares rows of random tables with single solves. The base cases are random. The tables include
-/// columns that replace each other, missing values, values that are not permitted or outside the
-/// range of a model, and inputs whose presence changes the model from row to row.
+/// Compares rows of random tables and random base cases with solutions outside a table. The tables
+/// contain columns that replace each other, missing values, values that are not permitted or
+/// outside the range of a model, and inputs that change the model from row to row.
 #[test]
 fn rows_of_random_tables_match_single_solves() {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
@@ -277,8 +278,8 @@ fn rows_of_random_tables_match_single_solves() {
     for _ in 0..10_000 {
         let rng = &mut rng;
         let settings = Settings { model: random_model_choice(rng), ..Settings::default() };
-        // If the conformities are given, `auto` considers raceway control and sometimes uses
-        // `traction`, which is slow. Conformities are therefore rarely included.
+        // If the conformities are given, `auto` may choose `traction`, which is slow. Therefore,
+        // tables with `auto` rarely contain conformities.
         let grooves = settings.model != ModelChoice::Auto || rng.random_bool(0.1);
         let possible = KEYS.into_iter().filter(|key| {
             grooves || ![InputKey::nut_conformity, InputKey::screw_conformity].contains(key)
@@ -291,15 +292,16 @@ fn rows_of_random_tables_match_single_solves() {
                 base[*key] = Some(value(*key, rng));
             }
         }
-        // Two random leads in the base case rarely agree, so usually only one of the two inputs is
-        // kept.
+        // If the base case had both a random lead and a random lead angle, they would rarely agree.
+        // Therefore, usually only one of the two inputs is kept.
         match rng.random_range(0..10) {
             0..4 => base.lead_mm = None,
             4..8 => base.lead_angle_deg = None,
             _ => {}
         }
         keys.shuffle(rng);
-        // The lead and the lead angle replace each other, so they are often chosen as columns.
+        // Lead and lead angle are often chosen as columns, because each of them can replace the
+        // other.
         keys.truncate(rng.random_range(1..6));
         for lead in [InputKey::lead_angle_deg, InputKey::lead_mm] {
             if !keys.contains(&lead) && rng.random_bool(0.4) {
@@ -313,12 +315,12 @@ fn rows_of_random_tables_match_single_solves() {
     }
     let converged: usize = seen.converged.iter().map(|(_, count)| count).sum();
     let counts = format!("{:?}, {} unsolved, {:?}", seen.converged, seen.unsolved, seen.invalid);
-    // All models and every kind of rejection must occur often enough.
+    // The test is meaningful only if all models and all kinds of rejection occur often enough.
     assert!(converged > 8000 && seen.converged.len() == Model::ALL.len(), "{counts}");
     assert!(seen.unsolved > 100 && seen.invalid.iter().all(|(_, count)| *count > 100), "{counts}");
 }
 
-/// Returns the name of an input in a random unit.
+/// Returns the name of an input with a random unit, and the conversion from this unit.
 fn name_in_random_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
     let name = key.name();
     let mut all = vec![(name.to_owned(), UnitChange::NONE)];
@@ -333,13 +335,13 @@ fn name_in_random_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange
     all.swap_remove(place)
 }
 
-/// Compares random rows over all inputs, in several forms and in all units, with `bsm solve --set`
-/// for the same names and values. Returns the number of rows and the number of rows in which one
-/// quantity is given in two forms.
+/// Compares rows with `bsm solve --set` for the same names and values. The rows contain random
+/// inputs in all units and in all forms in which a quantity can be given. Returns the number of
+/// rows, and the number of rows in which a quantity is given in two forms.
 #[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
 fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
-    // Each of these quantities can be given in two forms, but only one of them may be given.
+    // A quantity in this list can be given by either of two inputs, but not by both.
     const TWO_FORMS: [[K; 2]; 4] = [
         [K::screw_speed_rpm, K::feed_m_min],
         [K::contact_angle_deg, K::groove_bottom_distance_mm],
@@ -381,8 +383,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
             base.apply(&[&oil[..], &more].concat()).expect("inputs");
         }
         let settings = match rng.random_range(0..100) {
-            // Model `traction` integrates friction over the contacts and takes a thousand times as
-            // long as other models.
+            // Model `traction` integrates friction over the contacts, which takes a thousand times
+            // as long as with other models.
             0..2 if is_wet => Settings::from(Model::Traction),
             _ if is_wet => {
                 Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() }
@@ -415,8 +417,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
                 .zip(&names)
                 .map(|((_, value), (_, change))| {
                     let value = change.back(value * rng.random_range(0.9..1.1));
-                    // Only certain integers are valid viscosity grades. Large values are rounded,
-                    // so that some of them are valid.
+                    // Only some integers are valid viscosity grades. Large values are rounded, so
+                    // that some of them are valid grades.
                     let value = if value > 85.0 && *change == UnitChange::NONE {
                         value.round()
                     } else {
@@ -425,8 +427,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
                     if rng.random_bool(0.25) { String::new() } else { value.to_string() }
                 })
                 .collect();
-            // If its single cell is empty, the row is written with quotes, because it would
-            // otherwise be a blank line.
+            // If a row consists of a single empty cell, the cell is written as two quotes, because
+            // the row would otherwise be a blank line.
             let line =
                 if row.len() == 1 && row[0].is_empty() { "\"\"".to_owned() } else { row.join(",") };
             text.push_str(&line);
@@ -467,8 +469,8 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     (count, twice)
 }
 
-/// Regression test: the feed rate was ignored if the speed and the feed rate were given in two
-/// columns.
+/// In an earlier version, the feed rate was ignored if one column contained the speed and another
+/// column contained the feed rate.
 #[test]
 fn rows_with_two_forms_of_one_quantity_are_rejected() {
     let (rows, twice) = compare_alternative_forms(3706, 500);

@@ -1,5 +1,5 @@
-//! Tests of text tables. Each line must be read as one row, and ambiguous input must be rejected
-//! with its line number.
+//! Tests of text tables. Each line must be read as one row, and the error for an ambiguous input
+//! must state its line number.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -13,12 +13,12 @@ use bsm_batch::{
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, model::RacewayFriction};
 
-/// Copied strings and input cells of each row.
+/// Copied texts and input cells of each row.
 type Rows = Vec<(Vec<String>, Vec<Cell<'static>>)>;
 
 fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
     let mut rows = Rows::new();
-    // Chunks have two rows here, because results must not depend on chunk boundaries.
+    // The chunks have only two rows, to test that results do not depend on the chunk boundaries.
     while let Some(chunk) = source.next(2)? {
         assert_eq!(chunk.first, rows.len() as u64 + 1);
         for row in 0..chunk.len {
@@ -47,7 +47,7 @@ fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
     rows(&mut JsonSource::new(table, &owned_names(kept), &TableFormat::default())?)
 }
 
-/// Returns the numbers of a table with one input column and no copied columns.
+/// Returns the numbers in a table that has one input column and no copied column.
 fn numbers(rows: Result<Rows, TableError>) -> Vec<f64> {
     let number = |cells: &[Cell]| match cells {
         [Cell::Number(value)] => *value,
@@ -61,15 +61,16 @@ fn error_text(rows: Result<Rows, TableError>) -> String {
     rows.expect_err("refused").to_string()
 }
 
-/// Regression test: three rows used to be read as a single row, which converged.
+/// In an earlier version, three rows were read as a single row, which could be solved.
 #[test]
 fn unclosed_quote_does_not_join_rows() {
     let open = error_text(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
     assert!(open.starts_with("line 2: a quoted cell does not end on its line"), "{open}");
-    // A second stray quote further down must not join the lines in between into a single cell.
+    // If a second stray quote follows, the lines between the two quotes must not be joined into a
+    // single cell.
     let two = error_text(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
     assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
-    // The same rule applies to ignored columns and to the last byte of the file.
+    // An unclosed quote is also an error in a column that is ignored, and at the end of the file.
     let passed_over = error_text(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
     assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
     let last = error_text(csv(b"lead_mm,id\n5,\"", &["id"]));
@@ -78,7 +79,7 @@ fn unclosed_quote_does_not_join_rows() {
     assert!(header.starts_with("line 1: a quoted cell"), "{header}");
 }
 
-/// Regression test: `"5"6` used to be read as 56.
+/// In an earlier version, the cell `"5"6` was read as 56.
 #[test]
 fn a_quote_inside_a_cell_is_rejected() {
     for (cell, number) in [("\"5\"6", 56), ("5\"6\"", 56), ("\"5\" ", 5), (" \"5\"", 5), ("5\"", 5)]
@@ -86,8 +87,8 @@ fn a_quote_inside_a_cell_is_rejected() {
         let stray = error_text(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
         assert!(stray.starts_with("line 3: a cell contains a quote"), "{cell}: {stray}");
     }
-    // The id contains an inch mark, which is quoted correctly in the first table and incorrectly in
-    // the second.
+    // The id contains an inch mark, which is written correctly as two quotes in the first table,
+    // and incorrectly as one quote in the second.
     let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
     assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
     let stray = error_text(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
@@ -110,7 +111,7 @@ fn correctly_quoted_cells_are_parsed() {
     }
 }
 
-/// Regression test: a blank line in a table with one column used to be skipped silently.
+/// In an earlier version, a blank line in a table with one column was skipped without an error.
 #[test]
 fn a_blank_line_between_rows_is_rejected() {
     for table in ["lead_mm\n5\n\n7\n", "lead_mm\r\n5\r\n\r\n7\r\n", "lead_mm\n5\n \t\n7\n"] {
@@ -125,13 +126,13 @@ fn a_blank_line_between_rows_is_rejected() {
     assert!(
         error_text(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is")
     );
-    // In a table with one column, an empty cell is written as two quotes.
+    // In a table with one column, two quotes represent an empty cell.
     let empty = numbers(csv(b"lead_mm\n5\n\"\"\n7\n", &[]));
     assert!(empty.len() == 3 && empty[1].is_nan(), "{empty:?}");
 }
 
-/// Regression test: rows of empty cells between tabs were lost at the end of a table, and a cell
-/// that consists of a space was lost.
+/// In an earlier version, rows of empty cells between tabs were lost at the end of a table, and so
+/// was a cell that consists of a space.
 #[test]
 fn line_of_empty_cells_between_tabs_is_read_as_a_row() {
     let table_format = TableFormat { delimiter: '\t', ..TableFormat::default() };
@@ -147,18 +148,19 @@ fn line_of_empty_cells_between_tabs_is_read_as_a_row() {
     let lead = |mm| vec![Cell::Number(mm), Cell::Missing];
     let cells: Vec<_> = read.into_iter().map(|(_, cells)| cells).collect();
     assert_eq!(cells, [lead(10.0), lead(12.0), nothing.clone(), nothing]);
-    // Such rows are also read in the middle of a table and in a separate chunk.
+    // A row of empty cells is also read if it is not at the end of the table, or begins a new
+    // chunk.
     assert_eq!(tabs("lead_mm\tid\n\t\n5\ta\n", &["id"]).expect("rows").len(), 2);
-    // Rows of empty cells between commas are read, too.
+    // Rows of empty cells are also read if the cells are separated by commas.
     assert_eq!(csv(b"lead_mm,screw_speed_rpm\n10,\n,\n,\n", &[]).expect("rows").len(), 3);
     let space = csv(b"id\na\n \n", &["id"]).expect("rows");
     assert_eq!(space.iter().map(|(kept, _)| &kept[0][..]).collect::<Vec<_>>(), ["a", " "]);
-    // A line of spaces without a delimiter is not a row with two cells.
+    // A line of spaces contains no delimiter, so it is not a row of a table with two columns.
     assert_eq!(tabs("lead_mm\tid\n5\ta\n   \n", &["id"]).expect("rows").len(), 1);
 }
 
-/// Regression test: an output column with the name of an input column, such as a temperature, had
-/// no value in rows where the input cell was empty.
+/// In an earlier version, an output with the name of an input column, such as a temperature, had no
+/// value in rows in which the input was missing.
 #[test]
 fn an_output_that_is_also_an_input_column_has_no_missing_values() {
     let mut base =
@@ -195,8 +197,8 @@ fn an_output_that_is_also_an_input_column_has_no_missing_values() {
     assert!(viscosity(0) > 5.0 && viscosity(1) > 5.0, "{out}");
 }
 
-/// Regression test: the results of a table with decimal commas could not be written in the same
-/// format.
+/// In an earlier version, the results of a table with decimal commas could not be written with
+/// decimal commas.
 #[test]
 fn results_are_written_in_the_format_of_the_input_table() {
     let table_format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
@@ -225,8 +227,8 @@ fn results_are_written_in_the_format_of_the_input_table() {
             "id;axial_load_N;model;status;message;efficiency\n\"a;b\";5000,5;closed-form;converged;;{comma}\n"
         )
     );
-    // The written table can be read in the same format, even if the delimiter and the decimal sign
-    // are both commas.
+    // The written table can be read with the same table format, even if the delimiter and the
+    // decimal sign are both commas.
     for table_format in [table_format, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&table_format);
         let again = rows(
@@ -258,8 +260,8 @@ fn trailing_blank_lines_and_all_line_ends_are_accepted() {
     }
 }
 
-/// The end of the read buffer may split a line ending, so all line lengths around the buffer size
-/// are tested.
+/// The test reads lines of all lengths around the size of the read buffer, because a line ending
+/// may be at the end of the buffer.
 #[test]
 fn line_of_any_length_is_read_as_one_row() {
     for length in (1 << 16) - 20..(1 << 16) + 20 {
@@ -292,7 +294,7 @@ fn nul_bytes_and_non_utf8_encodings_are_rejected() {
 fn rows_with_a_wrong_number_of_cells_are_rejected() {
     let few = error_text(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
     assert_eq!(few, "line 3 has 1 cells, but the table has 2 columns");
-    // An unquoted decimal comma splits a cell into two.
+    // A decimal comma without quotes splits a number into two cells.
     let many = error_text(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
     assert_eq!(many, "line 2 has 3 cells, but the table has 2 columns");
     let semicolons = error_text(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
@@ -313,17 +315,18 @@ fn ambiguous_json_is_rejected_with_its_line_number() {
         let told = error_text(json(format!("{first}{line}\n").as_bytes(), &[]));
         assert!(told.starts_with("line 2: ") && told.contains(part), "{line}: {told}");
     }
-    // Regression test: an input with the same name as an output used to be ignored, and the row was
-    // solved without it.
+    // In an earlier version, an input that has the same name as an output was ignored, and the row
+    // was solved without this input.
     let oil = json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5, \"lubricant_temperature_C\": 60}\n", &[]);
     assert!(error_text(oil).contains("`lubricant_temperature_C` is not in the first line"));
-    // A text in place of a number is kept, so that solving the row reports the invalid input.
+    // A text instead of a number is kept, so that the invalid input is reported when the row is
+    // solved.
     let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
     assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"")])]);
 }
 
-/// Regression test: text outputs were written inside two pairs of quotes, so that programs that
-/// read the table kept one pair.
+/// In an earlier version, text outputs were written inside two pairs of quotes, and programs that
+/// read the table removed only one pair.
 #[test]
 fn text_outputs_are_written_without_additional_quotes() {
     let base =

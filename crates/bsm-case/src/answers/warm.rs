@@ -215,7 +215,7 @@ impl Warm {
         let Some(band) = &state.band else { return notes };
         if let Some(why) = &band.none_complete {
             notes.push(format!(
-                "With typical values for the missing seal and support bearing torques, the axis {why}."
+                "With typical values for the missing seal and support bearing torques, {why}."
             ));
         }
         if let (None, Some(search)) = (&self.fold, self.search) {

@@ -308,10 +308,10 @@ fn outputs_of_the_warm_state_are_equal_in_all_commands() {
 fn message_states_why_no_warm_state_exists() {
     let hot = AxisReport::of(&feed_axis(&["screw_speed_rpm=40000"]), &settings());
     let why = hot.expect_err("too hot").to_string();
-    assert!(why.contains("a temperature exceeds 180 C at 0.14 times these speeds"), "{why}");
+    assert!(why.contains("a temperature exceeds 180 C at 0.14 times the given speeds"), "{why}");
     let fast = AxisReport::of(&feed_axis(&["preload_N=1"]), &settings()).expect("a sheet");
     let why = fast.answer.warnings.concat();
-    assert!(why.contains("runs away above 0.88 times these speeds"), "{why}");
+    assert!(why.contains("runs away above 0.88 times the given speeds"), "{why}");
 }
 
 /// If the nut of WS-P5 turns faster and loses its preload, one ball after another loses contact,
@@ -370,7 +370,7 @@ fn error_states_why_columns_are_missing_above_the_fold() {
     // The fold of WS-P3 is at 1166.5467 rpm. The tolerance of the reference is 1e-5.
     assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
     let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
-    assert!(why.contains("runs away above 0.78 times these speeds, where the nut"), "{why}");
+    assert!(why.contains("runs away above 0.78 times the given speeds, where the nut"), "{why}");
 }
 
 /// The uncertainty band of WS-P2 agrees with the reference to its tolerance of 1e-3. Values that

@@ -695,7 +695,8 @@ fn plans_accept_random_points_and_tables() {
     run(0, &["parts", "check", "table/"]);
     fs::write(dir.path().join("points.parquet"), "another").expect("writable");
     assert!(
-        run(2, &["parts", "run", "table/"]).contains("does not match the point table of the plan")
+        run(2, &["parts", "run", "table/"])
+            .contains("is not identical to the table of points in the plan")
     );
 
     for (args, words) in [

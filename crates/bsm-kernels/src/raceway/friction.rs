@@ -1,4 +1,5 @@
-//! Friction power in rolling contact ellipses for lanes, Eqs (T12) to (T19), (E6), (P7).
+//! Friction power in rolling contact ellipses, vectorized over the points of a block, Eqs (T12) to
+//! (T19), (E6), (P7).
 
 use std::sync::LazyLock;
 
@@ -18,13 +19,13 @@ static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayContr
 static RULES: LazyLock<[Quadrature; 2]> =
     LazyLock::new(|| [Quadrature::of_oil(Traction::ACCURACY), Quadrature::of(Traction::ACCURACY)]);
 
-/// A rolling contact ellipse, with quantities divided by ball radius, relative speed and axial load
-/// per ball.
+/// A rolling contact ellipse. Its quantities are divided by ball radius, relative speed and axial
+/// load per ball.
 #[derive(Clone, Copy)]
 pub(super) struct Ellipse<S: Simd> {
     /// Normal load, `$Q/F_a$`.
     pub(super) load: Lane<S>,
-    /// Semi-axes, across and along the groove.
+    /// Semi-axes of the ellipse, across and along the groove.
     pub(super) semi_axes: (Lane<S>, Lane<S>),
     pub(super) pressed_radius: Lane<S>,
     /// Speed of the ball center along `$t$`, and angular velocities about `$t$`, `$N$` and `$t
@@ -42,14 +43,15 @@ impl<S: Simd> Ellipse<S> {
     }
 
     /// Returns the friction power divided by `$f Q$`, and a mask that is true for points at which
-    /// the panels resolve it. For all other points, the scalar solver uses finer panels.
+    /// the quadrature panels are fine enough. For all other points, the scalar solver uses finer
+    /// panels.
     #[inline(always)]
     pub(super) fn power(&self) -> (Lane<S>, Mask<S>) {
         power_of_many(&RULE, &self.patch().slip())
     }
 
-    /// Returns the friction powers at nut and screw divided by `$Q$`, first with the lubricant
-    /// films and then with a friction coefficient of one.
+    /// Returns the friction powers at nut and screw, divided by `$Q$`. The first pair of powers is
+    /// calculated with lubricant films, and the second with a friction coefficient of one.
     #[inline(always)]
     pub(super) fn lubricated_powers(
         simd: S,

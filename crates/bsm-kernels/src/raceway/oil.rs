@@ -1,5 +1,6 @@
-//! Friction of a lubricant for lanes, calculated locally at every point of the contacts or with one
-//! coefficient per contact, Eqs (Y1) to (Y31).
+//! Friction of lubricated balls, vectorized over the points of a block. The friction is calculated
+//! locally at every point of a contact, or with one friction coefficient per contact, Eqs (Y1) to
+//! (Y31).
 
 use bsm_case::InputKey;
 use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
@@ -16,20 +17,20 @@ use crate::contacts::Contacts;
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::{Units, modulus};
 
-/// Rolling balls with a lubricant.
+/// Friction losses of lubricated rolling balls.
 pub(super) struct OilLane<S: Simd> {
     ehl: EhlPoint<Lane<S>>,
     /// Losses in the lubricant films at nut and screw.
     losses: [FilmLoss<Lane<S>>; 2],
-    /// Losses outside the contacts, in total for all balls \[W\].
+    /// Losses outside the contacts, as the sum over all balls \[W\].
     pub(super) outside: OutsidePower<Lane<S>>,
-    /// Mask of the points at which the quadrature resolves the losses.
+    /// Mask of the points at which the quadrature is fine enough for the losses.
     pub(super) resolved: Mask<S>,
 }
 
 impl<S: Simd> OilLane<S> {
-    /// Calculates the friction of lubricated balls. Returns `None` if the friction coefficient is
-    /// constant.
+    /// Calculates the friction losses of lubricated balls. Returns `None` if the friction
+    /// coefficient is constant.
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
@@ -56,7 +57,7 @@ impl<S: Simd> OilLane<S> {
         let modulus = modulus(given, units) * units.load / (ball * ball);
         let scale = EhlUnits { load: units.load, speed: ball * speed, length: ball };
         let ehl = EhlPoint::of(&lubricant, kelvin, (&curvatures, &hertz), modulus, scale);
-        // The factors k·(t × N) follow from the contact angle and the lead angle.
+        // The components k·(t × N) of the screw axis follow from contact angle and lead angle.
         let (cos_lead, arc) = (contacts.scaled.lead.1, contacts.scaled.arc);
         let [k_nut, k_screw] = [state.sides[0].cos * cos_lead, -(state.sides[1].cos * cos_lead)];
         let films = [film(&ehl, 0, (k_nut, arc), nut), film(&ehl, 1, (k_screw, arc), screw)];
@@ -94,21 +95,21 @@ impl<S: Simd> OilLane<S> {
         Some(Self { ehl, losses, outside, resolved })
     }
 
-    /// Returns the friction coefficient that would apply if the lubricant reached its limiting
-    /// shear stress everywhere. It is the larger of the values for nut and screw.
+    /// Returns the friction coefficient for a lubricant that reaches its limiting shear stress
+    /// everywhere in the contact. The result is the larger of the values for nut and screw.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
         self.losses[0].film.law.most().max(self.losses[1].film.law.most())
     }
 
-    /// Returns the total losses in both contacts.
+    /// Returns the sum of all losses in both contacts.
     #[inline(always)]
     pub(super) fn loss(&self) -> Lane<S> {
         let [nut, screw] = &self.losses;
         nut.sliding + nut.rolling + screw.sliding + screw.rolling
     }
 
-    /// Returns the results for films and losses in SI units.
+    /// Returns film thicknesses, losses and other film results in SI units.
     #[inline(always)]
     pub(super) fn state(
         &self,
@@ -121,9 +122,9 @@ impl<S: Simd> OilLane<S> {
     }
 }
 
-/// Returns the lubricant film at the nut (index 0) or the screw (index 1).
+/// Returns the lubricant film, at the nut for index 0 or at the screw for index 1.
 ///
-/// * `k_c`: component of the screw axis, `$k \cdot (t \times N)$`.
+/// * `k_c`: component of the screw axis along `$t \times N$`, `$k \cdot (t \times N)$`.
 /// * `arc`: arc length of the helix per radian, divided by `$r_b$`.
 #[inline(always)]
 fn film<S: Simd>(
@@ -135,10 +136,10 @@ fn film<S: Simd>(
     ehl.of_motion(i, *load, [*speed / arc, *speed, *around], k_c, RacewayControl::CREEP)
 }
 
-/// Returns the film losses of one contact.
+/// Returns the losses in the lubricant film of one contact.
 ///
-/// * `sliding`, `slip`: sliding power divided by `$Q$`, with the lubricant film and with a friction
-///   coefficient of one.
+/// * `sliding`: sliding power with the lubricant film, divided by `$Q$`; `slip`: sliding power with
+///   a friction coefficient of one, divided by `$Q$`.
 /// * `ball`: ball radius \[m\].
 #[inline(always)]
 fn loss<S: Simd>(

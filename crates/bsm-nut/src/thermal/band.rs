@@ -4,28 +4,31 @@
 
 use super::{Guess, NoSteadyState, Steady, ThermalAxis, WarmNut};
 
-/// Results calculated from a warm state, with their uncertainty band.
+/// Results that are calculated from a warm state, together with their uncertainty band.
 #[derive(Debug, Clone)]
 pub struct StateInterval {
-    /// Results with all estimates unchanged.
+    /// Results with the estimated values of all quantities.
     pub values: Vec<f64>,
-    /// Lower and upper end of the uncertainty band for each result. They include only those
-    /// estimates for which a steady state exists.
+    /// Lower and upper limit of the uncertainty band for each result. Changed estimates for which
+    /// no steady state exists are left out.
     pub ends: Vec<[f64; 2]>,
-    /// Estimated quantities and factors for which no steady state exists, with the reason.
+    /// Changed estimates for which no steady state exists: the estimated quantity, its factor, and
+    /// the reason.
     pub none: Vec<(Guess, f64, NoSteadyState)>,
-    /// Reason why no steady state exists if unknown heat sources have their typical values; `None`
-    /// if a steady state exists.
+    /// Reason why no steady state exists if the missing heat sources have their typical values;
+    /// `None` if a steady state exists.
     pub none_complete: Option<NoSteadyState>,
 }
 
-/// Returns the uncertainty band of results (I21). Each estimated quantity is multiplied and divided
-/// by its uncertainty factor, one at a time. The change caused by unknown heat sources with their
-/// typical values is added to the upper or lower end, depending on its sign.
+/// Returns the uncertainty band of the results (I21). Each estimated quantity is multiplied and
+/// divided by its uncertainty factor, one quantity at a time. If missing heat sources with their
+/// typical values increase a result, the increase is added to the upper limit; a decrease is
+/// subtracted from the lower limit.
 ///
 /// * `guessed`: function that calculates the results with one estimated quantity multiplied by a
 ///   factor.
-/// * `complete`: function that calculates the results with typical values of unknown heat sources.
+/// * `complete`: function that calculates the results with typical values of the missing heat
+///   sources.
 pub(super) fn interval(
     middle: Vec<f64>,
     guesses: impl Iterator<Item = Guess>,
@@ -69,12 +72,12 @@ pub(super) fn interval(
 }
 
 impl WarmNut<'_> {
-    /// Returns the uncertainty band of results calculated from a warm state (I21).
+    /// Returns the uncertainty band of results that are calculated from a warm state (I21).
     ///
     /// * `missing`: typical torques of the seals and of all support bearings \[N·m\], or zero if
     ///   the torques are given.
-    /// * `numbers`: function that calculates the results from a nut and its warm state. It must
-    ///   always return the same number of results.
+    /// * `numbers`: function that calculates the results from a nut and its warm state. The number
+    ///   of results must always be the same.
     pub fn band(
         &self,
         state: &Steady,

@@ -31,7 +31,8 @@ impl Guess {
     pub const ALL: [Self; 6] =
         [Self::Nut, Self::ScrewFilm, Self::Gap, Self::Balls, Self::Ends, Self::Heat];
 
-    /// Returns the uncertainty factor by which the quantity may be larger or smaller.
+    /// Returns the uncertainty factor of the quantity. The actual value may be larger or smaller
+    /// than the estimate by this factor.
     pub fn uncertainty_factor(self) -> f64 {
         match self {
             Self::Nut | Self::Balls => 2.0,
@@ -41,7 +42,8 @@ impl Guess {
         }
     }
 
-    /// Returns the beginning of a clause that continues with "2 times larger".
+    /// Returns the beginning of a clause about the quantity, which a text such as "2 times larger"
+    /// completes.
     pub fn clause(self) -> &'static str {
         match self {
             Self::Nut => "the conductance of the nut is",
@@ -53,12 +55,13 @@ impl Guess {
         }
     }
 
-    /// Returns the factor of this quantity if `off` changes one estimate, or 1 otherwise.
+    /// Returns the factor by which this quantity is multiplied. It is 1 unless `off` contains this
+    /// quantity.
     pub(super) fn factor(self, off: Option<(Self, f64)>) -> f64 {
         off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
     }
 
-    /// Returns true if the case specifies the quantity.
+    /// Returns true if the case specifies the quantity, so that no estimate is needed.
     pub(super) fn is_given(self, of: &Surfaces) -> bool {
         match self {
             Self::Nut => of.nut.or(of.carriage).is_some(),
@@ -76,7 +79,7 @@ impl Guess {
 pub struct Conductances {
     /// Conductance between the nut (including bracket and table) and the air.
     pub nut: f64,
-    /// Film coefficient of the screw \[W/(m²·K)\].
+    /// Film coefficient between the screw and the air \[W/(m²·K)\].
     pub screw_film: f64,
     /// Conductance between nut and screw through the gap and the wipers.
     pub gap: f64,
@@ -86,7 +89,7 @@ pub struct Conductances {
     pub ball_screw: f64,
     /// Conductance between each end of the screw and the structure.
     pub end: f64,
-    /// Conductance between the screw and its coolant, over the whole length of the screw.
+    /// Conductance between the screw and its coolant, for the whole length of the screw.
     pub coolant: f64,
     /// Conductance between the nut and its coolant.
     pub nut_coolant: f64,
@@ -95,25 +98,26 @@ pub struct Conductances {
 /// Properties of air: kinematic viscosity \[m²/s\], thermal conductivity \[W/(m·K)\], Prandtl
 /// number, and coefficient of thermal expansion \[1/K\].
 const AIR: (f64, f64, f64, f64) = (1.6e-5, 0.026, 0.71, 1.0 / 300.0);
-/// Temperature rise used to calculate free convection \[K\].
+/// Temperature difference between surface and air for which free convection is calculated \[K\].
 const RISE: f64 = 10.0;
 /// Film coefficient of thermal radiation at 300 K for an emissivity of 1, `$4\sigma T^3$`
 /// \[W/(m²·K)\].
 const RADIATION: f64 = 4.0 * 5.670_374_419e-8 * 300.0 * 300.0 * 300.0;
-/// Acceleration of gravity \[m/s²\], rounded as in the correlation.
+/// Acceleration of gravity \[m/s²\], rounded as in the correlation for free convection.
 const GRAVITY: f64 = 9.81;
 /// Thermal diffusivity of steel \[m²/s\].
 const DIFFUSIVITY: f64 = 1.2e-5;
-/// Thermal conductivity of a gap half filled with grease \[W/(m·K)\], and width of the gap \[m\].
+/// Thermal conductivity of a gap that is half filled with grease \[W/(m·K)\], and width of this gap
+/// \[m\].
 const GREASE: (f64, f64) = (0.06, 0.0015);
-/// Conductance of a support bearing divided by the square of the pitch circle diameter
+/// Conductance of a support bearing, divided by the square of its pitch circle diameter
 /// \[W/(m²·K)\].
 const BEARING: f64 = 3125.0;
 /// Default ratio of the surface area of bracket and table to the surface area of the nut.
 const CARRIAGE: f64 = 10.0;
 /// Conductance between nut and screw through the contacts of all balls, divided by the pitch circle
-/// diameter \[W/(m·K)\]. For typical nuts at 1000 rpm, it agrees with (I11) to within a factor of
-/// 2.
+/// diameter of the nut \[W/(m·K)\]. For typical nuts at 1000 rpm, this value agrees with (I11) to
+/// within a factor of 2.
 const USUAL_BALLS: f64 = 65.0;
 
 /// Returns the film coefficient of a cylinder rotating in air \[W/(m²·K)\] (I9).
@@ -136,7 +140,7 @@ fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
 /// * `length`: length of the nut \[m\].
 /// * `feed`: feed speed \[m/s\].
 ///
-/// Source: McAdams (free convection); laminar flow along a plate.
+/// Source: McAdams for free convection, and laminar flow along a plate for forced convection.
 fn film_of_nut(length: f64, feed: f64) -> f64 {
     let (viscosity, conductivity, prandtl, _) = AIR;
     let free = 1.42 * (RISE / length).powf(0.25);
@@ -146,23 +150,24 @@ fn film_of_nut(length: f64, feed: f64) -> f64 {
     (free.powi(3) + forced.powi(3)).cbrt() + 0.9 * RADIATION
 }
 
-/// Returns the conductance of the contacts between all balls and one body \[W/K\] (I11).
+/// Returns the conductance between all balls and one body through their contacts \[W/K\] (I11).
 ///
 /// * `radius`: effective contact radius `$\sqrt{ab}$` \[m\].
-/// * `rolling`: speed at which the contact moves over the body \[m/s\].
+/// * `rolling`: speed at which the contact moves over the surface of the body \[m/s\].
 /// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
 ///
-/// Source: Tian and Kennedy (1994), two bodies in series. Assumes: no film.
+/// Source: Tian and Kennedy (1994), for two bodies in series. Assumes: no lubricant film between
+/// the bodies.
 fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) -> f64 {
     let peclet = rolling * radius / (2.0 * DIFFUSIVITY);
     // G_bx = Z π a_e k √(π (0.6575 + Pe))/(2 · 1.22)                      (I11)
     balls * PI * radius * conductivity * (PI * (0.6575 + peclet)).sqrt() / (2.0 * 1.22)
 }
 
-/// Connection between nut and screw through the balls in the thermal network.
+/// Thermal connection between nut and screw through the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BallLink {
-    /// The groove geometry is known, and the balls are a node of the network.
+    /// The groove geometry is known, so the balls are a separate node of the thermal network.
     Contacts {
         /// Number of loaded balls.
         balls: f64,
@@ -172,13 +177,13 @@ pub enum BallLink {
         /// Cosine of the lead angle.
         lead_cosine: f64,
     },
-    /// The groove geometry is unknown. A typical conductance connects nut and screw directly,
-    /// without a node for the balls.
+    /// The groove geometry is unknown. A typical conductance connects nut and screw directly, and
+    /// the balls are not a separate node.
     Usual,
 }
 
 impl BallLink {
-    /// Creates the connection through the balls of a nut with known contacts.
+    /// Creates the thermal connection through the balls of a nut with known contacts.
     ///
     /// * `radii`: effective contact radii, from [`BallNut::contact_radii`].
     pub fn of(nut: &BallNut, radii: [f64; 2]) -> Self {
@@ -187,33 +192,38 @@ impl BallLink {
     }
 }
 
-/// Surfaces and ball contacts that determine the conductances, and conductances with given values.
+/// Surfaces and ball contacts from which conductances are estimated, and conductances that the case
+/// specifies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces {
     /// Pitch circle diameter \[m\].
     pub diameter: f64,
     /// Lead \[m\].
     pub lead: f64,
-    /// Outer diameter and length of the nut set \[m\].
+    /// Outer diameter and length of the whole nut, which may consist of two bodies \[m\].
     pub size: (f64, f64),
     /// Surface area of bracket and table \[m²\]; defaults to ten times the surface area of the nut.
     pub carriage: Option<f64>,
     /// Part that the motor drives. A driven nut rotates in a bearing in its carriage.
     pub driven: DrivenPart,
-    /// Connection between nut and screw through the balls.
+    /// Thermal connection between nut and screw through the balls.
     pub link: BallLink,
-    /// Given conductance between the nut (including the table) and the air \[W/K\]. It replaces the
-    /// estimate.
+    /// Conductance between the nut (including the table) and the air, if the case specifies it
+    /// \[W/K\]. It replaces the estimate.
     pub nut: Option<f64>,
-    /// Given film coefficient of the screw \[W/(m²·K)\]. It replaces the estimate.
+    /// Film coefficient between the screw and the air, if the case specifies it \[W/(m²·K)\]. It
+    /// replaces the estimate.
     pub screw_film: Option<f64>,
-    /// Given conductance of gap and wipers \[W/K\]. It replaces the estimate.
+    /// Conductance of gap and wipers, if the case specifies it \[W/K\]. It replaces the estimate.
     pub gap: Option<f64>,
-    /// Given conductance between balls and nut \[W/K\]. It replaces the estimate.
+    /// Conductance between balls and nut, if the case specifies it \[W/K\]. It replaces the
+    /// estimate.
     pub ball_nut: Option<f64>,
-    /// Given conductance between balls and screw \[W/K\]. It replaces the estimate.
+    /// Conductance between balls and screw, if the case specifies it \[W/K\]. It replaces the
+    /// estimate.
     pub ball_screw: Option<f64>,
-    /// Given conductance at each end of the screw \[W/K\]. It replaces the estimate.
+    /// Conductance between each end of the screw and the structure, if the case specifies it
+    /// \[W/K\]. It replaces the estimate.
     pub end: Option<f64>,
     /// Conductance between a hollow screw and its coolant \[W/K\], which is 0 without a coolant.
     pub coolant: f64,
@@ -222,7 +232,7 @@ pub struct Surfaces {
 }
 
 impl BallNut {
-    /// Returns the effective contact radius `$\sqrt{ab}$` at nut and screw under a normal load
+    /// Returns the effective contact radii `$\sqrt{ab}$` at nut and screw under a normal load
     /// \[m\].
     ///
     /// # Errors
@@ -237,12 +247,13 @@ impl BallNut {
 }
 
 impl Surfaces {
-    /// Returns the conductances as time averages over all phases, including standstill.
+    /// Returns the conductances of the thermal network, averaged over all phases, including
+    /// standstill.
     ///
     /// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
     /// * `phases`: duration and absolute relative speed between screw and nut \[rad/s\] of every
     ///   phase.
-    /// * `off`: an estimated quantity, and the factor by which it is multiplied.
+    /// * `off`: an estimated quantity and the factor by which it is multiplied.
     pub fn conductances(
         &self,
         conductivity: f64,
@@ -260,7 +271,8 @@ impl Surfaces {
                     })
                 })
             }
-            // Each of the two conductances in series is twice the total conductance.
+            // Two equal conductances in series must result in the typical conductance between nut
+            // and screw, so each of them is twice as large.
             BallLink::Usual => [2.0 * USUAL_BALLS * diameter; 2],
         };
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
@@ -280,9 +292,9 @@ impl Surfaces {
         }
     }
 
-    /// Returns the conductance between the air and the nut, including bracket and table \[W/K\].
-    /// For a rotating nut, it is the sum of the convection at the nut (I9) and of the heat that
-    /// flows through the nut bearing to the carriage (I22).
+    /// Returns the conductance between the air and the nut, including bracket and table \[W/K\]. If
+    /// the nut rotates, part of its heat goes directly to the air (I9), and the rest flows through
+    /// the nut bearing to the carriage (I22).
     ///
     /// * `phases`: duration and speed of every phase, as in [`conductances`](Self::conductances).
     fn of_nut(&self, phases: &[(f64, f64)]) -> f64 {

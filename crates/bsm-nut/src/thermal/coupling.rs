@@ -7,20 +7,21 @@ use bsm_kin::Drive;
 use super::{HeatSources, NODES, Network, ThermalAxis};
 use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
 
-/// Friction of all balls of a nut, calculated with ball models that can be held constant.
+/// A function that calculates the friction of all balls of a nut. The models of the balls can be
+/// held constant.
 ///
-/// Every function of nut, equilibrium, speeds, oil temperature and interpolation accuracy that
-/// returns the friction implements this trait. It is assumed that its result does not jump, so
-/// there are no models to hold constant.
+/// This trait is implemented for every function that calculates the friction from nut, equilibrium,
+/// speeds, oil temperature and interpolation accuracy. Such a function must not have
+/// discontinuities, because it cannot hold ball models constant.
 pub trait HeldFriction {
-    /// Returns the friction under a load at given speeds, or `None` if the friction of any ball is
-    /// unknown.
+    /// Returns the total friction at a given equilibrium and given speeds, or `None` if the
+    /// friction of any ball is unknown.
     ///
     /// * `oil`: oil temperature \[K\].
     /// * `between_loads`: permitted relative error of the friction that is interpolated between
     ///   ball loads.
-    /// * `held`: model of each ball that must be used, by ball index. Balls without an entry choose
-    ///   their own model.
+    /// * `held`: model that must be used for each ball, by ball index. A ball without an entry
+    ///   chooses its own model.
     fn sum(
         &self,
         nut: &BallNut,
@@ -32,7 +33,7 @@ pub trait HeldFriction {
     ) -> Option<FrictionSum>;
 
     /// Returns the models that the balls choose, by ball index. The list is empty if the friction
-    /// does not depend on a model.
+    /// does not depend on ball models.
     fn models(
         &self,
         nut: &BallNut,
@@ -69,11 +70,10 @@ where
     }
 }
 
-/// Models of the balls in each phase of the duty cycle.
+/// Models of all balls, for each phase of the duty cycle.
 pub(super) type ModelsOfPhases = Vec<Vec<Option<BallModel>>>;
 
-/// Default permitted relative error of the friction that is interpolated between ball loads. It is
-/// one tenth of the relative heat residual of a steady state.
+/// Default for the permitted relative error of friction that is interpolated between ball loads.
 pub const BETWEEN_LOADS: f64 = 1e-9;
 
 /// A phase of the duty cycle.
@@ -88,7 +88,7 @@ pub struct WarmPhase {
 }
 
 impl WarmPhase {
-    /// Returns the speeds of the phase multiplied by a factor.
+    /// Returns the speeds of the phase, multiplied by a factor.
     fn at(&self, factor: f64) -> Drive<f64> {
         let Drive { screw_speed, nut_speed } = self.drive;
         Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed }
@@ -100,15 +100,16 @@ impl WarmPhase {
 pub struct WarmNut<'a> {
     /// Nut with its preload, at the assembly temperature.
     pub nut: BallNut,
-    /// Preload method; `None` without a preload.
+    /// Method of preloading; `None` for a nut without preload.
     pub preload: Option<PreloadKind>,
-    /// Support of the nut, without its axial load.
+    /// Support of the nut. The axial load is replaced by the load of each phase.
     pub support: Support,
     /// Phases of the duty cycle.
     pub phases: Vec<WarmPhase>,
     /// Function that calculates the friction of the balls.
     pub friction: &'a (dyn HeldFriction + 'a),
-    /// Drag torque not caused by the contacts, divided by the warm preload, `$K_x h$` \[m\] (I15).
+    /// Drag torque that is not caused by the contacts, divided by the warm preload, `$K_x h$` \[m\]
+    /// (I15).
     pub drag: f64,
     /// Friction torque of the seals \[N·m\].
     pub seal: f64,
@@ -116,7 +117,7 @@ pub struct WarmNut<'a> {
     pub bearings: f64,
     /// Heat that flows from the motor into end 1 of the screw \[W\].
     pub motor: f64,
-    /// Assembly temperature, at which preload and fits are defined \[K\].
+    /// Temperature at which the nut was assembled and its preload was set \[K\].
     pub set: f64,
     /// Thermal model of the axis.
     pub axis: ThermalAxis,
@@ -125,7 +126,7 @@ pub struct WarmNut<'a> {
 /// State of the nut in one phase of the duty cycle.
 #[derive(Debug, Clone)]
 pub struct PhaseState {
-    /// Equilibrium of the nut under its load.
+    /// Equilibrium of the nut under the load of the phase.
     pub found: Equilibrium,
     /// Friction of the balls; `None` at standstill.
     pub friction: Option<FrictionSum>,
@@ -136,43 +137,43 @@ pub struct PhaseState {
 /// Heat and loads of a nut at given node temperatures.
 #[derive(Debug, Clone)]
 pub struct NutAtTemperature {
-    /// Heat generated at each node \[W\], averaged over the duty cycle.
+    /// Heat that is generated at each node, averaged over the duty cycle \[W\].
     pub heat: [f64; NODES],
-    /// Preload without external load \[N\], which is 0 for a nut without preload.
+    /// Preload of the nut without external load \[N\], which is 0 for a nut without preload.
     pub preload: f64,
-    /// Equilibrium without external load; `None` for a nut without preload.
+    /// Equilibrium of the nut without external load; `None` for a nut without preload.
     pub unloaded: Option<Equilibrium>,
     /// State in each phase of the duty cycle. Phases at standstill are `None` unless they are
     /// requested.
     pub phases: Vec<Option<PhaseState>>,
 }
 
-/// Returns the drag torque that is not caused by the contacts, divided by the preload, `$K_x h$`
-/// \[m\] (I15).
+/// Returns the part of the drag torque that is not caused by the contacts, divided by the preload,
+/// `$K_x h$` \[m\] (I15).
 ///
-/// * `rule`, `contacts`: drag torque due to the cold preload according to the manufacturers' rule,
-///   and drag torque of the contacts alone \[N·m\].
+/// * `rule`: drag torque due to the cold preload according to the manufacturers' rule \[N·m\];
+///   `contacts`: part of this torque that the contacts cause \[N·m\].
 pub fn drag_beyond_contacts(rule: f64, contacts: f64, preload: f64) -> f64 {
     // K_x h = max(0, T_p − T_c)/F_p                                       (I15)
     (rule - contacts).max(0.0) / preload
 }
 
 impl WarmNut<'_> {
-    /// Returns the thermal network after multiplying all speeds by a factor.
+    /// Returns the thermal network for speeds that are multiplied by a factor.
     pub fn network(&self, factor: f64) -> Network {
         let paced = |phase: &WarmPhase| (phase.time, factor * phase.drive.relative_speed().abs());
         let phases: Vec<_> = self.phases.iter().map(paced).collect();
         self.axis.network(&phases)
     }
 
-    /// Returns the oil temperature at given temperature rises \[K\] (I13).
+    /// Returns the oil temperature for given temperature rises of the nodes \[K\] (I13).
     pub fn oil(&self, [nut, screw, balls, ..]: &[f64; NODES]) -> f64 {
         // T_o = T_b/2 + (T_n + T_s)/4                                     (I13)
         self.set + 0.5 * balls + 0.25 * (nut + screw)
     }
 
-    /// Returns the nut with the thermal expansion that follows from the node temperatures, and with
-    /// the strain of the screw.
+    /// Returns the nut after thermal expansion due to the given temperature rises, on a screw that
+    /// is stretched by its axial tension.
     ///
     /// * `tension`: axial tension of the screw \[N\].
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
@@ -184,15 +185,15 @@ impl WarmNut<'_> {
         }
     }
 
-    /// Returns heat and loads at given temperature rises, after multiplying all speeds by a factor
-    /// (I14).
+    /// Returns heat and loads of the nut at given temperature rises and at speeds that are
+    /// multiplied by a factor (I14).
     ///
-    /// * `all`: true to include phases at standstill, which generate no heat.
+    /// * `all`: if true, the result includes the phases at standstill, which generate no heat.
     ///
     /// # Errors
     ///
-    /// Returns the [`NutError`] if the nut cannot carry a load, or `None` as the error if a ball
-    /// has no friction.
+    /// Returns the [`NutError`] if the nut cannot carry a load. The error is `None` if the friction
+    /// of a ball is unknown.
     pub fn heated(
         &self,
         rises: &[f64; NODES],
@@ -202,8 +203,8 @@ impl WarmNut<'_> {
         self.heated_to(rises, factor, all, BETWEEN_LOADS, &[])
     }
 
-    /// Returns the models that the balls choose in each phase of the duty cycle at given
-    /// temperature rises. Returns `None` if a ball has no solution.
+    /// Returns the models that the balls choose at given temperature rises, for each phase of the
+    /// duty cycle. Returns `None` if the model of any ball has no solution.
     ///
     /// * `heated`: heat and loads of the nut at these temperature rises.
     pub(super) fn models(
@@ -223,11 +224,11 @@ impl WarmNut<'_> {
         self.phases.iter().zip(&heated.phases).map(of_phase).collect()
     }
 
-    /// Returns heat and loads with a given accuracy of the friction that is interpolated between
-    /// ball loads.
+    /// Returns heat and loads of the nut at given temperature rises, as [`heated`](Self::heated)
+    /// does, with a given accuracy of the friction and with given ball models.
     ///
-    /// * `held`: models that the balls must use in each phase of the duty cycle. If it is empty,
-    ///   the balls choose their own models.
+    /// * `held`: models that the balls must use, for each phase of the duty cycle. If the list is
+    ///   empty, the balls choose their own models.
     pub(super) fn heated_to(
         &self,
         rises: &[f64; NODES],

@@ -1,5 +1,5 @@
-//! Thermal network with five nodes and the surroundings. Outside its travel, the screw is modeled
-//! as a fin.
+//! Thermal network that consists of five nodes and the surroundings. The parts of the screw outside
+//! the travel are modeled as fins.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I6) to (I8), (I16) and (I17).
 
@@ -9,15 +9,15 @@ use bsm_newton::Dense;
 
 use super::{Conductances, NODES, NoSteadyState};
 
-/// Thermal and mechanical data of the screw between its bearings.
+/// Thermal and mechanical data of the part of the screw between its bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScrewBar {
-    /// Pitch circle diameter \[m\], which is also the diameter of the cylinder that the air cools.
+    /// Pitch circle diameter \[m\]. The cooling by air is calculated for a cylinder of this
+    /// diameter.
     pub diameter: f64,
     /// Length between the bearings \[m\].
     pub length: f64,
-    /// Length of the travel \[m\], which is the sum of stroke and nut length and less than
-    /// `length`.
+    /// Length of the travel \[m\]. It is the sum of stroke and nut length, and less than `length`.
     pub travel: f64,
     /// Cross-sectional area of the steel \[m²\].
     pub section: f64,
@@ -25,15 +25,16 @@ pub struct ScrewBar {
     pub conductivity: f64,
     /// Coefficient of thermal expansion of nut, screw and balls \[1/K\].
     pub expansion: f64,
-    /// True for each end with a support bearing. Other ends do not transfer heat to the structure.
+    /// Whether each end of the screw has a support bearing. An end without a bearing does not
+    /// transfer heat to the structure.
     pub bearings: [bool; 2],
     /// Axial constraint by two fixed bearings; `None` if the screw can expand freely.
     pub hold: Option<AxialHold>,
 }
 
 impl ScrewBar {
-    /// Returns the axial strain due to a tension \[N\] (I5). It is zero unless both bearings are
-    /// fixed.
+    /// Returns the axial strain of the screw due to a tension \[N\] (I5). The strain is zero unless
+    /// both bearings are fixed.
     pub fn strain(&self, tension: f64) -> f64 {
         // s = F_t/(E A_s)                                                 (I5)
         self.hold.map_or(0.0, |hold| tension / (hold.youngs_modulus * self.section))
@@ -43,9 +44,9 @@ impl ScrewBar {
 /// Axial constraint of a screw by two fixed bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialHold {
-    /// Stiffness of the screw and both bearings in series \[N/m\].
+    /// Stiffness of the screw in series with both bearings \[N/m\].
     pub stiffness: f64,
-    /// Axial tension at the assembly temperature \[N\].
+    /// Axial tension of the screw at the assembly temperature \[N\].
     pub pretension: f64,
     /// Young's modulus of the screw \[Pa\].
     pub youngs_modulus: f64,
@@ -64,19 +65,20 @@ pub struct Sinks {
     pub coolant: f64,
 }
 
-/// Thermal network of an axis. All temperatures are relative to the assembly temperature \[K\].
+/// Thermal network of an axis. All temperatures in the network are relative to the assembly
+/// temperature \[K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Network {
     /// Conductances between the nodes and to the surroundings.
     pub conductances: Conductances,
-    /// Screw between its bearings.
+    /// Part of the screw between its bearings.
     pub screw: ScrewBar,
     /// Temperatures of the surroundings.
     pub sinks: Sinks,
 }
 
-/// The part of the screw outside the travel on one side, modeled as a fin between two temperatures
-/// (I7).
+/// Part of the screw on one side of the travel, modeled as a fin whose two ends have given
+/// temperatures (I7).
 struct Fin {
     /// Conductances `$Y_d$` and `$Y_o$` of the fin \[W/K\].
     near: f64,
@@ -88,8 +90,9 @@ struct Fin {
 }
 
 impl Network {
-    /// Returns the conductance between the screw and its surroundings per unit length \[W/(m·K)\],
-    /// and the mean temperature of these surroundings (I6).
+    /// Returns the conductance per unit length between the screw and its surroundings \[W/(m·K)\],
+    /// and the temperature of the surroundings, which is a weighted mean of air and coolant
+    /// temperature (I6).
     fn along(&self) -> (f64, f64) {
         let film = self.conductances.screw_film * PI * self.screw.diameter;
         let coolant = self.conductances.coolant / self.screw.length;
@@ -111,8 +114,9 @@ impl Network {
         }
     }
 
-    /// Returns the matrix `$M$` of heat flows that leave the nodes per kelvin \[W/K\], and the
-    /// vector `$r$` of heat flows that reach the nodes from the surroundings \[W\] (I8).
+    /// Returns the matrix `$M$`, which multiplied by the temperatures gives the heat flows that
+    /// leave the nodes \[W/K\], and the vector `$r$` of heat flows from the surroundings to the
+    /// nodes \[W\] (I8).
     pub fn balance(&self) -> ([[f64; NODES]; NODES], [f64; NODES]) {
         let (of, fin, (given, around)) = (&self.conductances, self.fin(), self.along());
         let mut matrix = [[0.0; NODES]; NODES];
@@ -147,7 +151,8 @@ impl Network {
         (matrix, received)
     }
 
-    /// Returns the temperature rises for which the heat flows at all nodes are balanced \[K\] (I8).
+    /// Returns the temperature rises at which every node loses as much heat as it receives \[K\]
+    /// (I8).
     ///
     /// * `heat`: heat generated at each node \[W\].
     ///
@@ -166,7 +171,7 @@ impl Network {
         Ok(rises)
     }
 
-    /// Returns the free thermal expansion of the screw \[m\] (I16).
+    /// Returns the thermal expansion of the screw if it can expand freely \[m\] (I16).
     pub fn growth(&self, &[_, screw, _, first, second]: &[f64; NODES]) -> f64 {
         let (fin, (_, around)) = (self.fin(), self.along());
         let outside =
@@ -175,8 +180,8 @@ impl Network {
         self.screw.expansion * (self.screw.travel * screw + outside(first) + outside(second))
     }
 
-    /// Returns the axial tension of the screw \[N\] (I17), which is negative for compression. It is
-    /// zero unless both bearings are fixed.
+    /// Returns the axial tension of the screw \[N\] (I17). It is negative for compression, and zero
+    /// unless both bearings are fixed.
     pub fn tension(&self, rises: &[f64; NODES]) -> f64 {
         self.screw.hold.map_or(0.0, |hold| {
             let of_the_structure = self.screw.expansion * self.screw.length * self.sinks.structure;

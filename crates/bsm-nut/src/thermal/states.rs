@@ -1,5 +1,5 @@
 //! Steady states, in which every node loses as much heat as it receives, and the fold, which is the
-//! largest speed with a steady state.
+//! highest speed with a steady state.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I8) and (I18) to (I20).
 
@@ -19,7 +19,7 @@ use super::coupling::{BETWEEN_LOADS, ModelsOfPhases};
 use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
-/// Upper limit of the node temperatures in a valid steady state \[K\].
+/// Highest node temperature in a valid steady state \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
 /// Step size for finite differences with respect to temperatures \[K\]. In central differences, the
@@ -29,43 +29,45 @@ const DIFFERENCE: f64 = 2e-3;
 /// Relative step size for finite differences with respect to the speed factor.
 const SPEED_DIFFERENCE: f64 = 1e-4;
 
-/// Permitted relative error of the friction that is interpolated between ball loads, for
-/// derivatives in Newton and continuation steps.
+/// Permitted relative error of interpolated friction in the derivatives for Newton and continuation
+/// steps. The friction is interpolated between ball loads.
 const STEP_FRICTION_TOLERANCE: f64 = 1e-3;
 
-/// Maximum temperature change in a Newton step \[K\].
+/// Maximum change of any node temperature in a Newton step \[K\].
 const MAX_STEP_LENGTH: f64 = 8.0;
 
-/// Speed factors at which the continuation may start. It starts at the first factor for which a
-/// steady state is found.
+/// Speed factors at which the continuation may start. It starts at the first of these factors for
+/// which a steady state is found.
 const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
-/// Scales of temperatures \[K\] and speed factor for the continuation.
+/// Scale of the temperatures \[K\] and scale of the speed factor in the continuation.
 const SIZES: (f64, f64) = (20.0, 1.0);
 
-/// Maximum continuation step in units of [`SIZES`].
+/// Maximum length of a continuation step, in units of [`SIZES`].
 const MAX_CONTINUATION_STEP: f64 = 0.5;
-/// Maximum continuation step in units of [`SIZES`] if the points of the branch are returned as
-/// results.
+/// Maximum length of a continuation step if the points on the branch are returned as results, in
+/// units of [`SIZES`].
 const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
-/// Fraction of the fold speed down to which unstable states beyond the fold are followed.
+/// Ratio of speed to fold speed, down to which the unstable states beyond the fold are traced.
 const UNSTABLE_SPEED_FRACTION: f64 = 0.8;
 
-/// Residual of the heat balance, relative to the heat, at which Newton's method stops.
+/// Residual of the heat balance divided by the generated heat, at which Newton's method stops.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
-/// Maximum number of Newton steps for a steady state.
+/// Maximum number of Newton steps in the search for a steady state.
 const MAX_THERMAL_STEPS: usize = 60;
 
-/// Maximum number of QR iterations for the three eigenvalues, which usually converge in about ten.
+/// Maximum number of QR iterations for three eigenvalues. Usually, about ten iterations are
+/// sufficient.
 const MAX_QR_SWEEPS: usize = 200;
 
-/// Number of thermal nodes at which friction generates heat.
+/// Number of thermal nodes at which friction generates heat: nut, screw and balls.
 const FRICTION_NODES: usize = 3;
 
-/// Fraction of a continuation step to which the location of a fold is determined. The speed is
-/// stationary at the fold, so its relative error is only 1e-6.
+/// Accuracy with which a fold is located, as a fraction of a continuation step. At the fold, the
+/// derivative of the speed along the branch is zero, so the relative error of the fold speed is
+/// only 1e-6.
 const ROOT_TOLERANCE: f64 = 1e-3;
 
 /// Warm steady state of a nut.
@@ -77,40 +79,41 @@ pub struct Steady {
     pub heated: NutAtTemperature,
     /// Loop gain (I18), which is 0 without thermal feedback and 1 at the fold.
     pub gain: f64,
-    /// True if the balls would choose different models or controlling raceways in this state. The
-    /// friction is then discontinuous at this state, and the reported friction is the value on one
-    /// side of the discontinuity.
+    /// True if the balls would choose different models or controlling raceways in this state than
+    /// the models with which the friction was calculated. The friction is discontinuous in this
+    /// state, and its reported value is the value on one side of the discontinuity.
     pub on_jump: bool,
-    /// Ball models with which the friction was calculated.
+    /// Ball models with which the friction in this state was calculated.
     models: ModelsOfPhases,
 }
 
 impl Steady {
-    /// Returns the total heat generated at all nodes \[W\].
+    /// Returns the heat that is generated at all nodes together \[W\].
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
     }
 
-    /// Returns the heat generated at nut, screw and balls, which excludes bearings and motor \[W\].
+    /// Returns the heat that is generated at nut, screw and balls \[W\], without the heat of
+    /// bearings and motor.
     pub fn nut_heat(&self) -> f64 {
         self.heated.heat[..FRICTION_NODES].iter().sum()
     }
 }
 
-/// The fold: the largest speed on the branch of steady states. No steady state exists at higher
-/// speeds (I20).
+/// The fold of the branch of steady states, which is the state with the highest speed. No steady
+/// state exists at higher speeds (I20).
 #[derive(Debug, Clone)]
 pub struct Fold {
-    /// Factor by which all speeds must be multiplied to reach the fold.
+    /// Speed at the fold divided by the given speed.
     pub factor: f64,
     /// Temperature rises of the nodes above the assembly temperature \[K\] at the fold.
     pub rises: [f64; NODES],
     /// Assembly temperature \[K\].
     pub set: f64,
-    /// Preload without external load \[N\] at the fold; `None` for a nut without preload.
+    /// Preload of the nut without external load \[N\] at the fold; `None` for a nut without
+    /// preload.
     pub preload: Option<f64>,
-    /// Unstable state at the given speeds (speed factor 1), which exists if the fold is at higher
-    /// speeds.
+    /// Unstable state at the given speeds, which exists if the fold is at higher speeds.
     pub unstable: Option<Steady>,
 }
 
@@ -120,7 +123,7 @@ impl fmt::Display for Fold {
         let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
         write!(
             to,
-            "runs away above {factor:.2} times these speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
+            "the axis runs away above {factor:.2} times the given speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
              the balls {balls:.0} C"
         )?;
         preload.map_or(Ok(()), |preload| write!(to, " at a preload of {preload:.0} N"))
@@ -130,13 +133,13 @@ impl fmt::Display for Fold {
 /// A point on the branch of steady states that begins at standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnBranch {
-    /// Factor by which all speeds are multiplied.
+    /// Speed at this point divided by the given speed.
     pub factor: f64,
     /// Temperature rises of the nodes above the assembly temperature \[K\].
     pub rises: [f64; NODES],
-    /// Preload without external load \[N\].
+    /// Preload of the nut without external load \[N\].
     pub preload: f64,
-    /// False for states beyond the fold.
+    /// True for stable states, and false for states beyond the fold.
     pub stable: bool,
 }
 
@@ -146,37 +149,39 @@ pub enum NoSteadyState {
     /// The speeds are above the fold, so the temperatures rise without limit.
     #[error("{0}")]
     RunsAway(Box<Fold>),
-    /// A temperature exceeds the limit of 180 °C at speeds below the given speeds.
-    #[error("a temperature exceeds 180 C at {factor:.2} times these speeds")]
+    /// The temperature limit of 180 °C is reached below the given speeds.
+    #[error("a temperature exceeds 180 C at {factor:.2} times the given speeds")]
     TooHot {
-        /// Speed factor at which the limit is exceeded.
+        /// Speed at which the temperature limit is exceeded, divided by the given speed.
         factor: f64,
     },
-    /// The preload is lost at speeds below the given speeds.
-    #[error("the preload is lost at {factor:.2} times these speeds")]
+    /// The nut loses its preload below the given speeds.
+    #[error("the preload is lost at {factor:.2} times the given speeds")]
     PreloadLost {
-        /// Speed factor at which the preload is lost.
+        /// Speed at which the preload is lost, divided by the given speed.
         factor: f64,
     },
-    /// The friction of a ball is unknown.
+    /// The friction of a ball could not be calculated.
     #[error(
         "the friction of a ball is unknown, because the ball skids under a light load or its model does not converge"
     )]
     NoFriction,
-    /// The nut cannot carry a load.
+    /// The nut cannot carry the load of a phase.
     #[error(transparent)]
     Nut(#[from] NutError),
-    /// The branch of steady states ends where the friction is discontinuous (balls begin to slide)
-    /// or the ball loads are discontinuous.
+    /// The branch of steady states ends at a discontinuity of the friction (balls begin to slide)
+    /// or of the ball loads.
     #[error(
-        "the warm steady states could be followed only up to {factor:.2} times these speeds, where the friction or the ball loads are discontinuous"
+        "warm steady states were found only up to {factor:.2} times the given speeds, where the friction or the ball loads are discontinuous"
     )]
     Jump {
-        /// Speed factor at which the branch ends.
+        /// Speed at which the branch ends, divided by the given speed.
         factor: f64,
     },
     /// The search did not find a steady state.
-    #[error("the search for temperatures at which the heat is in balance does not converge")]
+    #[error(
+        "the search for temperatures at which generated and dissipated heat are equal did not converge"
+    )]
     NotFound,
 }
 
@@ -189,12 +194,13 @@ impl From<Option<NutError>> for NoSteadyState {
 /// Heat balance of a nut.
 struct HeatBalance<'a> {
     nut: &'a WarmNut<'a>,
-    /// Reciprocal of the heat generated at the temperatures without friction.
+    /// Reciprocal of the generated heat at the temperatures that the axis has without frictional
+    /// heat.
     weight: f64,
-    /// False after the nut has lost its preload.
+    /// False if the nut had lost its preload when the heat balance was last evaluated.
     has_preload: Cell<bool>,
     /// Models of the balls. They are held constant during a solve, because the friction is
-    /// discontinuous where a ball chooses another model.
+    /// discontinuous where a ball changes its model.
     models: ModelsOfPhases,
 }
 
@@ -202,11 +208,12 @@ struct HeatBalance<'a> {
 /// nodes.
 type HeatSlopes = [[f64; NODES]; FRICTION_NODES];
 
-/// Heat balance at a fixed speed factor.
+/// Heat balance at a given speed factor.
 struct BalanceAtSpeed<'a>(&'a HeatBalance<'a>, f64);
 
 impl HeatBalance<'_> {
-    /// Returns heat, loads and friction of the nut at given temperature rises.
+    /// Returns heat, loads and friction of the nut at given temperature rises and a given speed
+    /// factor.
     ///
     /// * `between_loads`: permitted relative error of the friction that is interpolated between
     ///   ball loads.
@@ -226,8 +233,8 @@ impl HeatBalance<'_> {
         Ok(heated)
     }
 
-    /// Returns the residual of the heat balance, `$M T - r - P(T)$` (I8), together with heat and
-    /// loads of the nut.
+    /// Returns the residual of the heat balance, `$M T - r - P(T)$` (I8), and the heat and loads of
+    /// the nut.
     fn heat_residual(
         &self,
         rises: &[f64; NODES],
@@ -237,7 +244,8 @@ impl HeatBalance<'_> {
         Ok((self.left_with(rises, factor, &heated.heat), heated))
     }
 
-    /// Returns the residual of the heat balance if the heat at each node is known.
+    /// Returns the residual of the heat balance for known values of the heat that is generated at
+    /// each node.
     fn left_with(&self, rises: &[f64; NODES], factor: f64, heat: &[f64; NODES]) -> [f64; NODES] {
         let (matrix, received) = self.nut.network(factor).balance();
         from_fn(|i| {
@@ -246,8 +254,8 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// Returns the derivatives `$P'$` with a relative error of 0.001, and the heat from which they
-    /// are calculated. They are used in Newton and continuation steps.
+    /// Returns the derivatives `$P'$` of the heat with a relative error of 0.001, and the heat from
+    /// which they are calculated. They are used in Newton and continuation steps.
     fn slopes_of_step(
         &self,
         rises: &[f64; NODES],
@@ -257,8 +265,9 @@ impl HeatBalance<'_> {
         Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
 
-    /// Returns the derivatives `$P'$`. If the heat at these temperature rises is given in `here`,
-    /// one-sided differences are used; otherwise, central differences.
+    /// Returns the derivatives `$P'$` of the heat with respect to the temperatures. If the heat at
+    /// the given temperature rises is known (`here`), one-sided differences are used; otherwise,
+    /// central differences.
     fn slopes(
         &self,
         rises: &[f64; NODES],
@@ -267,8 +276,8 @@ impl HeatBalance<'_> {
     ) -> Result<HeatSlopes, EvalError> {
         let between_loads = if here.is_some() { STEP_FRICTION_TOLERANCE } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
-        // The temperatures of the screw ends influence the nut only through the axial tension of
-        // the screw.
+        // The temperatures of the screw ends influence the nut only if the screw is held at both
+        // ends, because they then change its axial tension.
         let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
@@ -288,14 +297,14 @@ impl HeatBalance<'_> {
         Ok(slopes)
     }
 
-    /// Returns the rows of the matrix `$M - P'$`.
+    /// Returns the rows of the matrix `$M - P'$`, the Jacobian of the heat balance.
     fn rows(&self, slopes: &HeatSlopes, factor: f64) -> [[f64; NODES]; NODES] {
         let (matrix, _) = self.nut.network(factor).balance();
         from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
     }
 
-    /// Returns `$P' M^{-1}$`, reduced to the nodes of nut, screw and balls. The matrix has the same
-    /// nonzero eigenvalues as `$M^{-1} P'$`.
+    /// Returns the matrix `$P' M^{-1}$` for nut, screw and balls. Its nonzero eigenvalues are those
+    /// of `$M^{-1} P'$`.
     fn loop_matrix(
         &self,
         slopes: &HeatSlopes,
@@ -318,9 +327,9 @@ impl HeatBalance<'_> {
         gains
     }
 
-    /// Returns the steady-state temperature rises at a speed factor, together with heat and loads
-    /// of the nut. The search starts at the given temperature rises. Returns `None` if it does not
-    /// converge.
+    /// Returns the temperature rises in the steady state at a given speed factor, together with
+    /// heat and loads of the nut. The search starts at the temperature rises `rises`. Returns
+    /// `None` if it does not converge.
     fn steady_rises(
         &self,
         mut rises: [f64; NODES],
@@ -347,8 +356,8 @@ impl HeatBalance<'_> {
         Some((rises, heated))
     }
 
-    /// Returns the complete steady state at steady-state temperature rises, including its loop
-    /// gain.
+    /// Returns the complete steady state, including its loop gain, from known temperature rises,
+    /// heat and loads.
     fn state_at(
         &self,
         (rises, heated): ([f64; NODES], NutAtTemperature),
@@ -376,8 +385,8 @@ impl HeatBalance<'_> {
         rises.iter().any(|rise| self.nut.set + rise > MAX_TEMPERATURE)
     }
 
-    /// Returns true if the last state of a continuation is below the temperature limit and has a
-    /// preload.
+    /// Returns true if the last state of a continuation is below the temperature limit and still
+    /// has a preload.
     fn counts(&self, trace_branch: &Trace<{ NODES + 1 }>) -> bool {
         !self.is_too_hot(&trace_branch.last[..NODES]) && self.has_preload.get()
     }
@@ -394,7 +403,8 @@ impl HeatBalance<'_> {
         }
     }
 
-    /// Returns a steady state at low speed and its speed factor, at which the continuation starts.
+    /// Returns a steady state at low speed and its speed factor. The continuation starts at this
+    /// state.
     fn slow(&self, rest: [f64; NODES]) -> Result<([f64; NODES], f64), NoSteadyState> {
         let state = |factor: f64| {
             let (rises, _) = self.steady_rises(rest, factor)?;
@@ -409,10 +419,10 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// Follows the branch from a given state until `continues` returns false. Event 0 is a crossing
-    /// of the given speeds (speed factor 1), and event 1 is a fold.
+    /// Traces the branch of steady states from a given state until `continues` returns false. Event
+    /// 0 is a state at the given speeds (speed factor 1), and event 1 is a fold.
     ///
-    /// * `longest`: maximum step in units of [`SIZES`].
+    /// * `longest`: maximum length of a continuation step, in units of [`SIZES`].
     fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
@@ -425,7 +435,7 @@ impl HeatBalance<'_> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
         let control = StepControl {
             longest,
-            // A step must not be shorter than the step size of finite differences.
+            // A continuation step must not be shorter than the step of finite differences.
             shortest: DIFFERENCE / SIZES.0,
             root_tolerance: ROOT_TOLERANCE,
             goal: RESIDUAL_TOLERANCE,
@@ -529,18 +539,20 @@ impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
 
 impl WarmNut<'_> {
     /// Returns the stable steady state at the given speeds. The search starts at the temperatures
-    /// without friction. If it fails, it follows the branch that begins at standstill.
+    /// without frictional heat. If this search fails, the branch of steady states is traced from
+    /// low speed.
     ///
     /// # Errors
     ///
-    /// Returns [`NoSteadyState`]. If the temperatures run away, it contains the fold.
+    /// Returns [`NoSteadyState`] if there is no stable steady state. If the temperatures run away,
+    /// the error contains the fold.
     pub fn steady(&self) -> Result<Steady, NoSteadyState> {
         self.steady_from(None)
     }
 
-    /// Calculates the same result as [`steady`](Self::steady), but starts at the temperature rises
-    /// of a neighboring solution. This saves iterations and leads to the same state, unless there
-    /// are two stable states.
+    /// Calculates the same state as [`steady`](Self::steady), but starts at the temperature rises
+    /// of a neighboring solution, which saves iterations. If there are two stable states, the
+    /// result may be the other one.
     ///
     /// # Errors
     ///
@@ -549,8 +561,8 @@ impl WarmNut<'_> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
-            // No state exists with the ball models for cold loads, so the balls choose their models
-            // at every step.
+            // The ball models were chosen for the temperatures without frictional heat. No steady
+            // state exists with these models, so the balls now choose their models at every step.
             Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
                 return Self::steady_with_models(&balance.with_models(Vec::new()), rest, near);
             }
@@ -561,12 +573,13 @@ impl WarmNut<'_> {
         }
         let decided = self.models(&state.rises, 1.0, &state.heated);
         let decided = decided.ok_or(NoSteadyState::NoFriction)?;
-        // A steady state may exist on only one side of the discontinuity.
+        // The state is at a discontinuity. A steady state may exist with the ball models on the
+        // other side.
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
-    /// Returns the stable steady state for a heat balance with given ball models. If no models are
-    /// given, the balls choose their models at every step.
+    /// Returns the stable steady state for a heat balance with given ball models. If the list of
+    /// models is empty, the balls choose their models at every step.
     ///
     /// * `near`: temperature rises at which the search starts.
     fn steady_with_models(
@@ -599,8 +612,8 @@ impl WarmNut<'_> {
         }
     }
 
-    /// Returns the fold at speeds above a stable state, or `None` if its speed factor exceeds
-    /// `most`.
+    /// Returns the fold that the branch reaches at higher speeds than the given stable state.
+    /// Returns `None` if the speed factor of the fold exceeds `most`.
     ///
     /// # Errors
     ///
@@ -628,13 +641,13 @@ impl WarmNut<'_> {
         balance.folded(&fold.z, unstable).map(Some)
     }
 
-    /// Returns points on the branch of steady states from standstill up to the speed factor `most`,
-    /// or through the fold and somewhat beyond. The branch ends where a temperature exceeds 180 °C
-    /// or the preload is lost. The fold itself is one of the points.
+    /// Returns points on the branch of steady states, from standstill up to the speed factor `most`
+    /// or to a short distance beyond the fold. The branch ends earlier if a temperature exceeds 180
+    /// °C or the preload is lost. The fold is one of the points.
     ///
     /// # Errors
     ///
-    /// Returns [`NoSteadyState`] if no state exists even at low speed.
+    /// Returns [`NoSteadyState`] if no steady state exists even at low speed.
     pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
         let (mut balance, rest) = self.at_rest()?;
         if let Ok(state) = self.steady() {
@@ -664,7 +677,7 @@ impl WarmNut<'_> {
         points.into_iter().map(point).collect()
     }
 
-    /// Returns the heat balance, and the temperature rises without frictional heat.
+    /// Returns the heat balance of the nut, and the temperature rises without frictional heat.
     fn at_rest(&self) -> Result<(HeatBalance<'_>, [f64; NODES]), NoSteadyState> {
         let motor = HeatSources { motor: self.motor, ..HeatSources::default() };
         let rest = self.network(1.0).rises(&self.axis.heats(&motor))?;
@@ -676,7 +689,8 @@ impl WarmNut<'_> {
     }
 }
 
-/// Returns true if every ball that has a model in both lists has the same model in both lists.
+/// Returns true if no ball has different models in the two lists. Balls without a model in one of
+/// the lists are ignored.
 fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
     let phases = one.iter().zip(other);
     phases.flat_map(|(one, other)| one.iter().zip(other)).all(|pair| match pair {
@@ -700,7 +714,7 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The test matrices are triangular, contain a rotation in a plane, or are zero.
+    /// The test matrices are triangular, contain a plane rotation, or are zero.
     #[test]
     fn largest_real_part_matches_the_known_eigenvalues() {
         let cases = [
@@ -711,8 +725,8 @@ mod tests {
         ];
         for (matrix, largest) in cases {
             let found = largest_real_part(&matrix);
-            // The tolerance allows for rounding errors of an orthogonal reduction with entries of
-            // order ten.
+            // The tolerance covers the rounding errors of a Schur decomposition of a matrix with
+            // entries up to ten.
             assert!((found - largest).abs() < 1e-12, "{matrix:?}: {found}, not {largest}");
         }
     }

@@ -85,8 +85,8 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// Returns a random support, which is free, guided or sprung. The axial load is up to about half of
-/// the dynamic load rating, and there are transverse loads and moments.
+/// Returns a random support, which is free, guided or elastic. The axial load is at most about half
+/// of the dynamic load rating, and there are transverse loads and moments.
 pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     // For Z balls, half of C_a is about 250 N/mm² times the square of the ball diameter times
     // Z^0.8.
@@ -110,8 +110,8 @@ pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// Checks that the stiffness equals the slope of the forces under prescribed displacements, in one
-/// direction that combines all degrees of freedom.
+/// Checks that the stiffness equals the slope of the forces as functions of the displacement. The
+/// displacement is prescribed along one direction that combines all degrees of freedom.
 fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, point: u32) {
     let radius = nut.helix.radius;
     let arms = [1.0, -1.0, 1.0, 1.0 / radius, -1.0 / radius];
@@ -131,8 +131,9 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
         let along =
             |of: &Equilibrium| -> f64 { (0..5).map(|k| of.stiffness[i][k] * arms[k]).sum() };
         let slope = (above.carried[i] - below.carried[i]) / (2.0 * step);
-        // The slope is the mean stiffness between both ends of the step, where contacts may open or
-        // close. Forces are balanced to 1e-12 of their sum in each of about ten unknowns.
+        // The slope is a mean stiffness between both ends of the step, because contacts may open or
+        // close within the step. Forces are balanced to 1e-12 of their sum for each of about ten
+        // unknowns.
         let changes = (along(&above) - along(found)).abs() + (along(&below) - along(found)).abs();
         let allowed = changes + 1e-11 * forces / step / arm;
         let off = (slope - along(found)).abs();
@@ -143,7 +144,7 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
 /// Solves random nuts. Returns the number of solved nuts, the number of nuts that cannot carry
 /// their load, the largest residual and the largest number of steps.
 ///
-/// * `every`: interval between nuts whose stiffness is compared with finite differences.
+/// * `every`: if it is n, the stiffness of every nth nut is compared with finite differences.
 fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
@@ -170,8 +171,8 @@ fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usiz
                 let numbers = found.balls.iter().flat_map(|b| b.loads).chain(found.displacement);
                 assert!(numbers.into_iter().all(f64::is_finite), "{point}");
             }
-            // Nuts that cannot carry their load have only one flank, or a few balls far from the
-            // line of action of the load.
+            // The nuts that cannot carry their load have only one flank, or few balls, all of which
+            // are far from the line of action of the load.
             Err(
                 NutError::NothingCarries { .. }
                 | NutError::BallLeavesFlank { .. }
@@ -183,15 +184,15 @@ fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usiz
     (solved, nothing, worst, most)
 }
 
-/// Solves random nuts and checks the properties that every nut must have.
+/// Solves random nuts and checks that their results have the required properties.
 #[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_campaign(points: u32, seed: u64, every: u32) {
     let (solved, nothing, worst, most) = solve_random_nuts(points, seed, every);
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
-    // A single flank carries loads in one direction only, which affects one twelfth of the nuts. In
-    // about one of 25 nuts, a ball leaves its flank.
+    // A single flank carries loads in one direction only, so one twelfth of the nuts cannot carry
+    // their load. In about one of 25 nuts, a ball leaves its flank.
     assert!(nothing < points / 7, "{nothing}");
 }
 
@@ -200,15 +201,15 @@ fn random_nuts_find_their_equilibrium() {
     check_campaign(1_000, 1, 10);
 }
 
-/// Run the whole campaign with `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
+/// To run this test, use `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten thousand nuts take minutes"]
 fn ten_thousand_random_nuts_find_their_equilibrium() {
     check_campaign(10_000, 2026, 1);
 }
 
-/// Returns an extreme nut. Its play, oversize, errors, conformities and speeds may be far beyond
-/// practical values.
+/// Returns an extreme nut, whose play, oversize, errors, conformities and speeds may be far outside
+/// the practical range.
 fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     let mut nut = nut(rng);
     let mut conformity = || {
@@ -234,8 +235,8 @@ fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// Returns an extreme support. Loads cover many orders of magnitude, or displacements of up to one
-/// percent of the ball radius and corresponding tilts are prescribed.
+/// Returns an extreme support. Either the loads range over many orders of magnitude, or the
+/// displacements are prescribed: up to one percent of the ball radius, with corresponding tilts.
 fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     let mut support = support(rng, nut);
     let size = rng.log_uniform(1e-6, 10.0);
@@ -255,8 +256,8 @@ fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// Returns a description of a defect in an equilibrium, or `None` if there is none. The check uses
-/// only the loads and contact angles of the result.
+/// Describes a defect of an equilibrium, or returns `None` if there is none. The check uses only
+/// the loads and contact angles of the result.
 fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
@@ -284,8 +285,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             size += load;
         }
         let left = (of_body[0][0] + of_body[1][0]).hypot(of_body[0][1] + of_body[1][1] - outward);
-        // The solver balances the forces on a ball to 1e-7, or to the rounding error of its
-        // position, which is 1e-6 of the forces here.
+        // The solver balances the forces on a ball to 1e-7 of the forces, or to the effect of
+        // rounding errors in the position, which is below 1e-6 of the forces in this test.
         if left > 1e-6 * size {
             return Some(format!("ball {number} is out of balance by {:e}", left / size));
         }
@@ -312,7 +313,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             Freedom::Loaded(load) => load,
             Freedom::Sprung { stiffness, load } => load - stiffness * found.displacement[i],
         };
-        // The solver stops at 1e-12 of the forces, or at 1e-10 if the bodies deform strongly.
+        // The solver stops at a residual of 1e-12 of the forces, or of 1e-10 if the bodies deform
+        // strongly.
         let left = (on_balls[i] - load).abs() / arms[i];
         if left > 1e-6 * (forces + load.abs() / arms[i]) {
             return Some(format!("freedom {i} is out of balance by {left:e} of {forces:e} N"));
@@ -321,8 +323,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
     None
 }
 
-/// Checks that extreme nuts are either in equilibrium according to their own loads and contact
-/// angles, or are rejected with a reason. The numbers of both outcomes are printed.
+/// Checks that each extreme nut is either rejected with a reason, or is in equilibrium according to
+/// its loads and contact angles. Prints how many nuts are rejected and how many are in equilibrium.
 #[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_extreme_campaign(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -356,7 +358,7 @@ fn check_extreme_campaign(points: u32, seed: u64) {
         "{solved} in balance; nothing carries {nothing}, a ball leaves its flank in {leaves}, not converged \
          {not_converged}, a ball not balanced in {ball}, too large in {large}"
     );
-    // At least one third of the nuts must carry their load.
+    // At least one third of the nuts must be able to carry their load.
     assert!(3 * solved >= points, "{solved} of {points}");
 }
 
@@ -365,7 +367,7 @@ fn extreme_nuts_are_in_equilibrium_or_rejected() {
     check_extreme_campaign(300, 37);
 }
 
-/// Run the whole campaign with `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
+/// To run this test, use `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten times as many nuts"]
 fn three_thousand_extreme_nuts_are_in_equilibrium_or_rejected() {

@@ -19,18 +19,19 @@ fn circuit(start_deg: f64, arc_deg: f64, balls: usize, flanks: Flanks) -> Circui
     Circuit { start, arc, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// Returns a nut with 98 balls on 4.81 turns, whose two flanks can both carry load.
+/// Returns a nut with 98 balls in 4.81 turns. The balls can carry load on both flanks.
 fn nut_with_98_balls() -> BallNut {
     with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Both)])
 }
 
-/// Returns a pair of nut bodies on opposite flanks, without an offset between them.
+/// Returns a pair of nut bodies that are loaded on opposite flanks, without an offset between the
+/// bodies.
 fn pair() -> BallNut {
     let second = Circuit { body: 1, ..circuit(1440.0, 1080.0, 60, Flanks::Minus) };
     with_circuits(vec![circuit(0.0, 1080.0, 60, Flanks::Plus), second])
 }
 
-/// Returns a support that prescribes all displacements.
+/// Returns a support that prescribes the displacement in every degree of freedom.
 fn prescribed_displacements(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
@@ -46,15 +47,16 @@ fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
-    // The search starts from the solution with equal ball loads, so it needs at most one step.
+    // The search starts from equal ball loads, which is the solution here, so at most one step is
+    // needed.
     assert!(found.steps <= 1, "{}", found.steps);
     assert!(!nut.shares_equally(&Support::free(6340.0)));
     let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     assert!(one_flank.shares_equally(&Support::guided(6340.0)));
 }
 
-/// The stiffness equals the slope of the forces under prescribed displacements, even if all bodies
-/// are elastic.
+/// The stiffness equals the slope of the forces as functions of the prescribed displacements, even
+/// if all bodies are elastic.
 #[test]
 fn stiffness_matches_the_slope_of_the_forces() {
     let mut nut = nut_with_98_balls();
@@ -75,21 +77,22 @@ fn stiffness_matches_the_slope_of_the_forces() {
         for i in 0..5 {
             let slope = (above[i] - below[i]) / (2.0 * step);
             let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
-            // The tolerance allows for rounding errors of forces of 1e4 N with steps of one
-            // nanometer, and for the third derivative.
+            // The tolerance covers the rounding errors of forces of 1e4 N divided by steps of one
+            // nanometer, and the third derivative of the energy.
             let allowed = 1e-6 * size;
             assert!((slope - found.stiffness[i][k]).abs() < allowed, "{i} {k}");
         }
     }
 }
 
-/// The ball forces carry the load within rounding errors, and the stiffness matrix is symmetric.
+/// The sum of the ball forces equals the load except for rounding errors, and the stiffness matrix
+/// is symmetric.
 #[test]
 fn ball_forces_add_up_to_the_load() {
     let load = [8000.0, 300.0, -500.0, 20.0, 40.0];
     let found = nut_with_98_balls().solve(&Support(load.map(Freedom::Loaded))).expect("carried");
     for (carried, load) in found.carried.iter().zip(load) {
-        // The iteration stops at 1e-12 of the sum of all forces.
+        // The iteration stops when the residual is below 1e-12 of the sum of all forces.
         assert!((carried - load).abs() < 1e-8, "{carried} {load}");
     }
     for i in 0..5 {
@@ -101,8 +104,8 @@ fn ball_forces_add_up_to_the_load() {
     }
 }
 
-/// With stiff bars anchored on one side, the ball loads decrease with the distance from the anchors
-/// as predicted by first-order theory.
+/// If stiff bars are anchored on the same side, the ball loads decrease with the distance from the
+/// anchors, as first-order theory predicts.
 #[test]
 fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
     let mut nut = nut_with_98_balls();
@@ -114,8 +117,8 @@ fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
         *bar = Some(Bar { stiffness, anchor: first });
     }
     let found = nut.solve(&Support::guided(10e3)).expect("carried");
-    // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. The next order and the finite
-    // spacing of the balls change this increase by about 1e-3.
+    // The theory is μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. Terms of second order
+    // and the finite spacing of the balls change this increase by about 1e-3.
     let small = equal.stiffness * (last - first) * 2.0 / stiffness;
     let axial = |i: usize| found.balls[i].force[0];
     let mean = (0..98).map(axial).sum::<f64>() / 98.0;
@@ -127,13 +130,13 @@ fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
 #[test]
 fn a_free_nut_tilts_under_a_central_load() {
     let found = nut_with_98_balls().solve(&Support::free(6340.0)).expect("carried");
-    // An independent solution gives max/mean = 1.2536 at one tenth of the rating.
+    // An independent solution gives a load concentration of 1.2536 at one tenth of the load rating.
     assert_relative_eq!(found.concentration(), 1.2536, epsilon = 6e-5);
     let tilt = found.displacement[3].hypot(found.displacement[4]);
     assert!((14e-6..220e-6).contains(&tilt), "{tilt:e}");
 }
 
-/// Load concentrations match the printed digits of an independent implementation.
+/// The load concentrations match all digits that an independent implementation prints.
 #[test]
 fn load_concentrations_match_an_independent_solution() {
     let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
@@ -150,21 +153,21 @@ fn load_concentrations_match_an_independent_solution() {
     }
 }
 
-/// Torsion of the screw increases its compliance by the factor 1 + 4 (1 + ν) (h/r)², which is the
-/// closed formula for a solid shaft.
+/// Torsion of the screw increases its axial compliance by the factor 1 + 4 (1 + ν) (h/r)²,
+/// according to the closed formula for a solid shaft.
 #[test]
 fn torsion_reduces_the_stiffness_of_the_screw() {
     let nut = nut_with_98_balls();
     let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
     let radius = 0.5 * nut.groove_diameters()[0];
     let per_radian = nut.helix.lead() / TAU;
-    // Both values differ only by rounding errors.
+    // The calculated ratio and the closed formula differ only by rounding errors.
     assert_relative_eq!(ratio, 1.0 + 5.2 * (per_radian / radius).powi(2), max_relative = 1e-14);
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
 
-/// A deep-groove ball bearing, modeled as a nut with zero lead, matches a commercial program for
-/// ISO/TS 16281.
+/// A nut with zero lead represents a deep-groove ball bearing and matches the results of a
+/// commercial program for ISO/TS 16281.
 #[test]
 fn nut_with_zero_lead_matches_a_ball_bearing() {
     let radius = 5.75e-3;
@@ -195,8 +198,8 @@ fn nut_with_zero_lead_matches_a_ball_bearing() {
     assert_relative_eq!(found, 133.5381e-6, max_relative = 1e-5);
 }
 
-/// In the limit of zero preload, the limit load is 2√2 times the preload, and the stiffness is 3
-/// F_p/δ_p.
+/// If the preload approaches zero, the limit load approaches 2√2 times the preload, and the
+/// stiffness approaches 3 F_p/δ_p.
 #[test]
 fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
     let pair = pair();
@@ -205,7 +208,7 @@ fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
     let offset = pair.preload_displacement(PreloadKind::Offset, force, &support).expect("reached");
     let nut = pair.preloaded(PreloadKind::Offset, offset);
     let found = nut.solve(&support).expect("at rest");
-    // The offset is calculated to 1e-13.
+    // The offset is calculated with a relative error of 1e-13.
     assert_relative_eq!(found.preload(&nut, PreloadKind::Offset), force, max_relative = 1e-9);
     // A preload of one newton changes the contact angles by 2e-4.
     let stiffness = 3.0 * force / (0.5 * offset);
@@ -216,7 +219,7 @@ fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
     assert_relative_eq!(other, -limit, max_relative = 1e-6);
 }
 
-/// The displacement required for a given preload is found for a pair and for oversize balls.
+/// The displacement that causes a given preload is found for a pair and for oversize balls.
 #[test]
 fn displacement_for_a_given_preload_is_found() {
     let pair = pair();
@@ -257,14 +260,14 @@ fn cold_pair(x: bool) -> BallNut {
     let force = if x { 2500.0 } else { -2500.0 };
     let offset = nut.preload_displacement(PreloadKind::Offset, force, &Support::guided(0.0));
     let offset = offset.expect("a preload");
-    // The reference value ∓11.784697 um is printed with eight digits.
+    // The reference prints ∓11.784697 um, which has eight digits.
     assert_relative_eq!(offset, force.signum() * 11.784_697e-6, max_relative = 1e-7);
     nut.preloaded(PreloadKind::Offset, offset)
 }
 
-/// The preload is set at the assembly temperature. It used to be set again in the warm nut, and a
-/// uniformly warm nut lost its preload by thermal expansion. The reference values come from an
-/// independent solution with ten digits.
+/// The preload is set at the assembly temperature. In an earlier version, the preload was set again
+/// in the warm nut, and a uniformly warm nut lost its preload by thermal expansion. The reference
+/// values have ten digits and come from an independent solution.
 #[test]
 fn preload_is_set_at_assembly_and_changes_with_temperatures() {
     let table = [
@@ -283,8 +286,8 @@ fn preload_is_set_at_assembly_and_changes_with_temperatures() {
             let warm = pair.warmed(rises, 11.5e-6);
             let found = warm.solve(&Support::guided(0.0)).expect("at rest");
             let left = found.preload(&warm, PreloadKind::Offset);
-            // The preload is accurate to 1e-13 of the offset. The tolerance allows for the number
-            // of printed digits.
+            // The solver finds the offset with a relative error of 1e-13. The tolerance is due to
+            // the number of digits that the reference prints.
             assert_relative_eq!(left, expected, max_relative = 2e-9);
         }
     }
@@ -309,13 +312,13 @@ fn o_arrangement_is_stiffer_against_tilting_than_x_arrangement() {
     let tilt =
         |x: bool| cold_pair(x).solve(&Support::guided(0.0)).expect("at rest").stiffness[3][3];
     let ratio = tilt(false) / tilt(true);
-    // According to the reference, the tilt in one arrangement is one fifteenth of the tilt in the
-    // other.
+    // In the reference, a pair in O arrangement tilts by one fifteenth of the tilt of a pair in X
+    // arrangement.
     assert!((10.0..20.0).contains(&ratio), "{ratio}");
 }
 
-/// A radial gap larger than the groove, or a tilt that presses balls out of the groove, used to
-/// give contact angles beyond 90 deg.
+/// A ball leaves its flank if the radial gap is larger than the groove, or if a tilt presses balls
+/// out of the groove. In an earlier version, such nuts had contact angles beyond 90 deg.
 #[test]
 fn a_ball_that_leaves_its_flank_is_rejected() {
     let mut nut = nut_with_98_balls();
@@ -326,7 +329,8 @@ fn a_ball_that_leaves_its_flank_is_rejected() {
     assert!(matches!(nut_with_98_balls().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
 }
 
-/// A load that points away from the only flank would move the nut without limit, so it is rejected.
+/// Nothing supports a load that points away from the only flank, so the nut would move without
+/// limit.
 #[test]
 fn a_load_away_from_the_only_flank_is_rejected() {
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -336,7 +340,7 @@ fn a_load_away_from_the_only_flank_is_rejected() {
     assert_eq!(empty.expect_err("no balls"), NutError::NoBalls);
 }
 
-/// A screw that is anchored meters away from the nut deforms by more than the depth of a groove,
+/// A screw whose anchor is meters away from the nut elongates by more than the depth of a groove,
 /// but it still carries its load.
 #[test]
 fn a_long_screw_deforms_but_carries_its_load() {
@@ -350,15 +354,15 @@ fn a_long_screw_deforms_but_carries_its_load() {
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
 }
 
-/// If the nut is displaced far from the position of the undeformed screw, the bodies deform. The
-/// solver used to report that no ball carries the load.
+/// If the nut is displaced far from the undeformed screw, the bodies deform. An earlier version of
+/// the solver reported that no ball carries the load.
 #[test]
 fn a_large_prescribed_displacement_deforms_the_bodies() {
     let mut nut = nut_with_98_balls();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
     let again = nut.solve(&prescribed_displacements(loaded.displacement)).expect("held");
-    // Forces are balanced to 1e-12 of their sum.
+    // The solver balances the forces to 1e-12 of their sum.
     assert_relative_eq!(again.carried[0], 100e3, max_relative = 1e-9);
 }
 
@@ -383,8 +387,8 @@ fn guide_springs_cover_the_range_from_free_to_guided() {
     assert!(1.01 < between && between < free, "{between}");
 }
 
-/// If all balls are equally loaded, the total friction is the friction of one ball times the number
-/// of balls. In a pair without external load, friction alone causes the torque.
+/// If all balls are equally loaded, the total friction is the friction of one ball multiplied by
+/// the number of balls. Without external load, the torque of a pair is caused by friction alone.
 #[test]
 fn friction_of_equally_loaded_balls_adds_up() {
     let drive = Drive { screw_speed: 500.0 * PI / 30.0, nut_speed: 0.0 };
@@ -395,8 +399,7 @@ fn friction_of_equally_loaded_balls_adds_up() {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
-    // Number of calculated ball states. All balls carry the same load, so their friction is
-    // calculated only once.
+    // `solves` counts the solved balls. All balls carry the same load, so only one ball is solved.
     let mut solves = 0;
     let counted = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, |screw| {
         solves += 1;
@@ -425,16 +428,16 @@ fn friction_of_equally_loaded_balls_adds_up() {
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
     assert_eq!(all.efficiency, None);
     let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
-    // The terms h F of the two bodies cancel each other within rounding errors of 3000 N.
+    // The torques h F of the two bodies cancel, except for rounding errors of forces of 3000 N.
     assert_relative_eq!(drag, drive_torque, max_relative = 1e-6);
-    // K_p = T 2π/(F_p P_h): a dry friction coefficient of 0.06 gives 0.033, a value known to two
-    // digits.
+    // According to K_p = T 2π/(F_p P_h), a dry friction coefficient of 0.06 gives K_p = 0.033, a
+    // value known to two digits.
     let factor = drag * TAU / (3000.0 * 10e-3);
     assert!((0.028..0.038).contains(&factor), "{factor}");
 }
 
-/// Oversize balls on both flanks cause a drag torque. Their friction is integrated over four
-/// contact ellipses.
+/// Oversize balls touch both flanks and cause a drag torque, which is integrated over four contact
+/// ellipses per ball.
 #[test]
 fn oversize_balls_cause_a_drag_torque() {
     let tight = nut_with_98_balls().preloaded(PreloadKind::Oversize, 8e-6);
@@ -447,11 +450,11 @@ fn oversize_balls_cause_a_drag_torque() {
         all.torque.expect("all balls")
     };
     let torque = drag(50.0, 0.06);
-    // Apart from the effects of inertia and creep speed, the sliding friction of a ball with four
+    // Except for the influence of inertia and creep speed, the friction of a ball with four sliding
     // contacts is proportional to the friction coefficient.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // In a pair with the same preload, the balls roll, and K_p is only 0.033.
+    // In a pair with the same preload, the balls roll instead of sliding, and K_p is only 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
@@ -467,8 +470,8 @@ proptest! {
         let here = nut_with_98_balls().solve(&load).expect("carried");
         let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
         let there = there.solve(&load).expect("carried");
-        // After two turns, helix angles have rounding errors of 1e-15, and elastic approaches are
-        // 1e-4 of the radius.
+        // After a shift by two turns, helix angles have rounding errors of 1e-15. The elastic
+        // approach is only 1e-4 of the radius, so the relative errors of the loads are larger.
         prop_assert!((here.max_load() / there.max_load() - 1.0).abs() < 1e-9);
     }
 
@@ -489,11 +492,13 @@ proptest! {
         nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
         let found = nut.solve(&Support::guided(axial)).expect("carried");
         let bound = nut.load_bound(axial).expect("a bound");
-        // (U27) is only of first order in the excess of the ball radius, with an error of 1 %.
+        // The bound (U27) is linear in the excess of the ball radius, which makes it inaccurate by up to
+        // 1 %.
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// A nut with contact on both flanks carries any load, and forces are balanced to 1e-12.
+    /// A nut whose balls can be loaded on both flanks carries any load, and forces are balanced to
+    /// 1e-12.
     #[test]
     fn nut_with_contact_on_both_flanks_carries_any_load(
         load in prop::array::uniform5(-1.0..1.0_f64),
@@ -514,12 +519,13 @@ proptest! {
 }
 
 /// In a single nut, the thermal expansion of the balls first takes up the play. The balls press
-/// against both flanks only after the play is closed. The preload is then the same as with oversize
-/// balls whose excess is the remaining expansion.
+/// against both flanks only after the play is closed. From then on, the preload equals the preload
+/// of balls whose oversize is the remaining expansion.
 #[test]
 fn thermal_expansion_of_balls_takes_up_the_play_first() {
     let rises = [0.0, 0.0, 10.0];
-    // The expansion is Δr = r_b α_T ΔT, and `taken` is the play that it takes up.
+    // The expansion of the ball radius is Δr = r_b α_T ΔT, and `taken` is the play that this
+    // expansion closes.
     let growth = nut_with_98_balls().ball.radius * 11.5e-6 * 10.0;
     let taken = 4.0 * growth
         / (nut_with_98_balls().contact_angle.sin() * nut_with_98_balls().helix.lead_angle.cos());
@@ -534,13 +540,13 @@ fn thermal_expansion_of_balls_takes_up_the_play_first() {
         assert!(preload(play).0.abs() <= 0.0, "{play:?}");
     }
     let (_, errors) = preload(Some(3.0 * taken));
-    // The tolerance is the relative rounding error of the difference between two plays.
+    // The tolerance is the rounding error of the difference between two plays.
     assert_relative_eq!(errors.axial_play.expect("a play"), 2.0 * taken, max_relative = 1e-12);
     let (half, _) = preload(Some(0.5 * taken));
     let oversize = nut_with_98_balls().preloaded(PreloadKind::Oversize, growth);
     let found = oversize.solve(&Support::guided(0.0)).expect("at rest");
     let expected = found.preload(&oversize, PreloadKind::Oversize);
-    // The solver balances forces to 1e-12 of the loads.
+    // The tolerance is larger than the residual of the solver, which is 1e-12 of the loads.
     assert!(expected > 0.0);
     assert_relative_eq!(half, expected, max_relative = 1e-9);
 }

@@ -1,4 +1,4 @@
-//! Tests of nuts: identities, reference cases and campaigns with random nuts.
+//! Tests of nuts: identities, reference cases, and campaigns with random nuts.
 
 mod campaign;
 mod identities;

@@ -1,4 +1,4 @@
-//! Screw used in the tests: 40 mm x 10 mm with 6.35 mm balls.
+//! The screw that the tests use: nominal diameter 40 mm, lead 10 mm, ball diameter 6.35 mm.
 
 use std::f64::consts::PI;
 

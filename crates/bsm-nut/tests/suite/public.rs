@@ -110,9 +110,9 @@ fn read_support(case: &Value) -> Support {
     }))
 }
 
-/// Compares the numbers `found` with the numbers `expected`. For values that are zero by symmetry,
-/// the tolerance is the rounding error of a sum over a hundred balls, which is 1e-12 of the largest
-/// value in the list.
+/// Compares calculated numbers with expected numbers. For values that are zero by symmetry, the
+/// tolerance is the rounding error of a sum over a hundred balls, 1e-12 of the largest value in the
+/// list.
 fn assert_agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name} {what}");
     let size = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -184,8 +184,9 @@ fn nuts_match_the_reference_cases() {
             &read_numbers(&expect["tilt_urad"]),
             tolerance,
         );
-        // The list also contains the sum of the contact loads at the nut. It sets the tolerance for
-        // values that are zero apart from rounding errors.
+        // The last element of the list is the sum of the contact loads at the nut. It is the
+        // largest number in the list and sets the tolerance for forces that are zero except for
+        // rounding errors.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
             all.push(sum);
@@ -217,8 +218,8 @@ fn nuts_match_the_reference_cases() {
             let life = found.life(&nut, &ratings);
             assert_agree(name, "life", &[life], &[number(expect, "life_revolutions")], tolerance);
         }
-        // A starting point that is off by one micrometer and ten microradians leads to the same
-        // equilibrium, because the energy is convex.
+        // The equilibrium must not depend on the starting point, because the energy is convex. The
+        // starting point is off by one micrometer and ten microradians.
         let off = [1e-6, -1e-6, 1e-6, 1e-5, -1e-5];
         let start = std::array::from_fn(|i| found.displacement[i] + off[i]);
         let again = nut.solve_from(&read_support(case), Some(&start)).expect("carried");

@@ -1,5 +1,5 @@
-//! Tests of balls in gothic arches with friction in their force balance, and of preloaded pairs:
-//! reference cases, limiting cases and random operating points.
+//! Tests of balls in gothic arches whose force balance includes friction, and tests of preloaded
+//! pairs: reference cases, limiting cases and random operating points.
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ const STUDY: &str = include_str!("../../../../validation/published/nut/third_con
 const DEG: f64 = PI / 180.0;
 const RPM: f64 = PI / 30.0;
 
-/// A ball and its screw, in the units of the reference cases.
+/// A screw with a single ball, in the units of the reference cases.
 #[derive(Clone, Copy)]
 struct Scene {
     ball: f64,
@@ -57,7 +57,8 @@ impl Scene {
             fit: ArchFit {
                 axial_play: get("axial_play_um").unwrap_or(0.0) * 1e-6,
                 radial_gap: 0.0,
-                // The oversize in the reference cases refers to the ball diameter.
+                // The reference cases state the oversize of the ball diameter, and the nut model
+                // needs the oversize of the radius.
                 oversize: 0.5e-6 * get("ball_oversize_um").unwrap_or(0.0),
             },
         }
@@ -116,7 +117,7 @@ impl Scene {
     }
 }
 
-/// Checks that two numbers agree. The tolerance is relative to `size`.
+/// Checks that two numbers agree. The permitted difference is `tolerance` multiplied by `size`.
 #[track_caller]
 fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     let error = (found - expected).abs();
@@ -126,9 +127,9 @@ fn assert_near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64)
     );
 }
 
-/// Compares a ball with the reference, using the tolerances of the reference: 1e-6 relative to the
-/// largest load for loads; 1e-5 degrees for angles; 1e-6 relative for torque, power and speeds; and
-/// 1e-5 um for displacements.
+/// Compares a ball with the reference, using the tolerances that the reference states: for loads,
+/// 1e-6 of the largest load; for angles, 1e-5 degrees; for torque, power and speeds, a relative
+/// error of 1e-6; for displacements, 1e-5 um.
 fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     let loads = found.loads();
     let largest = loads.into_iter().fold(0.0, f64::max);
@@ -189,7 +190,7 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
             ("third_contact_slip_m_s", along),
             ("third_contact_power_share", third.power_share),
         ] {
-            // The tolerance for the load ratio is the same as for a load.
+            // The ratio of two loads has the same relative tolerance as a load.
             let expected = number(expect, key).expect("number");
             assert_near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
@@ -216,13 +217,13 @@ fn reference_balls_have_the_expected_third_contacts() {
         let found = scene.solve(condition);
         let turning = found.motion.omega.norm();
         compare_with_reference(name, &found, &case["expect"], turning);
-        // The force balance is solved to 1e-10 of the friction force.
+        // The solver balances the forces to 1e-10 of the friction force.
         assert!(found.power_balance.abs() <= 1e-9, "{name} {}", found.power_balance);
     }
 }
 
-/// If a ball does not touch its far flanks, its solution equals the solution of the `traction`
-/// model. Both models solve the force balance to 1e-10 of the friction force.
+/// A ball that does not touch its far flanks has the same solution as in the `traction` model. Both
+/// models balance the forces to 1e-10 of the friction force.
 #[test]
 fn ball_with_wide_play_matches_the_traction_model() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -252,8 +253,8 @@ fn ball_with_wide_play_matches_the_traction_model() {
     }
 }
 
-/// Returns a random screw whose ball, speed and dimensions are in practical ranges, and a random
-/// axial load.
+/// Returns a random screw and a random axial load. Ball diameter, speed and dimensions of the screw
+/// are in the practical range.
 fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     let ball = rng.log_uniform(2.0, 12.0);
     let pitch = ball * rng.random_range(4.0..9.0);
@@ -271,12 +272,13 @@ fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
         rpm: if rng.random_bool(0.7) { (rpm, 0.0) } else { (0.0, -rpm) },
         fit: ArchFit::default(),
     };
-    // A load of 0.1 to 25 N/mm² times the square of the ball diameter gives contact pressures up to
-    // 3 GPa.
+    // A load of 0.1 to 25 N/mm² times the square of the ball diameter causes contact pressures of
+    // up to 3 GPa.
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
-/// Returns a random fit: no play, oversize balls, a radial gap or an axial play.
+/// Returns a random fit of a ball in its arches: no play, an oversize ball, a radial gap, or an
+/// axial play.
 fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     let (mut fit, um) = (ArchFit::default(), 1e-6 * ball);
     match rng.random_range(0..5) {
@@ -288,9 +290,10 @@ fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     fit
 }
 
-/// Random balls have axial play, no play, a radial gap or oversize, and speeds of 1 to 5000 rpm.
-/// For each ball, the solver converges, and the solution satisfies the power balance and carries
-/// the axial force. If the screw is turned end for end, the contacts are mirrored.
+/// The random balls have axial play, no play, a radial gap or oversize, and their screws turn at 1
+/// to 5000 rpm. For each ball, the solver converges, and the solution satisfies the power balance
+/// and carries the axial force. If the screw is turned end for end, the loads on the two flanks are
+/// exchanged.
 #[test]
 fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -314,7 +317,7 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         }
         if scene.gothic().force_at_rest(found.axial_displacement - found.first_touch, work).is_err()
         {
-            // At this displacement of the nut, the ball is held only by friction.
+            // Without friction, the ball would not be held at this displacement of the nut.
             held += 1;
             continue;
         }
@@ -326,15 +329,16 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         };
         let change = found.motion.precession + mirrored.motion.precession;
         if change.abs() > 1e-3 * found.relative_speed.abs() {
-            // Lightly loaded balls at high speed have a second steady motion, in which they skid.
+            // A lightly loaded ball at high speed may have a second steady motion, in which it
+            // skids.
             skidding += 1;
             continue;
         }
         for i in 0..FLANKS {
             // The residuals of both solutions are below 1e-10 of the friction force, but the loads
-            // are less accurate. The rounding error of the elastic approach is 1e-16 of the groove
-            // radius, and the groove radius is much larger than the approach. The relative error of
-            // a load is 3/2 times the relative error of its approach.
+            // are less accurate. The elastic approach is calculated from the groove radius, which
+            // is much larger, so its rounding error is 1e-16 of the groove radius. The relative
+            // error of a load is 3/2 times the relative error of its approach.
             assert_near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
@@ -342,15 +346,17 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         "contacts {contacts:?}, at most {most_steps} steps, imbalance {most_imbalance:e}; at the displacement {held} held by \
          friction alone, {refused} without a root, {skidding} with another motion"
     );
-    // It is more difficult to solve a ball for a given displacement than for a given force.
+    // A ball is more difficult to solve for a given displacement than for a given force, so a few
+    // exceptions are permitted.
     assert!(50 * held < campaign(5000) && 200 * (refused + skidding) < campaign(5000));
     assert!(contacts[..2] == [0, 0] && contacts[2..].iter().all(|n| *n > 20), "{contacts:?}");
-    // The force balance is solved to 1e-10 of the friction force.
+    // The solver balances the forces to 1e-10 of the friction force.
     assert!(most_imbalance <= 1e-9, "{most_imbalance}");
 }
 
-/// The random nuts have a few balls and carry an axial load and a side load. Every nut that carries
-/// its load must have a friction torque. Third contacts occur only if the play is given.
+/// The random nuts have a few balls, which carry an axial load and a side load. Every nut that
+/// carries its load must have a friction torque. Third contacts must not occur unless the play is
+/// given.
 #[test]
 fn random_nuts_with_third_contacts_have_a_friction_torque() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -411,20 +417,20 @@ fn random_nuts_with_third_contacts_have_a_friction_torque() {
             let creep = Traction::<f64>::CREEP;
             let in_arches = GothicBall { at, fit, far_friction, accuracy: 1e-6, creep };
             let gap = in_arches.far_gap_on_two_contacts(&state).expect("a moving ball");
-            // The accuracy of both quadratures is 1e-6 of the friction, and approaches are a few
-            // micrometers.
+            // The friction integrals have a relative accuracy of 1e-6, and elastic approaches are a
+            // few micrometers, so calculated gaps are accurate to about 1e-11 m.
             assert!(gap >= -1e-11, "{number}, ball {ball}: {gap:e}");
             on_two_contacts += 1;
         }
     }
     println!("{solved} solved, {refused} refused, {thirds} third contacts");
-    // Balls of less than 4 N on the edge of their flanks may have no steady motion.
+    // Balls with a load below 4 N at the edge of their flanks may have no steady motion.
     assert!(10 * solved > 8 * campaign(5000) && 200 * refused < solved, "{solved} {refused}");
     assert!(thirds > 200 && on_two_contacts > 200, "{thirds} {on_two_contacts}");
 }
 
-/// With a growing side load, the eight balls of a nut touch their far flanks one after another. If
-/// no play is given, friction presses a ball onto a far flank only if the ball already touches this
+/// As the side load increases, the eight balls of a nut touch their far flanks one after another.
+/// If the play is not given, friction presses a ball onto a far flank only if the ball touches this
 /// flank at rest.
 #[test]
 fn friction_is_continuous_under_a_growing_side_load() {
@@ -460,7 +466,8 @@ fn friction_is_continuous_under_a_growing_side_load() {
             if below.1.0 == above.1.0 {
                 continue;
             }
-            // This loop finds the side load at which one more ball is loaded on a far flank.
+            // The loop finds the side load at which one more ball begins to carry load on a far
+            // flank.
             while above.0 - below.0 > 1e-5 * above.0 {
                 let middle = 0.5 * (below.0 + above.0);
                 let found = (middle, at(middle));
@@ -468,16 +475,15 @@ fn friction_is_continuous_under_a_growing_side_load() {
             }
             changes += 1;
             let step = above.1.1 / below.1.1 - 1.0;
-            // The remaining interval is 1e-5 of the side load. It contributes about 1e-5 to the
-            // change, which is one hundredth of the tolerance.
+            // The two side loads differ by 1e-5 of their value, which changes the torque by about
+            // 1e-5, one hundredth of the tolerance.
             assert!(step.abs() < 1e-3, "{play:?}: {step:e} at {below:?} {above:?}");
         }
         assert!(changes > 2, "{changes}");
     }
 }
 
-/// If the screw is turned end for end, it rotates in the opposite direction, and the + and − flanks
-/// are swapped.
+/// Turning a screw end for end reverses its direction of rotation and exchanges the + and − flanks.
 #[test]
 fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
     for (um, fit) in [
@@ -491,21 +497,22 @@ fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
         let there = turned.solve(AxialCondition::Displacement(-um * 1e-6));
         let (loads, other) = (here.loads(), there.loads());
         for i in 0..FLANKS {
-            // Both force balances are solved to less than 1e-10 of the friction force.
+            // In both solutions, the forces are balanced to better than 1e-10 of the friction
+            // force.
             assert_near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
         }
         assert_near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
     }
 }
 
-/// A friction coefficient of one millionth changes the loads by about one millionth. Without
-/// friction, the loads equal the loads in the static nut model.
+/// Without friction, the loads equal the loads in the static nut model. The test uses a friction
+/// coefficient of one millionth, which changes the loads by about one millionth.
 #[test]
 fn loads_without_friction_match_the_static_nut() {
     let nut = with_circuits(Vec::new());
     let at_rest = nut.ball_in_grooves().expect("Hertz contacts");
     for (um, oversize) in [(0.0, 1.5e-6), (1.0, 1.5e-6), (6.0, 0.5e-6), (8.0, 0.0)] {
-        // The speed is low, because a ball without friction would skid.
+        // The speed is low, because a ball that is nearly frictionless would skid at higher speed.
         let scene = Scene {
             fit: ArchFit { oversize, ..ArchFit::default() },
             rpm: (1.0, 0.0),
@@ -538,11 +545,12 @@ fn torque_is_continuous_where_the_third_contact_begins() {
         let threshold = threshold.expect("friction reaches a far flank") * 1e6;
         let [above, below] = [1.0 + 1e-6, 1.0 - 1e-6].map(|part| at(threshold * part));
         assert!(!above.far_flank_carries() && below.far_flank_carries(), "{threshold}");
-        // The upper limit of the gap is a few millionths of the play of about 30 um.
+        // The play exceeds the threshold play of about 30 um by one millionth, so the gap at the
+        // far flank is smaller than 1e-10 m.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
         assert_near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
-        // Above the threshold play, the gap grows with the play, and increasing the play by one
-        // tenth hardly changes the torque.
+        // Above the threshold play, the gap at the far flank increases with the play. Increasing
+        // the play by one tenth hardly changes the torque.
         let wide = at(threshold * 1.1);
         assert_near(
             "two contacts",
@@ -561,7 +569,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
         scene.gothic().solve(condition, None, work).map(|found| found.loads())
     };
-    // At this displacement, the ball is loose between the flanks or carries no load.
+    // At a displacement of 4 um, the ball is loose between the flanks or carries no load.
     assert!(solve(&scene, AxialCondition::Displacement(4e-6), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(0.0), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(-10.0), work).is_err());
@@ -571,7 +579,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
     assert!(solve(&Scene { rpm: (5.0, 5.0), ..scene }, force, work).is_err());
     let fit = ArchFit { axial_play: -1e-6, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
-    // This radial gap exceeds the depth of the groove.
+    // The radial gap is larger than the depth of the groove.
     let fit = ArchFit { radial_gap: 1e-3, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
 }
@@ -617,8 +625,8 @@ fn reference_pairs_have_the_expected_drag() {
     }
 }
 
-/// The drag torque of a pair as a function of play and friction matches the six digits of the
-/// independent study.
+/// The drag torque of a pair, as a function of play and friction, agrees with the independent study
+/// to the six digits that the study prints.
 #[test]
 fn drag_as_a_function_of_play_and_friction_matches_the_study() {
     let work = &mut GothicWorkspace::default();
@@ -635,15 +643,15 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
         let pair = GothicPair::of_preload(scene.gothic(), value(10), work).expect("a pair");
         let found = pair.solve(0.0, work).expect("a running pair");
         let running = found.drag_coefficient(found.force(), scene.lead_m());
-        // The study prints its values with six digits.
+        // The study prints six digits of each value.
         assert_near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
         assert_near("force", found.force() / value(10), value(13), 1e-5, 1.0);
     }
     assert_eq!(rows, 8);
 }
 
-/// If the friction coefficient at the far flanks is halved, the drag coefficient drops from 0.205
-/// to 0.166 (three digits of the independent study).
+/// If the friction coefficient at the far flanks is halved, the drag coefficient K_p decreases from
+/// 0.205 to 0.166. These values are three printed digits of the independent study.
 #[test]
 fn less_friction_at_the_far_flank_lowers_the_drag() {
     let work = &mut GothicWorkspace::default();
@@ -661,14 +669,15 @@ fn pair_drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
 
-/// If the direction of rotation is reversed, the balls of the two nuts exchange their roles.
+/// The drag does not depend on the direction of rotation: if it is reversed, the balls of the two
+/// nuts exchange their roles.
 #[test]
 fn an_unloaded_pair_of_identical_nuts_has_equal_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
     let [there, back] = [1.0, -1.0].map(|way| {
         pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::from_study(0.08, 10.0) }, work)
     });
-    // Both solutions are accurate to 1e-10 of the friction force.
+    // Both solutions balance the forces to 1e-10 of the friction force.
     assert_near("torque", there, back, 1e-8, there);
 }
 
@@ -683,7 +692,7 @@ fn drag_does_not_increase_with_the_play() {
     }
 }
 
-/// A large external load unloads one nut, so only the other nut carries load.
+/// A large external load unloads one nut of the pair, so that only the other nut carries load.
 #[test]
 fn a_pair_without_remaining_preload_is_rejected() {
     let work = &mut GothicWorkspace::default();

@@ -1,4 +1,4 @@
-//! Tests of ball trains (chapter 20 of the theory): reference cases of an independent solution,
+//! Tests of ball trains (theory chapter 20): reference cases from an independent solution,
 //! identities and limiting cases.
 
 use std::f64::consts::PI;
@@ -93,7 +93,7 @@ impl Case {
         })
     }
 
-    /// Returns the friction of all balls without push forces between neighbors.
+    /// Returns the friction of all balls if neighboring balls do not push each other.
     fn friction_without_push_forces(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
@@ -119,8 +119,8 @@ impl Case {
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
-    /// Returns the ball advance, the friction torque and the motion of the first ball, all without
-    /// push forces.
+    /// Returns the ball advance, the friction torque, and the motion of the first ball, all of them
+    /// without push forces.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let found = self.equilibrium();
         let friction = self.friction_without_push_forces(&found);
@@ -140,8 +140,8 @@ fn ball_trains_match_the_reference() {
         let name = one["id"].as_str().expect("name");
         let reference = Case::from_reference(&one["case"]);
         let expected = &one["expected"];
-        // Tolerances of the reference file: absolute for rates, relative to the friction torque for
-        // torques, and relative to the largest push force for push forces.
+        // The reference file states the tolerances: absolute for precession rates, relative to the
+        // friction torque for torques, and relative to the largest push force for push forces.
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
@@ -170,7 +170,7 @@ fn ball_trains_match_the_reference() {
         ] {
             assert_eq!(expected[key], got, "{name} {key}");
         }
-        // Solutions have force residuals of 1e-10 relative to the forces, with and without oil.
+        // The force residuals of the solutions are 1e-10 of the forces, with and without oil.
         near("power balance", train.power_balance, 0.0, 1e-9);
         let (circuits, touch_angle) = (&expected["circuits"], advance.touch_angle);
         let circuits = circuits.as_array().expect("circuits");
@@ -179,7 +179,8 @@ fn ball_trains_match_the_reference() {
         {
             let value = |key| number(expected, key).expect("number");
             near("touch angle", touch_angle * 180.0 / PI, value("touch_angle_deg"), 1e-7);
-            // A needed gap is the sum of about a hundred differences between rates.
+            // The needed gap is a sum of about a hundred differences between precession rates, so
+            // its tolerance is larger than the tolerance of a single rate.
             near("needed gap", advance.needed_gap * 1e3, value("needed_gap_mm"), rates * 600.0);
             near("rate", found.rate, value("train_rate"), rates);
             near("flux", found.flux, value("flux_1_s"), rates * 200.0);
@@ -208,9 +209,9 @@ fn reference(name: &str) -> Case {
     Case::from_reference(&one["case"])
 }
 
-/// Returns a nut with 38 balls of equal speed, each loaded by 65 N. The ball return pushes against
-/// the balls.
-fn equal_balls(return_push: f64) -> Case {
+/// Returns a nut with 38 balls, all of which have the same speed and a load of 65 N. The ball
+/// return requires a push force.
+fn nut_with_equal_balls(return_push: f64) -> Case {
     let mut reference = reference("T01");
     reference.nut.circuits[0].arc = 4.0 * PI;
     reference.nut.circuits[0].balls = 38;
@@ -241,7 +242,7 @@ fn push_forces_from_behind(train: &Train) -> Vec<f64> {
 #[test]
 fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let push = 0.02;
-    let mut reference = equal_balls(push);
+    let mut reference = nut_with_equal_balls(push);
     reference.inputs.contact_friction = 1e-5;
     reference.inputs.gaps = vec![1e-10];
     let train = solve_train(&reference);
@@ -250,15 +251,15 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
-        // At each ball, friction between balls changes the push force by 1.6 f_b, which adds up to
-        // 6e-4 of the push force.
+        // At each ball, friction between balls changes the push force by a fraction of 1.6 f_b.
+        // Over all balls, this adds up to 6e-4 of the push force.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
-    // Only the first ball has no push force from behind, or a push force smaller than one
-    // decrement.
+    // The push force from behind must be at most the decrease per ball at the first ball, and at
+    // most twice this decrease at the second ball.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
-    // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b is Z N_x, except for
-    // the first of the 38 balls.
+    // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b over all balls is Z
+    // N_x, apart from the contribution of the first of the 38 balls.
     let motion = reference.advance().2.expect("a motion");
     let speed = reference.drive.relative_speed();
     let power = 1e-5 * 38.0 * push * reference.nut.ball.radius * motion.rotation;
@@ -284,18 +285,21 @@ fn friction_matches_single_balls_if_the_gap_is_sufficient() {
 
 #[test]
 fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
-    // Residuals of 1e-10 relative to the load and 2e-11 relative to the rate cause errors of 1e-9 f
-    // Q in the push forces.
+    // The residuals are 1e-10 of the load and 2e-11 of the precession rate. They cause errors of
+    // 1e-9 f Q in the push forces.
     let not_above = |low: &[f64], high: &[f64]| {
         for (number, (low, high)) in low.iter().zip(high).enumerate() {
             assert!(*low <= high + 1e-6, "ball {number}: {low} above {high}");
         }
     };
-    // At a gap of 0.05 mm, the back-driven nut has push forces of 14 % of a ball load and several
-    // possible flows, so the test uses larger gaps. Because the free length is given, a push force
-    // in one queue reduces the push forces in other queues. Therefore, only the equal balls, which
-    // form a single queue, are tested for their response to the push force of the ball return.
-    for (mut reference, has_one_queue) in [(back_driven_nut(), false), (equal_balls(0.5), true)] {
+    // The gaps of this test are larger than 0.05 mm, because the back-driven nut has push forces of
+    // 14 % of a ball load and several possible flows at such a small gap. The effect of the push
+    // force of the ball return is tested only with equal balls, which form a single queue. In a nut
+    // with several queues and a given ball gap, a larger push force in one queue reduces the push
+    // forces in the other queues.
+    for (mut reference, has_one_queue) in
+        [(back_driven_nut(), false), (nut_with_equal_balls(0.5), true)]
+    {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
             reference.inputs.gaps = vec![gap];
@@ -317,7 +321,7 @@ fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
 }
 
 #[test]
-fn only_raceways_and_return_dissipate_without_ball_to_ball_friction() {
+fn power_is_lost_only_at_raceways_and_ball_return_without_ball_to_ball_friction() {
     let mut reference = back_driven_nut();
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.2e-3];
@@ -328,8 +332,8 @@ fn only_raceways_and_return_dissipate_without_ball_to_ball_friction() {
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
-/// Returns the nut after turning it by 180 deg about the x axis.
-fn turned_nut(reference: &Case) -> Case {
+/// Returns the nut after a rotation by 180 deg about the x axis.
+fn nut_turned_about_x_axis(reference: &Case) -> Case {
     let mut turned = reference.clone();
     let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
     for (freedom, sign) in turned.support.0.iter_mut().zip(sign) {
@@ -359,8 +363,8 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
         ("balls", [one.contact_torque, other.contact_torque]),
         ("return", [one.return_torque, other.return_torque]),
     ] {
-        // Residuals are 1e-10 of the loads, and the losses are about one hundredth of the
-        // transmitted power.
+        // The residuals are 1e-10 of the loads, and the losses are about one hundredth of the
+        // transmitted power, so torques are accurate to 1e-8.
         assert!((one * torque - other).abs() <= 1e-7 * other.abs(), "{name}: {one} {other}");
     }
     for (one, other) in one.circuits.iter().zip(&other.circuits) {
@@ -373,9 +377,9 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
     }
     for (one, other) in one.iter().zip(&other) {
         behind = f64::max(behind, *one);
-        // Errors result from residuals of 1e-10 of a load of about a hundred newtons and from
-        // relative rate errors of 1e-11. They are small compared with push forces of 2 % of one
-        // newton.
+        // Errors of the push forces result from residuals of 1e-10 of a load of about a hundred
+        // newtons, and from relative errors of 1e-11 of the precession rates. Even a push force of
+        // 0.02 N is much larger than these errors.
         assert!((one * force - other).abs() < 1e-6 * one_largest * force, "{one} {other}");
     }
     assert!(behind > 0.0);
@@ -383,11 +387,11 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
 
 #[test]
 fn push_forces_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
-    for mut reference in [back_driven_nut(), equal_balls(0.5)] {
+    for mut reference in [back_driven_nut(), nut_with_equal_balls(0.5)] {
         reference.inputs.gaps = vec![0.2e-3];
         assert_same_train(
             &solve_train(&reference),
-            &solve_train(&turned_nut(&reference)),
+            &solve_train(&nut_turned_about_x_axis(&reference)),
             [1.0; 2],
             true,
         );
@@ -431,12 +435,12 @@ fn zero_gap_and_excessive_return_force_are_rejected() {
     let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
-    let mut reference = equal_balls(0.0);
+    let mut reference = nut_with_equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Both contacts of a ball carry 50 to 100 N. In full sliding with a friction coefficient of
-    // 0.06, the contacts provide 6 to 12 N per ball. The friction between two balls is one tenth of
-    // the push force on either side. Above a push force of 30 to 60 N, this friction stops the
-    // rotation of the ball, which then transmits the push force to the next ball.
+    // 0.06, they provide a push force of 6 to 12 N per ball. The friction between two balls is one
+    // tenth of the push force between them. If a push force exceeds 30 to 60 N, this friction stops
+    // the rotation of the ball, which then only transmits the push force to the next ball.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
@@ -445,8 +449,8 @@ fn zero_gap_and_excessive_return_force_are_rejected() {
 
 #[test]
 fn balls_that_cannot_rotate_transmit_the_push_force() {
-    // In a tilted nut, the loads on some balls next to the idle balls are so small that their
-    // neighbors stop them.
+    // In a tilted nut, some balls next to the idle balls have such small loads that their neighbors
+    // stop their rotation.
     let mut reference = reference("T04");
     reference.inputs.contact_friction = 0.3;
     reference.inputs.idle_drag = 0.05;
@@ -465,8 +469,8 @@ fn as_number(number: usize) -> f64 {
     f64::from(u32::try_from(number).expect("small"))
 }
 
-/// Returns a random nut with at most 60 balls of equal size, gaps of 0 to 1 % per ball, and a ball
-/// return that may require a push force, together with its equilibrium.
+/// Returns a random nut and its equilibrium. The nut has at most 60 balls of equal size with gaps
+/// of 0 to 1 % of the ball diameter per ball, and its ball return may require a push force.
 fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     loop {
         let mut nut = campaign::nut(rng);
@@ -502,15 +506,15 @@ fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     }
 }
 
-/// Returns a description of a defect in a ball train, or `None` if there is none. The check uses
-/// only rates and push forces.
+/// Describes a defect of a ball train, or returns `None` if there is none. The check uses only
+/// precession rates and push forces.
 fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);
     for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
-        // The permitted residual of a ball train is 1e-6 of the gap, or 1e-11 of the rate for each
-        // ball.
+        // The residual of a ball train is at most 1e-6 of the ball gap, or 1e-11 of the precession
+        // rate for each ball.
         let allowed = 1e-6 * room + 1e-9 * pitch;
         if (gaps - room).abs() > allowed {
             return Some(format!("gaps of {gaps:e} m in a room of {room:e} m"));
@@ -529,10 +533,10 @@ fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     (balance > 1e-8).then(|| format!("power is out of balance by {balance:e}"))
 }
 
-/// For each random nut, the solver returns a ball train, which is checked independently, or the
-/// reason why none exists.
+/// For each random nut, the solver returns either a ball train, which is checked independently, or
+/// the reason why no ball train exists.
 #[test]
-fn random_ball_trains_have_a_solution_or_a_stated_reason() {
+fn random_ball_trains_have_a_solution_or_the_reason_is_stated() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
@@ -564,23 +568,25 @@ fn random_ball_trains_have_a_solution_or_a_stated_reason() {
 }
 
 /// Time-domain simulation of balls on a closed track, without friction between balls. The speed of
-/// each ball depends on its position and on the push forces, and no two balls come closer than the
-/// touch angle.
+/// each ball depends on its position and on the push forces. The angle between two balls is never
+/// smaller than the touch angle.
 struct Track<'a> {
-    /// Total angle of the track, and angle between the centers of two touching balls \[rad\].
+    /// Angle of the whole track \[rad\], and angle between the centers of two touching balls
+    /// \[rad\].
     length: f64,
     touch: f64,
-    /// Rates of a ball in the middle of each of several equal sections of the track, in the
-    /// direction of travel, for a list of push forces from behind. The middle element of the list
-    /// is a push force of 0.
+    /// Precession rates for each section of the track, in the direction of travel. The track is
+    /// divided into equal sections. The list for a section contains the rate of a ball in the
+    /// middle of the section for several push forces from behind, and its middle element belongs to
+    /// a push force of 0.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
     positions: Vec<f64>,
 }
 
 impl Track<'_> {
-    /// Returns a function that gives the rate of a ball at a position for each push force in the
-    /// list, interpolated linearly between sections.
+    /// Returns a function that maps the index of a push force to the rate of a ball at the given
+    /// position. Rates are interpolated linearly between the sections.
     fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
         let along = position.rem_euclid(self.length) / self.length * as_number(parts) - 0.5;
@@ -591,7 +597,7 @@ impl Track<'_> {
         }
     }
 
-    /// Returns the push force from behind that a ball at a position requires to travel at a given
+    /// Returns the push force from behind with which a ball at a given position travels at a given
     /// rate.
     fn push(&self, position: f64, rate: f64) -> f64 {
         let law = self.law(position);
@@ -601,25 +607,28 @@ impl Track<'_> {
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
     }
 
-    /// Returns the angle between a ball and the next ball, minus the touch angle \[rad\].
+    /// Returns the gap between a ball and the next ball, which is the angle between them minus the
+    /// touch angle \[rad\].
     fn gap(&self, ball: usize) -> f64 {
         let ahead = (ball + 1) % self.positions.len();
         let turn = if ahead == 0 { self.length } else { 0.0 };
         self.positions[ahead] + turn - self.positions[ball] - self.touch
     }
 
-    /// Returns the rates of all balls. Touching balls must not come closer. Balls that push each
-    /// other have a common rate, at which the sum of their push forces is zero.
+    /// Returns the rates of all balls. Balls that touch must not come closer to each other. Balls
+    /// that push each other have a common rate, at which the sum of their push forces is zero.
     fn rates(&self) -> Vec<f64> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
-        // Each pool of touching balls has a common rate and a number of balls.
+        // A pool is a set of touching balls, described by the common rate and the number of its
+        // balls.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
             let mut pool = (self.law(self.positions[number % balls])(self.pushes.len() / 2), 1);
-            // If the pool behind is faster, it pushes this pool, and both become one pool.
+            // If the pool behind is faster, it pushes the pool in front, and the two pools are
+            // merged.
             while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
                 let behind = pools.pop().expect("a pool");
                 let all = behind.1 + pool.1;
@@ -642,7 +651,7 @@ impl Track<'_> {
         rates
     }
 
-    /// Moves all balls until two of them touch, but at most by a fraction of the touch angle.
+    /// Moves all balls until two of them touch, but not farther than a fraction of the touch angle.
     /// Returns the elapsed time.
     fn step(&mut self, part: f64) -> f64 {
         let (rates, balls) = (self.rates(), self.positions.len());
@@ -674,7 +683,8 @@ fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
     let (train, found) = (solve_train(&reference), reference.equilibrium());
     let (motions, mut work) =
         (reference.friction_without_push_forces(&found).motions, ModelWorkspace::default());
-    // The rate of a ball is a nonlinear function of the push force within a few tenths of a newton.
+    // The list contains push forces up to 1 N in both directions. The rate of a ball depends
+    // nonlinearly on the push force within a few tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
         let at =
@@ -695,7 +705,7 @@ fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
     let length = as_number(balls) * touch + room;
     let positions = (0..balls).map(|ball| as_number(ball) * length / as_number(balls)).collect();
     let mut track = Track { length, touch, rates: &rates, pushes: &pushes, positions };
-    // This closure returns the mean rate of a ball over whole rounds of the track.
+    // The closure returns the mean rate of a ball during whole revolutions around the track.
     let mut round = |rounds: f64| {
         let (begin, mut time) = (track.positions[0], 0.0);
         while track.positions[0] < begin + rounds * length {
@@ -705,24 +715,24 @@ fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
     };
     round(2.0);
     let mean = round(1.0);
-    // In one round of the track, all balls pass a given point.
+    // While a ball travels once around the track, every ball passes a given point once.
     let (rate, ours) = (mean * touch * as_number(balls) / length, train.circuits[0].rate);
     let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
     let apart = free / (as_number(balls) + room / touch);
-    // In the model, the positions of the balls are fixed; in the simulation, balls move along the
-    // track. The resulting difference is 1.6e-5.
+    // The model keeps the positions of the balls fixed, whereas the balls of the simulation move
+    // along the track. This causes a difference of 1.6e-5.
     assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
-    // Without interaction, the balls would have a different flow.
+    // The test is meaningful only if balls that do not push each other would have a different flow.
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }
 
-/// The motions of many balls are interpolated from the motions of a few balls. The error is below
-/// 1e-7 at three consecutive nodes, and later terms decrease.
+/// The motions of many balls are interpolated from the motions of a few balls. The interpolation
+/// ends when the error is below 1e-7 at three consecutive nodes.
 #[test]
 fn free_motions_can_be_interpolated_from_a_few_balls() {
-    // Under a moment, the ball loads of a nut differ by a factor of 9. In the tilted nut, the ball
-    // loads differ by a factor of 450, and the rates of lightly loaded balls change rapidly with
-    // the load.
+    // The largest ball load is 9 times the smallest in a nut under a moment, and 450 times the
+    // smallest in the tilted nut. There, the rates of lightly loaded balls change rapidly with the
+    // load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
         let (found, mut asked) = (reference.equilibrium(), 0.0);
@@ -735,7 +745,7 @@ fn free_motions_can_be_interpolated_from_a_few_balls() {
         let (few, all) =
             (few.expect("motions"), reference.friction_without_push_forces(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
-            // Only loaded balls are compared, because idle balls have no interpolated motion.
+            // Idle balls have no interpolated motion, so only loaded balls are compared.
             let (Some(few), Some(all)) = (few, all) else { continue };
             assert!(
                 (few.rate - all.rate).abs() < 3e-7 * all.rate,

@@ -1,4 +1,4 @@
-//! Tests of the warm steady state: reference cases of an independent solution, identities and
+//! Tests of the warm steady state: reference cases from an independent solution, identities and
 //! limiting cases.
 
 use std::cell::{Cell, RefCell};
@@ -32,8 +32,8 @@ use crate::public::{number, nut};
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 const RPM: f64 = PI / 30.0;
 
-/// Returns ISO VG 68 mineral oil at a given temperature \[K\] as the lubricant between ground
-/// raceways.
+/// Returns the lubricant in the reference cases: ISO VG 68 mineral oil at a given temperature
+/// \[K\], between ground raceways.
 pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     Some(Lubricant {
         oil: Oil {
@@ -60,8 +60,8 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     })
 }
 
-/// Returns the friction of balls lubricated with ISO VG 68 oil. The nut controls all balls, as in
-/// the reference cases.
+/// Returns the friction of balls that are lubricated with ISO VG 68 oil. As in the reference cases,
+/// the nut raceway controls all balls.
 fn oiled(
     nut: &BallNut,
     found: &Equilibrium,
@@ -199,7 +199,7 @@ fn reference(id: &str) -> Value {
         .unwrap_or_else(|| panic!("{id}"))
 }
 
-/// Checks that a number equals the expected number within an absolute tolerance.
+/// Checks that a number differs from the expected number by at most `allowed`.
 fn assert_near(name: &str, found: f64, expected: f64, allowed: f64) {
     assert!(
         (found - expected).abs() <= allowed,
@@ -216,8 +216,8 @@ const NAMES: [&str; NODES] = [
     "end_2_temperature_C",
 ];
 
-/// The tolerance is `rel_tol` of the reference case for temperature rises above ambient, forces,
-/// torques and heat. For the loop gain, it is 1e-4.
+/// Temperature rises, forces, torques and heat must agree to the relative tolerance `rel_tol` of
+/// the reference case, and the loop gain must agree to 1e-4.
 #[test]
 fn warm_states_match_the_reference() {
     for reference in reference_cases() {
@@ -295,10 +295,11 @@ fn warm_states_match_the_reference() {
     }
 }
 
-/// Case WS-P3 has a fold and a second state, case WS-P6 has a fold, and case WS-P2 has no fold up
-/// to a speed factor of 2.5. Speed factors must agree to 1e-5, and states must agree to the
-/// tolerance of the case. Temperatures at the folds are printed to 1 mK. Because the speed is
-/// stationary at a fold, an error of 0.05 K changes the speed by only 1e-6.
+/// Case WS-P3 has a fold and an unstable state, case WS-P6 has a fold, and case WS-P2 has no fold
+/// up to a speed factor of 2.5. Speed factors must agree to 1e-5, and states must agree to the
+/// tolerance of the case. The reference prints the temperatures at the folds to 1 mK. Near a fold,
+/// the speed hardly changes along the branch: a temperature error of 0.05 K changes the speed by
+/// only 1e-6.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -330,9 +331,10 @@ fn folds_match_the_reference() {
     }
 }
 
-/// Counts how often the total friction of all balls is calculated to find a steady state, to find
-/// the fold above it (including the state beyond the fold), and to find out that no state exists.
-/// The limits, which are rounded measurements, protect against slower searches.
+/// Counts how often the total friction of all balls is calculated in three searches: for a steady
+/// state, for the fold above it (including the unstable state), and for a state that does not
+/// exist. The limits are rounded measurements, so that the test fails if a change makes the
+/// searches slower.
 #[test]
 fn fold_search_needs_at_most_400_friction_calculations() {
     let (reference, count) = (reference("WS-P3"), Cell::new(0));
@@ -350,7 +352,7 @@ fn fold_search_needs_at_most_400_friction_calculations() {
     assert!(of_state <= 40 && of_fold <= 400 && of_none <= 400, "{of_state} {of_fold} {of_none}");
 }
 
-/// The uncertainty band of WS-P2 matches the reference, which has a tolerance of 1e-3.
+/// The uncertainty band of case WS-P2 matches the reference, whose tolerance is 1e-3.
 #[test]
 fn uncertainty_band_matches_the_reference() {
     let reference = reference("WS-P2");
@@ -381,10 +383,10 @@ fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     nut
 }
 
-/// At 0.99 times the fold speed of WS-P3, a stable and an unstable state exist; at 1.01 times the
-/// fold speed, no state exists. The fold is found at the same speed from both starting speeds, to
-/// the accuracy of the reference (1e-5). The loop gain is 1 at the fold. Because it depends on the
-/// square root of the distance from the fold, 1e-6 of the speed corresponds to 1e-3 of the gain.
+/// At 0.99 times the fold speed of case WS-P3, a stable and an unstable state exist; at 1.01 times
+/// the fold speed, no state exists. Both starting speeds lead to the same fold speed, to the
+/// accuracy of the reference (1e-5). The loop gain is 1 at the fold. It depends on the square root
+/// of the distance from the fold, so a speed error of 1e-6 changes the loop gain by 1e-3.
 #[test]
 fn two_states_exist_below_a_fold_and_none_above() {
     let reference = reference("WS-P3");
@@ -408,9 +410,9 @@ fn two_states_exist_below_a_fold_and_none_above() {
     }
 }
 
-/// The heat that leaves the surfaces equals the generated heat. The mean temperature of the screw
-/// follows from its thermal expansion. The solver stops at 1e-10 of the heat, and the reference
-/// requires 1e-9.
+/// The heat that the surfaces dissipate equals the generated heat, and the mean temperature of the
+/// screw is consistent with its thermal expansion. The solver stops at 1e-10 of the heat, and the
+/// reference requires 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
     for reference in reference_cases() {
@@ -429,19 +431,19 @@ fn dissipated_heat_equals_generated_heat() {
     }
 }
 
-/// At standstill, all nodes have the ambient temperature, and heat and loop gain are zero. The
-/// matrix of the network is symmetric and diagonally dominant, and its off-diagonal entries are not
-/// positive.
+/// At standstill, all nodes have the ambient temperature, and both heat and loop gain are zero. The
+/// matrix of the network is symmetric and diagonally dominant, and its off-diagonal elements are
+/// not positive.
 #[test]
 fn all_nodes_have_the_ambient_temperature_at_standstill() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
-    // The tolerance is the rounding error of a solution with conductances from 0.6 to 50 W/K.
+    // The tolerance is the rounding error of the linear solve with conductances from 0.6 to 50 W/K.
     state.rises.iter().for_each(|rise| assert_near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
-    // A uniform temperature rise does not change the preload, except for rounding errors of the
-    // contacts.
+    // A uniform temperature rise does not change the preload, except for rounding errors in the
+    // contact loads.
     assert_near("preload", state.heated.preload, 2500.0, 1e-6);
     let (matrix, _) = nut.network(1.0).balance();
     for (i, row) in matrix.iter().enumerate() {
@@ -453,8 +455,8 @@ fn all_nodes_have_the_ambient_temperature_at_standstill() {
     }
 }
 
-/// A cold start and sweeps with increasing and decreasing speed find the same states to 1e-8, which
-/// is the residual heat divided by one minus the loop gain.
+/// A search without a starting point and sweeps with increasing and decreasing speed find the same
+/// states. The tolerance of 1e-8 is the residual heat divided by one minus the loop gain.
 #[test]
 fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
     let nut = axis(&reference("WS-P3")["case"]);
@@ -475,11 +477,11 @@ fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
     }
 }
 
-/// No state exists above the fold of WS-P3. The sweep with decreasing speed finds the same states
-/// as the sweep with increasing speed, even when it starts from the hotter, unstable states.
-/// Whether an axis runs away depends on its initial temperature. Between the two states at one
-/// speed, more heat leaves than is generated; beyond the hotter state, less heat leaves. An axis
-/// that is hotter than the unstable state runs away, and a colder axis approaches the stable state.
+/// No state exists above the fold of case WS-P3. A sweep with decreasing speed, which starts from
+/// hotter, unstable states, finds the same states as a sweep with increasing speed. Whether an axis
+/// runs away thermally depends on its initial temperature. An axis that is hotter than the unstable
+/// state dissipates less heat than it generates, so it runs away. Between the stable and the
+/// unstable state, it dissipates more heat than it generates, so it cools down to the stable state.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let nut = axis(&reference("WS-P3")["case"]);
@@ -521,8 +523,8 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     }
 }
 
-/// Without thermal expansion and with constant friction, temperatures are linear functions of the
-/// heat, and the loop gain is 0.
+/// If there is no thermal expansion and the friction is constant, the temperatures are linear
+/// functions of the heat, and the loop gain is 0.
 #[test]
 fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
     let constant = |torque: f64| {
@@ -545,16 +547,17 @@ fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // The loop gain is calculated from differences between equal heats.
+    // The loop gain is calculated from differences between heats that are equal except for rounding
+    // errors.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
         assert_near("rise", three, 3.0 * one, 1e-9 * three);
     }
 }
 
-/// If the heat does not depend on temperatures, the solution of the linear network agrees with the
-/// search for the warm state, which uses the same network. The tolerance is the residual heat of
-/// the search, which is 1e-10 of the total heat.
+/// If the heat does not depend on temperatures, the solution of the linear network equals the state
+/// that the search for the warm state finds, because both use the same network. The tolerance is
+/// the residual heat of the search, 1e-10 of the total heat.
 #[test]
 fn linear_network_matches_the_warm_state_with_constant_heat() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
@@ -593,7 +596,7 @@ fn linear_network_matches_the_warm_state_with_constant_heat() {
     }
 }
 
-/// Returns the nut with a given friction function, and with seal and bearing friction.
+/// Returns the nut with the given friction function and with friction in seals and bearings.
 fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
@@ -605,8 +608,8 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
     }
 }
 
-/// Returns a friction function proportional to the ball loads, with a friction coefficient of 0.002
-/// on the pitch circle times a factor.
+/// Returns a friction function that is proportional to the ball loads. Its friction coefficient on
+/// the pitch circle is 0.002 times a factor.
 fn load_proportional_friction(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
@@ -642,14 +645,14 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
         nut.steady().expect("steady").rises
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
-        // The tolerance is the residual heat of 1e-10 divided by one minus the loop gain.
+        // The tolerance is the residual heat of 1e-10, divided by one minus the loop gain.
         assert_near("rise", three, one, 1e-9 * one);
     }
 }
 
-/// If heat leaves without thermal resistance, the nut stays cold. If heat passes the gap without
-/// thermal resistance, nut and screw have the same temperature. Only the balls are warmer, so the
-/// preloads in X and O arrangement are equal.
+/// If there is no thermal resistance between nut and air, the nut stays cold. If there is no
+/// thermal resistance across the gap, nut and screw have the same temperature. Only the balls are
+/// warmer then, so the preloads in X and O arrangement are equal.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
     let friction = load_proportional_friction(1.0);
@@ -669,7 +672,8 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
         nut.steady().expect("steady")
     };
     let cold = of("WS-P3", 1e5, 1e5);
-    // About 100 W and 1e5 W/K give a temperature rise of 1 mK, and 1 K changes the preload by 13 %.
+    // A heat flow of about 100 W through 1e5 W/K causes a temperature rise of 1 mK, and a
+    // temperature rise of 1 K changes the preload by 13 %.
     assert_near("cold", cold.heated.preload, 2500.0, 0.3);
     let [x, o] = ["WS-P3", "WS-P2"].map(|id| of(id, 0.0, 1e5));
     for state in [&x, &o] {
@@ -679,8 +683,8 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
     assert_near("preloads", x.heated.preload, o.heated.preload, 0.3);
 }
 
-/// Without thermal resistance between its parts and without screw ends, an axis is a single node.
-/// Its surfaces together dissipate the heat.
+/// An axis acts as a single node if there is no thermal resistance between its parts and its screw
+/// has no ends outside the travel. All surfaces together dissipate its heat.
 #[test]
 fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let friction = load_proportional_friction(1.0);
@@ -694,16 +698,16 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // The tolerance covers the temperature rise of about 100 W at 1e5 W/K, and screw ends whose
-        // length is 1e-6 of the screw length.
+        // The tolerance covers the temperature differences that about 100 W cause at 1e5 W/K, and
+        // the influence of the screw ends, whose length is 1e-6 of the screw length.
         assert_near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
-/// The network assumes a uniform temperature along the travel. For a long screw, its mean
-/// temperature rise, which matches a closed formula, is lower than that of an exact fin heated
-/// along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at
-/// 12.
+/// The network assumes a uniform temperature along the travel. For a long screw, the resulting mean
+/// temperature rise matches a closed formula. It is lower than the mean temperature rise of an
+/// exact fin that is heated along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and
+/// 6 % at 12.
 #[test]
 fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -711,26 +715,26 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
         let m = (along / (network.screw.conductivity * network.screw.section)).sqrt();
-        // Screw ends of length 40/m can be treated as infinitely long, because e^-40 is below the
-        // rounding error.
+        // A screw end with a length of 40/m is practically infinitely long, because e^-40 is below
+        // the rounding error.
         (network.screw.travel, network.screw.length) = (x / m, (x + 80.0) / m);
         let of = &mut network.conductances;
         (of.gap, of.ball_nut, of.ball_screw) = (0.0, 0.0, 0.0);
         let (matrix, _) = network.balance();
-        // No heat is generated at the screw ends, so the heat that flows to them is contained in
-        // the matrix row of the screw.
+        // No heat is generated at the screw ends, so the heat balance of the screw node, which
+        // includes the heat flow to the ends, is sufficient.
         let rise = along * network.screw.travel / matrix[1][1];
         assert_near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
-        // The specification rounds these percentages.
+        // The specification prints these percentages as integers.
         assert_near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
     }
 }
 
-/// The derivatives of the node temperatures with respect to the ambient temperature, calculated
-/// from two steady states, satisfy the linearized heat balance. Its matrix `$M - P'$` contains the
-/// derivatives of the heat. The tolerance of 1e-5 is the squared ratio of the step to 50 K, the
-/// temperature range over which the functions are nonlinear.
+/// The derivatives of the node temperatures with respect to the ambient temperature are calculated
+/// from two steady states. They satisfy the linearized heat balance, whose matrix `$M - P'$`
+/// contains the derivatives of the heat. The functions are nonlinear over a temperature range of 50
+/// K, so the tolerance of 1e-5 is the square of the step divided by 50 K.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = load_proportional_friction(1.0);
@@ -756,10 +760,10 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     }
 }
 
-/// If the bodies of a pair in O arrangement are one neutral distance apart, the preload does not
-/// depend on the screw temperature, provided that the balls have the mean temperature of nut and
-/// screw. The remaining change is less than 2 % of the change in X arrangement, because the preload
-/// changes the contact angle of 45 deg by about 0.01 rad.
+/// If the two bodies of a pair in O arrangement are one neutral distance apart, the preload does
+/// not depend on the screw temperature. The temperature of the balls must be the mean temperature
+/// of nut and screw. The remaining change is less than 2 % of the change in X arrangement. It is
+/// not zero because the preload changes the contact angle of 45 deg by about 0.01 rad.
 #[test]
 fn o_pair_at_neutral_distance_is_insensitive_to_screw_temperature() {
     let change = |id: &str| {
@@ -781,9 +785,9 @@ fn o_pair_at_neutral_distance_is_insensitive_to_screw_temperature() {
     assert!(x > 0.05 && o.abs() < 0.02 * x, "{x} {o}");
 }
 
-/// Friction interpolated between a few loads agrees with the sum over all balls, solved one by one,
-/// to 1e-7. The limit is the quadrature error of raceway control, which is 1e-6 and varies from
-/// load to load.
+/// Friction that is interpolated between a few loads agrees to 1e-7 with the sum over all balls,
+/// each of which is solved. The tolerance is due to the quadrature error of raceway control, which
+/// is 1e-6 and varies from load to load.
 #[test]
 fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     let nut = axis(&reference("WS-P4")["case"]);
@@ -801,9 +805,10 @@ fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     assert_near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
-/// Without the limit (U33), the friction of each of the 57 balls of a body would start with its
-/// rolling resistance, which is 2 % of the friction of the body. The interpolated sum and the sum
-/// over all balls would have these jumps at different loads.
+/// Friction is limited by gross sliding (U33). Without this limit, each of the 57 balls of a body
+/// would suddenly cause its full rolling resistance, 2 % of the friction of the body, when it
+/// begins to carry load. The interpolated sum and the sum over all balls would jump at different
+/// loads.
 #[test]
 fn friction_is_continuous_when_balls_lose_their_load() {
     let axis = axis(&reference("WS-P4")["case"]);
@@ -830,8 +835,8 @@ fn friction_is_continuous_when_balls_lose_their_load() {
             .friction(&found, FlankFriction::default(), &drive, 0.0, solve)
             .torque
             .expect("friction");
-        // The interpolation between loads is accurate to 1e-9, unless a ball is close to the limit
-        // (U33).
+        // The interpolation between loads is accurate to 1e-9, unless a ball is close to gross
+        // sliding (U33).
         assert_near(&format!("{step}"), sum.torque, all, 1e-6 * all);
         steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
         last = Some(sum.torque);
@@ -840,13 +845,14 @@ fn friction_is_continuous_when_balls_lose_their_load() {
     steps.sort_by(f64::total_cmp);
     let median = steps[steps.len() / 2];
     assert!(lifted > 10, "{lifted}");
-    // The only change of slope is at the load at which one of the two bodies loses its load.
+    // The slope of the friction changes only at the load at which one of the two bodies loses its
+    // load.
     assert!(most < 3.0 * median, "{most} {median}");
 }
 
-/// (I3) agrees with the difference between two nuts solved at temperatures 0.1 K apart. The
-/// tolerance is 1 %, because the second-order term of the balls is 1.3 % of the load at 0.1 K, and
-/// half of this value is the mean.
+/// (I3) agrees with the difference between the preloads of two nuts whose temperatures differ by
+/// 0.1 K. The tolerance is 1 %, because the second-order term of the balls changes the preload by
+/// 1.3 % at 0.1 K, and its mean over this range is half as large.
 #[test]
 fn preload_change_matches_the_first_order_formula() {
     let axis = axis(&reference("WS-P1")["case"]);
@@ -858,7 +864,7 @@ fn preload_change_matches_the_first_order_formula() {
     let (sin, cos) = nut.contact_angle.sin_cos();
     let along = nut.helix.lead_angle.cos();
     let approach = 0.5 * nut.preload_setting(PreloadKind::Offset) * sin * along;
-    // The first balls of both bodies are four turns apart.
+    // The first balls of the two bodies are four turns apart.
     let half = 2.0 * nut.helix.lead();
     let rise = expansion * 0.1;
     // dF/F = 3/(2 δ_p) {(ε_s − ε_n) [r_m cosβ₀ + c sinβ₀ cosα] + r_b (2 ε_b − ε_n − ε_s)}  (I3)
@@ -870,11 +876,11 @@ fn preload_change_matches_the_first_order_formula() {
     }
 }
 
-/// Random axes (5000 with `CAMPAIGNS=whole`) have a stable state with balanced heat, a fold below
-/// their speed, or another reason why no state exists. The friction decreases with temperature like
-/// that of an oil, so the test does not need to solve ball models.
+/// Each random axis has a stable state with balanced heat, a fold below its speed, or another
+/// reason why no state exists. With `CAMPAIGNS=whole`, 5000 axes are tested. The friction decreases
+/// with temperature like that of an oil, so the test does not need to solve ball models.
 #[test]
-fn random_axes_have_a_steady_state_or_a_stated_reason() {
+fn random_axes_have_a_steady_state_or_the_reason_is_stated() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
     let (mut case, whole) = (reference("WS-P4")["case"].clone(), campaign(5000));
@@ -939,7 +945,7 @@ fn random_axes_have_a_steady_state_or_a_stated_reason() {
         }
     }
     eprintln!("steady {steady}, folds {folds}, too hot {hot}, preload lost {lost}");
-    // At least one percent of the axes must have a fold, so that the test covers the cases that the
-    // search must distinguish.
+    // At least one percent of the axes must have a fold, so that the test covers both outcomes of
+    // the search.
     assert!(100 * folds > whole, "{steady} {folds} {hot} {lost}");
 }

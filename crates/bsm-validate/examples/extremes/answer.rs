@@ -1,4 +1,4 @@
-//! Solves a single point and looks for defects in the result.
+//! Solves a single point, and checks the result for defects.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -15,16 +15,16 @@ const RESIDUAL: f64 = 1e-10;
 /// Maximum permitted error of the power balance of a solution.
 const BALANCE: f64 = 1e-9;
 
-/// Maximum relative difference between the efficiencies of the batch and of the model. If inertia
-/// forces are far smaller than the load, the efficiency is determined to only a few digits, and
-/// both results are accepted because of their residuals.
+/// Maximum relative difference between the efficiencies of the vectorized kernel and of the scalar
+/// model. If the inertia forces are far smaller than the load, only a few digits of the efficiency
+/// are determined, and both results are accepted because of their small residuals.
 const BATCH: f64 = 1e-7;
 
-/// Additional absolute tolerance. It allows for rounding errors of efficiencies that are almost
-/// zero because friction nearly holds the load.
+/// Absolute tolerance that is added to the relative tolerance. It covers the rounding errors of
+/// efficiencies that are almost zero because friction nearly holds the load.
 const ROUNDING: f64 = 1e-14;
 
-/// Severity of an outcome, in ascending order.
+/// Severity of an outcome, from the mildest to the most severe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
     Converged,
@@ -45,15 +45,15 @@ impl From<Status> for Order {
     }
 }
 
-/// The outcome at a point.
+/// Outcome of solving a point.
 pub(crate) struct Answer {
     pub(crate) order: Order,
-    /// Status followed by the slip regime or by the reason.
+    /// Kind of outcome: the status, followed by the slip regime or by the reason.
     pub(crate) kind: String,
-    /// Message that the program gives for the point.
+    /// Message of the program about the point.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Number of other solutions; `None` if none were searched for.
+    /// Number of further solutions; `None` if the program did not search for them.
     pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
@@ -114,8 +114,8 @@ fn settings(model: ModelChoice) -> Settings {
     Settings { model, ..Settings::default() }
 }
 
-/// Calculates the sensitivities of a converged solution. They must be finite, or the reason why
-/// they are missing must be stated.
+/// Calculates the sensitivities of a converged solution. They must be finite, or a reason must be
+/// stated why they are missing.
 pub(crate) fn with_sensitivities(
     case: &Case,
     model: ModelChoice,
@@ -142,17 +142,18 @@ pub(crate) fn with_sensitivities(
     }
 }
 
-/// The only outcome of the model that the batch may replace with a solution. The formulas of the
-/// batch are free of cancellation, and the batch also rejects solutions whose power balance is not
-/// satisfied.
+/// The only failure of the scalar model for which a vectorized kernel may find a solution. The
+/// formulas of the kernel are free of cancellation, and the kernel also rejects solutions that do
+/// not satisfy the power balance.
 const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 
-/// Solves all cases as a batch, in which kernels solve some models, and compares the outcomes.
+/// Solves all cases as a table, in which vectorized kernels solve some models, and compares the
+/// outcomes with the given answers.
 pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
     let columns =
-        Columns::sort(names, &[], &TableFormat::default()).expect("names of inputs, each once");
+        Columns::sort(names, &[], &TableFormat::default()).expect("every input name occurs once");
     let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
     let chunk = Chunk::of_rows(&columns, rows);
     let efficiency = Output::named("efficiency").expect("an output");
@@ -176,7 +177,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
     }
 }
 
-/// Returns the name of the reason, including the way in which the iteration ended.
+/// Returns the name of a reason. If an iteration failed, the name includes how the iteration ended.
 fn name(reason: &Reason) -> String {
     let text = format!("{reason:?}");
     let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
@@ -199,7 +200,7 @@ pub(crate) fn inertia(case: &Case) -> f64 {
     mass * pitch * speed * speed / get(InputKey::axial_load_N)
 }
 
-/// Returns the first defect of a converged solution, or `None` if there is no defect.
+/// Describes the first defect of a converged solution, or returns `None` if it has no defect.
 fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)
@@ -220,7 +221,7 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
         output!(unloaded_flank_normal_load_N),
     ];
     for name in loads {
-        // Contact loads must be compressive.
+        // A contact load that is not positive is a defect.
         if record.number(name).is_some_and(|load| load <= 0.0) {
             return Some(format!("{} not positive", name.name()));
         }
@@ -230,7 +231,8 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
             return Some(format!("{} beyond 0 to 90", name.name()));
         }
     }
-    // Friction must dissipate power. The tolerance allows for rounding errors of a very small loss.
+    // Friction must not generate power. The tolerance covers the rounding errors of a very small
+    // power loss.
     let taken =
         record.number(output!(dissipated_power_W)).zip(record.number(output!(input_power_W)));
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {

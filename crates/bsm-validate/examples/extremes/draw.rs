@@ -1,4 +1,4 @@
-//! Generates random operating points in extreme ranges.
+//! Generates random operating points whose inputs are in extreme ranges.
 
 use bsm_case::{Case, ModelChoice};
 use bsm_dyn::{Model, angles::Angles};
@@ -6,8 +6,9 @@ use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Returns the point with a given number. The point depends on the seed, but not on the number of
-/// threads. If `edges` is true, the point is moved close to a value at which the behavior changes.
+/// Returns the random point with the given number. The point depends on the seed and the number,
+/// but not on the number of threads. If `edges` is true, the point is close to a value at which the
+/// behavior changes.
 pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -> Case {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number as u64);
@@ -27,7 +28,8 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let angles = Angles { lead, contact: radians(case.contact_angle_deg) };
     let turning = case.screw_speed_rpm.zip(case.nut_speed_rpm).map(|(screw, nut)| screw + nut);
     let together = rng.random_bool(0.5);
-    // Make both speeds almost equal, which is not possible in model `quasi-static`.
+    // The speeds of screw and nut become almost equal. This is not possible in model
+    // `quasi-static`, in which only one of them turns.
     if together && model != Model::QuasiStatic.into() {
         case.screw_speed_rpm = turning;
         case.nut_speed_rpm = turning.map(|speed| speed * next);
@@ -41,7 +43,7 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     }
 }
 
-/// Returns a random point within the ranges.
+/// Returns a random point whose inputs are in the extreme ranges.
 fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let mut log = |low: f64, high: f64| {
         let x = rng.log_uniform(low, high);
@@ -57,12 +59,12 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let (screw_speed, nut_speed) = match rng.random_range(0..5) {
         0 | 1 => (speed, 0.0),
         2 | 3 => (0.0, speed),
-        // In model `quasi-static`, only one part can turn.
+        // In model `quasi-static`, either the screw or the nut turns, but not both.
         _ if model == Model::QuasiStatic.into() => (speed, 0.0),
         _ => (speed, other),
     };
-    // Models that include friction in the force balance reject a friction coefficient of zero, and
-    // so does `auto`, which may choose such a model.
+    // Models that include friction in the force balance reject a friction coefficient of zero.
+    // Model `auto` also rejects it, because `auto` may choose such a model.
     let fixed = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
     let needs = model == ModelChoice::Auto || fixed.contains(&model);
     let friction = if !needs && rng.random_ratio(1, 50) { 0.0 } else { friction };

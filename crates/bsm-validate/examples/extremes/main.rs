@@ -1,4 +1,4 @@
-//! Runs a test campaign with extreme random points and a fixed seed. The points are solved with
+//! Runs a test campaign with extreme random points and a fixed seed. All points are solved with
 //! every model, every result is checked, and each anomaly is written as a case file that reproduces
 //! it:
 //!
@@ -13,13 +13,13 @@
 //! sizes and moduli have uniformly distributed logarithms. Every point depends only on the seed and
 //! its number, not on the number of threads.
 //!
-//! With `--edges`, one input of each point is close to a value at which the behavior changes, at a
-//! relative distance of 1e-12 to 1e-1: either both speeds are almost equal, or friction can just
-//! hold the load.
+//! With `--edges`, one input of each point is close to a value at which the behavior changes. The
+//! relative distance from this value is 1e-12 to 1e-1. Either both speeds are almost equal, or
+//! friction can just hold the load.
 //!
-//! The exit code is 1 if a result is wrong. Wrong results are a panic, a converged row with NaN or
-//! infinity, a residual above 1e-10, a power balance error above 1e-9, an implausible sign, or a
-//! different result of the batch.
+//! The exit code is 1 if a result is wrong. The following results are wrong: a panic, a converged
+//! point with NaN or infinity, a residual above 1e-10, a power balance error above 1e-9, an
+//! implausible sign, and a result that differs between the scalar solver and a table.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "the report of a program")]
 
 mod answer;
@@ -39,13 +39,14 @@ use rayon::prelude::*;
 use answer::{ask, in_batch, with_sensitivities};
 use tally::Tally;
 
-/// Folder for the case files of anomalies.
+/// Folder to which the case files of anomalies are written.
 const FOLDER: &str = "target/extremes";
 
-/// Number of points that a thread solves at a time.
+/// Number of points that a thread takes at a time.
 const STRIDE: usize = 256;
 
-/// Every `SENSITIVE`th point is also solved for its sensitivities, which requires several solves.
+/// Sensitivities are calculated for every `SENSITIVE`th point only, because they require several
+/// solutions per point.
 const SENSITIVE: usize = 8;
 
 /// Parsed command-line arguments.
@@ -53,14 +54,14 @@ struct Arguments {
     points: usize,
     seed: u64,
     model: Option<ModelChoice>,
-    /// True to use points close to values at which the behavior changes.
+    /// If true, the points are close to values at which the behavior changes.
     edges: bool,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let Arguments { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
-    // Panics print nothing, because they are counted as outcomes and their cases are kept.
+    // Panics must not print anything. They are counted as outcomes, and their cases are stored.
     std::panic::set_hook(Box::new(|_| {}));
     let models = match model {
         Some(model) => vec![model],

@@ -1,4 +1,4 @@
-//! Counts the outcomes of a campaign, and keeps the worst numbers and the anomalies.
+//! Counts the outcomes of a test campaign, and stores the largest errors and the anomalies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -11,29 +11,29 @@ use bsm_case::{Case, ModelChoice};
 
 use crate::answer::{Answer, Order, inertia};
 
-/// Number of cases that are written for each kind of anomaly.
+/// Maximum number of cases that are written for each kind of anomaly.
 const EACH: usize = 5;
 
-/// Upper limits of the bands of the inertia ratio `$m r_m W^2/F_a$` in which outcomes are counted.
-/// The last band has no upper limit.
+/// Upper limits of the ranges of the inertia ratio `$m r_m W^2/F_a$` for which outcomes are
+/// counted. Points above the largest limit form a last range.
 const BANDS: [f64; 3] = [1e-6, 1e-2, 3.0];
 
-/// All points with the same kind of outcome. If the outcome is an anomaly, the first points are
-/// kept as cases.
+/// All points with the same kind of outcome. If the outcome is an anomaly, the cases of the first
+/// points are stored.
 #[derive(Default)]
 struct Kind {
-    /// Number of points in each band of the inertia ratio.
+    /// Number of points in each range of the inertia ratio.
     counts: [usize; BANDS.len() + 1],
     cases: Vec<(usize, Case)>,
 }
 
-/// Results of a campaign.
+/// Results of a test campaign.
 #[derive(Default)]
 pub(crate) struct Tally {
     points: usize,
     kinds: BTreeMap<(Order, String), Kind>,
-    /// Numbers of converged points with other solutions, without other solutions, and without a
-    /// search for other solutions.
+    /// Number of converged points with further solutions, without further solutions, and without a
+    /// search for further solutions.
     others: [usize; 3],
     residual: (f64, usize),
     balance: (f64, usize),
@@ -68,7 +68,8 @@ impl Tally {
         }
     }
 
-    /// Combines two tallies. The points of `self` precede the points of `other`.
+    /// Adds the results of another campaign. The points of `self` come before the points of
+    /// `other`.
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.points += other.points;
         for (place, kind) in other.kinds {
@@ -86,12 +87,12 @@ impl Tally {
         self
     }
 
-    /// Returns true if no outcome is wrong and no point is invalid.
+    /// Returns true if no result is wrong and no point is invalid.
     pub(crate) fn is_sound(&self) -> bool {
         self.kinds.keys().all(|(order, _)| !matches!(order, Order::False | Order::Invalid))
     }
 
-    /// Writes a case file for each anomaly that was kept.
+    /// Writes a case file for each anomaly that was stored.
     pub(crate) fn write_anomalies(
         &self,
         folder: &Path,
@@ -109,7 +110,7 @@ impl Tally {
 }
 
 impl fmt::Display for Tally {
-    /// Writes a Markdown table of the outcomes, followed by the worst numbers.
+    /// Writes a Markdown table of the outcomes, followed by the largest errors.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, middle, high] = BANDS;
         let points = self.points;

@@ -1,5 +1,5 @@
-//! Further statements of Lin, Velinsky and Ravani (1994), in addition to the comparison of the
-//! closed-form solution with the exact theory.
+//! Checks of statements in Lin, Velinsky and Ravani (1994) that do not concern the accuracy of the
+//! closed-form solution.
 
 use bsm_case::Case;
 use bsm_design::search::minimum_of;
@@ -14,12 +14,12 @@ use bsm_report::sheets::efficiency_as_printed;
 use super::{SOURCE, slender};
 use crate::{Check, ValidateError};
 
-/// Friction coefficient in the paper.
+/// Friction coefficient that the paper uses.
 const F: f64 = 0.075;
 
 const FORWARD: Direction = Direction::RotaryToLinear;
 
-/// Returns the checks of these statements.
+/// Returns the checks of all statements in this module.
 pub(super) fn checks(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let mut checks = vec![quotient(), driving_part(lin)?, driven_side()];
     checks.extend(direction_of_slip(lin)?);
@@ -35,7 +35,8 @@ fn angles(lead_deg: f64, contact_deg: f64) -> Angles<f64> {
     Angles { lead: lead_deg.to_radians(), contact: contact_deg.to_radians() }
 }
 
-/// Compares the efficiencies of Eqs 3 and 4 with the ratio of force to torque according to Eq 1.
+/// Checks that the efficiencies of Eqs 3 and 4 equal the ratio of output work to input work
+/// according to Eqs 1 and 2.
 fn quotient() -> Check {
     let (size, mut worst) = (0.18, 0.0_f64);
     for lead in (4..=40).step_by(4).map(f64::from) {
@@ -54,8 +55,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // The expressions are Eq 2 and Eq 1, divided by the normal load. At the nut,
-                    // the friction across the groove has the opposite sign.
+                    // Torque and force follow from Eqs 1 and 2 after division by the normal load. At
+                    // the nut, the friction across the groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;
@@ -93,7 +94,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let mut worst = (0.0, 0.0);
     for lead in (8..=60).map(f64::from) {
         let [screw, nut] = pair(lead)?;
-        // Without a solution for the nut drive, there is nothing to compare.
+        // If the nut drive has no solution, the difference is NaN, and the lead angle is skipped.
         if (screw - nut).abs() > worst.0 {
             worst = ((screw - nut).abs(), lead);
         }
@@ -109,7 +110,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
         .at_most(1e-4, "a hundredth of a percentage point, the effect of inertia at 2000 rpm"))
 }
 
-/// Checks Eq 11 and the statements about Fig 5.
+/// Checks Eq 11 and the statements about Fig 5 of the paper.
 fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let slender = slender(lin);
     let lin_angles = angles(10.0, 45.0);
@@ -140,14 +141,14 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         check(
             "eq-11",
             "Eqs 11, 13, 14",
-            "Eq 11 with the slip angle of Eq 13 is Eq 14 (as corrected)",
+            "Eq 11 with the slip angle of Eq 13 equals Eq 14 (as corrected)",
         )
         .measured(off, "largest difference")
         .note("lead angles of 2 to 60 deg, contact angles of 5 to 85 deg, r_b/r_m = 0.1")
         .at_most(1e-12, "rounding"),
         check("eq-11-as-printed", "Eq 11 as printed", "efficiency as a function of the slip angle")
             .measured(most, "largest efficiency")
-            .note("above one: the sign of friction in the numerator contradicts Eq 9"),
+            .note("the efficiency exceeds one, because the sign of the friction in the numerator contradicts Eq 9"),
         check(
             "fig-5-upper-limit",
             "Fig 5",
@@ -159,7 +160,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         check(
             "fig-5-tangential",
             "Fig 5",
-            "friction along the groove costs more than friction across it",
+            "friction along the groove causes a larger loss than friction across the groove",
         )
         .measured((1.0 - at(90.0)) / (1.0 - at(0.0)), "times the loss")
         .note(format!("efficiency {:.4} at 0 deg, {:.4} at 90 deg", at(0.0), at(90.0)))
@@ -182,7 +183,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         )
         .measured(f64::from(falling), "steps of one degree without an increase")
         .note("psi_B = 0, lead angles of 2 to 60 deg, contact angles of 5 to 86 deg")
-        .at_most(0.0, "a strict statement"),
+        .at_most(0.0, "the statement permits no exception"),
     ])
 }
 
@@ -192,7 +193,8 @@ fn optimum_range() -> Vec<Check> {
     let range = |direction: Direction, suffix: &str| {
         let constant = Optimum::constant(direction, F);
         let (largest, least) = (constant.acos(), constant.asin());
-        // The maximum is searched numerically below and above the largest lead angle.
+        // The loss is minimized numerically slightly below and slightly above the largest lead
+        // angle with a peak.
         let inside = |lead: f64| {
             let loss = |contact: f64| {
                 Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
@@ -208,11 +210,11 @@ fn optimum_range() -> Vec<Check> {
         )
         .measured(f64::from(wrong), "searches that differ")
         .note(format!(
-            "lead angles up to {:.2} deg, contact angles from {:.2} deg on; searched half a degree below and above the largest lead angle",
+            "lead angles up to {:.2} deg, contact angles above {:.2} deg; the peak was searched for half a degree below and above the largest lead angle",
             largest.to_degrees(),
             least.to_degrees()
         ))
-        .at_most(0.0, "there is a peak below the largest lead angle and none above it")
+        .at_most(0.0, "there must be a peak below the largest lead angle and none above it")
     };
     vec![range(FORWARD, "rotary-to-linear"), range(Direction::LinearToRotary, "linear-to-rotary")]
 }
@@ -231,14 +233,14 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // The tolerance is the rounding error of a sum whose terms are as large as the
+                // The tolerance is the rounding error of a sum. Its terms are as large as the
                 // friction coefficient divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }
     }
     check("driven-side", "Eqs 16, 19", "self-locking takes place at the driven side")
-        .measured(f64::from(wrong), "points on the limits that contradict the claim")
-        .note(format!("{points} points: the driven side transmits no power, and the driving side transmits more than without friction"))
+        .measured(f64::from(wrong), "points at the self-locking limit that contradict the claim")
+        .note(format!("{points} points: the driven side transmits no power, and the driving side transmits more power than without friction"))
         .at_most(0.0, "always")
 }

@@ -1,36 +1,36 @@
-//! Recommends settings for each tolerance.
+//! Recommends a setting for each tolerance and each group of points.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
 
-/// Minimum fraction of points that a recommended setting must solve. It is also the minimum
-/// fraction of solved points whose error must be within the tolerance.
+/// Fraction of the points that a recommended setting must solve at least. At least the same
+/// fraction of the solved points must have an error within the tolerance.
 const SHARE: f64 = 0.99;
 
-/// The fastest settings whose error is within a tolerance.
+/// The fastest settings whose efficiency error is within a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Advice {
     /// Efficiency error that 99 % of the points must not exceed.
     pub tolerance: f64,
-    /// Group of points. A setting that is recommended for all points is within the tolerance in
-    /// every regime.
+    /// Group of points for which the settings are recommended. If the group contains all points,
+    /// the settings are within the tolerance in every slip regime.
     pub group: Group,
-    /// Fastest setting for single solves.
+    /// Fastest setting if the points are solved one by one.
     pub single: Option<Pick>,
-    /// Fastest setting for batches on one core.
+    /// Fastest setting if the points are solved as a table on one core.
     pub batch: Option<Pick>,
 }
 
-/// A recommended setting.
+/// A recommended setting, and its time per point.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Pick {
-    /// Model and options of the setting.
+    /// Model and options of the recommended setting.
     pub setting: String,
-    /// Time per point \[ns\].
+    /// Calculation time per point \[ns\].
     pub ns: f64,
-    /// Groups in which the error of the setting exceeds the tolerance.
+    /// Slip regimes in which the error of this setting exceeds the tolerance.
     pub fails_where: Vec<Group>,
 }
 
@@ -47,9 +47,9 @@ pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Among the settings that are within a tolerance, returns the most accurate setting that takes
-/// little more time than the fastest one. Small time differences are ignored because times vary
-/// from run to run.
+/// Returns the recommended setting for a tolerance. Among the settings that meet the tolerance, it
+/// is the most accurate of those that take little more time than the fastest one. Small differences
+/// in time are ignored, because measured times vary.
 fn pick(
     settings: &[SettingResult],
     group: Group,
@@ -74,8 +74,8 @@ fn pick(
     Some(Pick { setting: result.setting.name(), ns, fails_where })
 }
 
-/// Returns true if the error of a setting is within a tolerance in a group of points. For the group
-/// of all points, this must be true in every group.
+/// Returns true if the error of a setting is within a tolerance in a group of points. If the group
+/// contains all points, the error must be within the tolerance in every slip regime.
 fn is_within(result: &SettingResult, group: Group, tolerance: f64) -> bool {
     let counts = |errors: &&Errors| group == Group::All || errors.group == group;
     result.errors.iter().filter(counts).all(|errors| within(errors, tolerance))

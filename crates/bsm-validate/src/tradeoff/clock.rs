@@ -1,4 +1,5 @@
-//! Measures the computing time per point for single solves and for batches, and its breakdown.
+//! Measures calculation times and solver counters per point, for points that are solved one by one
+//! or as a table.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -15,64 +16,66 @@ use super::errors::{Distribution, Group};
 use super::{Points, Setting};
 use crate::ValidateError;
 
-/// Computing times per point \[ns\].
+/// Calculation times per point \[ns\].
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Times {
-    /// Times for single solves and for batches on one core, for each group. The group of all points
-    /// comes first.
+    /// Times on one core for each group of points. The first group contains all points.
     pub one_core: Vec<OneCore>,
-    /// Time for batches of all points on all cores.
+    /// Time per point if all points are solved as a table on all cores.
     pub all_cores: f64,
-    /// Time for batches of all points on one core with each instruction set, for models with
-    /// kernels.
+    /// Time per point with each instruction set, if all points are solved as a table on one core.
+    /// The list is empty for models without a kernel.
     pub instruction_sets: Vec<(&'static str, f64)>,
 }
 
-/// Computing time per point of a group on one core \[ns\], and its breakdown.
+/// Calculation times on one core \[ns\] and solver counters for the points of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct OneCore {
-    /// Group of points.
+    /// Group of points to which the times refer.
     pub group: Group,
-    /// Time from a case to its outputs if points are solved one after the other.
+    /// Time from a case to its outputs, if the points are solved one by one.
     pub single: Distribution,
-    /// Time from input columns to output columns if all points of the group are in one table.
+    /// Time per point from input columns to output columns, if all points of the group are rows of
+    /// one table.
     pub batch: f64,
-    /// Time from input columns to output columns for each point, measured with a table of identical
-    /// rows.
+    /// Time per point from input columns to output columns, measured separately for each point with
+    /// a table of identical rows.
     pub row: Distribution,
-    /// Number of steps of Newton's method and of path-following searches, for the points whose
-    /// solution requires steps.
+    /// Number of steps of Newton's method and of path following. Points that were solved without
+    /// such steps are left out.
     pub steps: Option<Distribution>,
-    /// Number of evaluations of the equations in single solves.
+    /// Number of times that the equations were evaluated to solve a point.
     pub evaluations: Distribution,
-    /// Number of nodes on the contact ellipses at which friction was evaluated in single solves.
+    /// Number of quadrature nodes on the contact ellipses at which friction was evaluated to solve
+    /// a point.
     pub nodes: Distribution,
-    /// Number of searches for the solution or for other solutions in single solves.
+    /// Number of searches for the solution or for further solutions of a point.
     pub searches: Distribution,
-    /// Fraction of the points that required a search.
+    /// Fraction of the points for which a search was needed.
     pub searching: f64,
 }
 
 impl Times {
-    /// Returns the times of a group, or `None` if the group has no points.
+    /// Returns the times in a group of points, or `None` if the group contains no points.
     pub fn of(&self, group: Group) -> Option<&OneCore> {
         self.one_core.iter().find(|times| times.group == group)
     }
 }
 
-/// Number of rounds, in each of which all settings take turns. With debug assertions, one round is
-/// enough.
+/// Number of rounds. In each round, every setting is measured once. With debug assertions, one
+/// round is sufficient.
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
-/// Minimum duration of a measurement. Shorter measurements would be affected by the resolution of
-/// the clock.
+/// Minimum duration of a measurement. A shorter measurement would be inaccurate because of the
+/// limited resolution of the clock.
 const MIN_DURATION: Duration = Duration::from_millis(8);
 
-/// Minimum number of rows in a batch for fast models. With fewer rows, the overhead per batch would
-/// dominate.
+/// Minimum number of rows in a table that is solved by a fast model. With fewer rows, the overhead
+/// per table would dominate the measurement.
 const BATCH: usize = if cfg!(debug_assertions) { 512 } else { 8192 };
 
-/// Outputs that the batches calculate. The errors are measured for the same outputs.
+/// Outputs that are calculated for the rows of a table. The errors are determined for the same
+/// outputs.
 const OUTPUTS: [&str; 6] = [
     "efficiency",
     "ball_torque_Nm",
@@ -82,10 +85,11 @@ const OUTPUTS: [&str; 6] = [
     "screw_contact_angle_deg",
 ];
 
-/// Number of identical rows in the table for one point.
+/// Number of identical rows in the table with which a single point is measured.
 const ROWS: usize = 64;
 
-/// The kinds of times that are measured for a setting. Groups are given by their index.
+/// The kinds of times that are measured for a setting. The number in `Batch` is the index of a
+/// group.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     Single,
@@ -95,7 +99,7 @@ enum Way {
     On(Arch),
 }
 
-/// Measures the times of every setting.
+/// Measures the calculation times of every setting.
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 pub(super) fn times(
     points: &Points,
@@ -168,12 +172,12 @@ fn ways(setting: &Setting, groups: usize) -> impl Iterator<Item = Way> {
     each.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
 
-/// Returns true if a batch takes only nanoseconds per point.
+/// Returns true if solving a table takes only nanoseconds per point.
 fn is_quick(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
-/// Returns, for each time, the median over the rounds.
+/// Returns the median over all rounds for each of the times.
 fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     let median = |place: usize| {
         let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
@@ -183,14 +187,14 @@ fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     (0..rounds[0].len()).map(median).collect()
 }
 
-/// Data that all measurements share.
+/// Points, tables and thread pools that all measurements use.
 struct Bench<'a> {
     points: &'a Points,
-    /// One table for each group. The group of all points comes first.
+    /// One table for each group of points. The first group contains all points.
     groups: Vec<Chunk>,
-    /// For each group, one longer table for fast models.
+    /// For each group of points, a longer table that is used for fast models.
     long_groups: Vec<Chunk>,
-    /// For each point, one table of identical rows.
+    /// For each point, a table in which all rows are this point.
     rows: Vec<Chunk>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,
@@ -214,7 +218,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Returns the number of steps and the solver counters for each point.
+    /// Returns the number of solver steps and the solver counters for each point.
     #[expect(clippy::cast_precision_loss, reason = "counts are small")]
     fn work(
         &self,
@@ -230,7 +234,8 @@ impl<'a> Bench<'a> {
         self.points.cases.iter().map(count).collect()
     }
 
-    /// Measures the time for each point in single solves, or the time per point in tables \[ns\].
+    /// Measures the time of each point if the points are solved one by one, or the mean time per
+    /// point if they are solved as a table \[ns\].
     fn time(
         &self,
         setting: &Setting,
@@ -242,7 +247,7 @@ impl<'a> Bench<'a> {
         let solve = |arch, chunk: &Chunk| {
             black_box(task.solve_on(arch, chunk, &self.points.columns));
         };
-        // Slower calculations, which take microseconds per point, do not need longer tables.
+        // Models that take microseconds per point do not need the longer tables.
         let tables = if is_quick(settings) { &self.long_groups } else { &self.groups };
         let batch = |arch, chunk: &Chunk| {
             per_point(1, chunk.len, |_| {
@@ -271,8 +276,8 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Measures the time per point \[ns\] for each of `tables` with `rows` points. Calculations are
-/// repeated until a measurement takes [`MIN_DURATION`].
+/// Measures the mean time per point \[ns\] for each of several tables, all of which have `rows`
+/// points. The calculations are repeated until the measurement has taken [`MIN_DURATION`].
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 fn per_point(
     tables: usize,

@@ -1,4 +1,4 @@
-//! Errors relative to the reference solution, for each group of points.
+//! Errors of a setting relative to the reference solution, for each group of points.
 
 use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{ModelWorkspace, Solution, solution::SlipRegime};
@@ -9,19 +9,20 @@ use serde::Serialize;
 use super::reference_settings;
 use crate::ValidateError;
 
-/// A group of points, in which the balls have the same kind of motion.
+/// A group of points at which the balls have the same slip regime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(into = "&'static str")]
 pub enum Group {
-    /// All points.
+    /// All points, whatever their slip regime is.
     All,
-    /// The points with one slip regime.
+    /// Points with the given slip regime.
     #[schemars(skip)]
     Of(SlipRegime),
 }
 
 impl Group {
-    /// All groups: first the group of all points, then one group for each slip regime.
+    /// All groups. The first group contains all points, and each of the others contains the points
+    /// with one slip regime.
     pub const ALL: [Self; 4] = [
         Self::All,
         Self::Of(SlipRegime::Rolling),
@@ -29,7 +30,7 @@ impl Group {
         Self::Of(SlipRegime::GrossSkid),
     ];
 
-    /// Returns the name of the group.
+    /// Returns the name of the group as text.
     pub fn name(self) -> &'static str {
         match self {
             Self::All => "all",
@@ -48,10 +49,10 @@ impl From<Group> for &'static str {
     }
 }
 
-/// Distribution of an error or a computing cost over points.
+/// Distribution of an error, a time or a count over all points of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Distribution {
-    /// Mean value.
+    /// Mean of the values at all points.
     pub mean: f64,
     /// Median, which half of the points do not exceed.
     pub median: f64,
@@ -59,16 +60,16 @@ pub struct Distribution {
     pub q90: f64,
     /// 99 % quantile, which 99 % of the points do not exceed.
     pub q99: f64,
-    /// Largest value.
+    /// Largest value at any point.
     pub max: f64,
 }
 
 impl Distribution {
-    /// Calculates the statistics of values, or returns `None` if there are no values.
+    /// Calculates mean, quantiles and maximum of the values. Returns `None` if there are no values.
     pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
-        // This function returns the smallest value that is not exceeded by the given fraction of
-        // the values.
+        // The closure returns the smallest value that a given fraction of the values does not
+        // exceed.
         let at = |share: f64| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -85,27 +86,28 @@ impl Distribution {
     }
 }
 
-/// Errors of a setting over the points of a group that the setting solved.
+/// Errors of a setting in a group of points. Points that the setting did not solve are left out.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
-    /// Group of points.
+    /// Group of points to which the errors refer.
     pub group: Group,
     /// Fraction of the points that the setting solved.
     pub solved: f64,
     /// Absolute error of the efficiency.
     pub efficiency: Option<Distribution>,
-    /// Relative error of the torque.
+    /// Relative error of the screw torque.
     pub torque: Option<Distribution>,
-    /// Relative error of the normal loads. The larger error of nut and screw is used.
+    /// Relative error of the normal loads, the larger of the errors at nut and screw.
     pub loads: Option<Distribution>,
-    /// Error of the contact angles \[deg\]. The larger error of nut and screw is used.
+    /// Error of the contact angles \[deg\], the larger of the errors at nut and screw.
     pub angles_deg: Option<Distribution>,
-    /// Fraction of the solved points whose efficiency error exceeds the stated error bound; `None`
-    /// if the setting states no bound.
+    /// Fraction of the solved points at which the efficiency error exceeds the error bound of the
+    /// setting; `None` if the setting has no error bound.
     pub bound_broken: Option<f64>,
 }
 
-/// The reference solution of each point, with its slip regime; `None` if there is no solution.
+/// Reference solution and slip regime of each point; `None` for a point without a reference
+/// solution.
 pub(super) struct Reference(Vec<Option<(SlipRegime, Solution)>>);
 
 impl Reference {
@@ -123,12 +125,12 @@ impl Reference {
         Ok(Self(points))
     }
 
-    /// Returns the rows, counted from 1, without a reference solution.
+    /// Returns the numbers of the rows without a reference solution, counted from 1.
     pub(super) fn missing(&self) -> Vec<usize> {
         (1..).zip(&self.0).filter(|(_, point)| point.is_none()).map(|(row, _)| row).collect()
     }
 
-    /// Returns the groups that contain points, with the indices of these points.
+    /// Returns the groups that contain points, each with the indices of its points.
     pub(super) fn groups(&self) -> Vec<(Group, Vec<usize>)> {
         let places = |group: Group| {
             let holds = |(place, point): (usize, &Option<(SlipRegime, Solution)>)| {
@@ -212,7 +214,7 @@ fn relative(ours: f64, exact: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// The mean and the quantiles of the numbers from 1 to 200 are known exactly.
+    /// The exact mean and quantiles of the integers from 1 to 200 are known.
     #[test]
     fn quantiles_of_consecutive_integers_are_exact() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();

@@ -1,23 +1,23 @@
-//! Plots of the error against the time, with one mark for each model and setting.
+//! Plots of the efficiency error against the time, with one mark for each model and setting.
 
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use super::{Group, OneCore, SettingResult};
 
-/// Returns the plots: for single solves and for batches over all points, then for single solves in
-/// each regime.
+/// Returns the plots of the efficiency error. Two plots contain all points, solved one by one or as
+/// a table; the other plots contain the points of one slip regime, solved one by one.
 pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
     let mut figures = vec![
-        figure(settings, Group::All, "single", "one point after the other", |times| {
+        figure(settings, Group::All, "single", "points solved one by one", |times| {
             times.single.mean
         }),
-        figure(settings, Group::All, "batch", "batches on one core", |times| times.batch),
+        figure(settings, Group::All, "batch", "tables on one core", |times| times.batch),
     ];
     for group in Group::ALL.into_iter().filter(|group| *group != Group::All) {
         let key = group.name().replace(' ', "-");
         figures.push(figure(settings, group, &key, group.name(), |times| times.single.mean));
     }
-    // Some tables contain no points of a regime, so empty plots are removed.
+    // If the table contains no points with a slip regime, the plot for this regime is removed.
     figures.retain(|figure| !figure.curves.is_empty());
     figures
 }
@@ -35,9 +35,9 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Settings of the creep speed are left out, because their marks would coincide with the
-        // marks of the accuracies. Errors of zero are left out, because they cannot be shown on a
-        // logarithmic axis.
+        // Settings of the creep speed are left out, because their marks would coincide with those
+        // of the accuracies. Errors of zero are left out, because a logarithmic axis cannot show
+        // them.
         if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
             continue;
         }
@@ -61,11 +61,11 @@ fn figure(
     Figure {
         key: format!("pareto-{key}"),
         title: format!("Error against time, {words}"),
-        caption: "Left is faster, down is more exact. Numbers: accuracy of traction, tolerance of \
-                  auto. Errors are over the points that a model solves."
+        caption: "Settings on the left are faster, and settings at the bottom are more accurate. The numbers are the \
+                  accuracy of traction and the tolerance of auto. The errors refer to the points that a model solves."
             .to_owned(),
-        x: Axis::log("time of a point, us"),
-        y: Axis::log("error of the efficiency, 99 %"),
+        x: Axis::log("time per point, us"),
+        y: Axis::log("efficiency error, 99 % quantile"),
         curves,
     }
 }

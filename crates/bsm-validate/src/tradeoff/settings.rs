@@ -1,16 +1,18 @@
-//! The measured settings: models, quadrature accuracies, creep speeds, and tolerances of `auto`.
+//! Settings whose speed and accuracy are measured: models, quadrature accuracies, creep speeds, and
+//! tolerances of `auto`.
 
 use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A model with certain settings.
+/// A model, and the settings with which it is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Setting {
     /// Name of the model.
     pub model: &'static str,
-    /// Options of `bsm solve` that differ from the defaults; empty for the default settings.
+    /// Options of `bsm solve` that differ from the defaults. The text is empty for the default
+    /// settings.
     pub options: String,
     /// Solver settings that correspond to `options`.
     #[serde(skip)]
@@ -28,16 +30,16 @@ impl Setting {
     }
 }
 
-/// Quadrature accuracies for `traction`, including the default.
+/// Quadrature accuracies with which `traction` is measured, including the default.
 const ACCURACIES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
 
-/// Creep speeds for `traction`, in addition to the default.
+/// Creep speeds with which `traction` is measured, in addition to the default.
 const CREEPS: [f64; 3] = [1e-2, 1e-3, 1e-5];
 
-/// Tolerances for the model choice of `auto`.
+/// Tolerances of the efficiency with which `auto` is measured.
 const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// Returns all models and settings, beginning with the fastest models.
+/// Returns all settings that are measured, beginning with the fastest models.
 pub(super) fn all() -> Vec<Setting> {
     let mut list: Vec<_> = Model::ALL
         .into_iter()

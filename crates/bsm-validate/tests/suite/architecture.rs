@@ -1,4 +1,4 @@
-//! Checks that `docs/architecture.md` and its drawing agree with the code.
+//! Checks that the page `docs/architecture.md` and its drawing agree with the code.
 
 use crate::sources;
 
@@ -10,16 +10,17 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Returns the code spans of a text, each with the text up to the next code span.
+/// Returns all code spans in a text. Each code span is returned together with the text between it
+/// and the next code span.
 fn code_spans(text: &str) -> Vec<(&str, &str)> {
     let pieces: Vec<_> = text.split('`').collect();
     pieces[1..].chunks(2).map(|pair| (pair[0], pair.get(1).copied().unwrap_or(""))).collect()
 }
 
-/// Every path on the page must exist, and every name in parentheses after a file must occur in that
+/// Every path on the page must exist. Every name in parentheses after a file must occur in this
 /// file.
 #[test]
-fn recipes_name_existing_files_and_items() {
+fn architecture_page_names_existing_files_and_items() {
     let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the page");
     let places = ["crates/", "docs/", "validation/", "README.md", "CHANGELOG.md"];
     let (mut paths, mut names) = (0, 0);
@@ -49,11 +50,11 @@ fn recipes_name_existing_files_and_items() {
             }
         }
     }
-    // Smaller numbers would mean that the page is parsed incorrectly.
+    // If the numbers were smaller, the page would not have been parsed correctly.
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 
-/// Each module of `bsm-case` may use only modules in its own folder and in the preceding folders of
+/// A module of `bsm-case` may use only modules in its own folder and in folders that precede it in
 /// this list.
 #[test]
 fn modules_of_bsm_case_use_only_preceding_folders() {
@@ -63,7 +64,8 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
         let text = fs::read_to_string(path).expect("a module");
         text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
     };
-    // This map contains the names that the crate exports, each with the rank of its folder.
+    // The map contains all names that the crate exports, with the position of their folder in the
+    // list.
     let face = code(&source.join("lib.rs"));
     let mut names = BTreeMap::new();
     for line in face.split(';') {
@@ -105,8 +107,8 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
     assert!(files > 35, "{files} modules");
 }
 
-/// Models of `bsm-dyn`, each with the models that it may use. These models must precede it in the
-/// list.
+/// Models of `bsm-dyn`, each with the models that it may use. A model may use only models that
+/// precede it in this list.
 const MODELS: [(&str, &[&str]); 15] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
@@ -116,15 +118,16 @@ const MODELS: [(&str, &[&str]); 15] = [
     ("raceway_control", &[]),
     ("slip", &["raceway_control"]),
     ("elastic", &[]),
-    // This model starts its iteration from solutions for pure rolling and for gross slip.
+    // Model `traction` starts its iteration from the solutions for pure rolling and for gross slip.
     ("traction", &["raceway_control", "elastic"]),
-    // This model starts its iteration from the solution for a ball with two contacts.
+    // Model `gothic` starts its iteration from the solution for a ball with two contacts.
     ("gothic", &["traction"]),
-    // This module contains the work memory of the solvers, which a model passes to the models that
-    // it uses.
+    // The module `workspace` contains the buffers of the solvers. A model passes these buffers to
+    // the models that it uses.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
-    // This model adds the losses of a third contact to the losses of a lubricated ball.
+    // Model `lubricated_arch` adds the losses of a third contact to the losses of a lubricated
+    // ball.
     ("lubricated_arch", &["traction", "gothic", "workspace", "lubricated"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
@@ -145,9 +148,9 @@ const MODELS: [(&str, &[&str]); 15] = [
     ),
 ];
 
-/// Returns the modules that a file refers to, each as a path from the crate root, such as
-/// `crate::contact::Hertz`. In `models/rigid/root.rs`, the path `super::ball::RigidBall` means
-/// `models::rigid::ball::RigidBall`.
+/// Returns the modules that the code of a file names, as paths from the crate root. For example,
+/// `crate::contact::Hertz` names the module `contact`. In `models/rigid/root.rs`, the path
+/// `super::ball::RigidBall` means `models::rigid::ball::RigidBall`.
 fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let mut named = Vec::new();
@@ -157,7 +160,8 @@ fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
             let before = &line[..at];
             let path = line[at..].split(|c| !is_name(c)).next().unwrap_or_default();
             let ups = path.split("::").take_while(|part| *part == "super").count();
-            // In `super::super`, the second `super` has already been counted with the first one.
+            // In `super::super`, the second `super` was already counted together with the first
+            // one.
             if before.ends_with("super::") || (word == "super::" && ups > module.len()) {
                 continue;
             }
@@ -169,9 +173,9 @@ fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
     named
 }
 
-/// `bsm-dyn` has the three layers contact, ellipse and models. Each layer may refer only to layers
-/// below it. A model may refer only to `models/ball`, which all models share, and to the models
-/// listed in [`MODELS`]. No module may use a name that the crate root exports.
+/// The crate `bsm-dyn` has three layers: contact, ellipse and models. A layer may use only the
+/// layers below it. A model may use only `models/ball`, which all models share, and the models that
+/// [`MODELS`] permits. No module may use a name that the crate root exports.
 #[test]
 fn modules_of_bsm_dyn_use_only_lower_layers() {
     const LAYERS: [&str; 3] = ["contact", "ellipse", "models"];
@@ -190,7 +194,7 @@ fn modules_of_bsm_dyn_use_only_lower_layers() {
         seen += 1;
         let text = fs::read_to_string(&file).expect("a module");
         let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-        // The solve status and the evaluation counter are modules below all layers.
+        // The modules for the solve status and the evaluation counter are below all layers.
         let rank = |name: &str| LAYERS.iter().position(|layer| *layer == name).map_or(0, |i| i + 1);
         for used in modules_named_in(&module, code) {
             let [layer, rest @ ..] = &used[..] else {
@@ -215,8 +219,8 @@ fn modules_of_bsm_dyn_use_only_lower_layers() {
     assert!(seen > 60, "{seen} modules");
 }
 
-/// The files of a solver crate must not import each other in a cycle of any length. A module that
-/// is declared with `mod` counts as part of its file.
+/// The imports between the files of a solver crate must not form a cycle of any length. A module
+/// that is declared with `mod` counts as part of the file that declares it.
 #[test]
 fn files_have_no_circular_imports() {
     for name in ["kin", "simd", "newton", "dyn", "kernels", "nut", "design", "batch"] {
@@ -233,8 +237,8 @@ fn files_have_no_circular_imports() {
             files.insert(module.join("::"), modules_named_in(&module, code));
         }
         let (count, mut left) = (files.len(), files.keys().cloned().collect::<BTreeSet<_>>());
-        // Files that import none of the remaining files are removed, because they cannot be part of
-        // a cycle.
+        // A file that imports none of the remaining files cannot be part of a cycle, so it is
+        // removed.
         loop {
             let is_left = |used: &Vec<String>, own: &str| {
                 let mut paths = (1..=used.len()).rev().map(|end| used[..end].join("::"));
@@ -252,8 +256,8 @@ fn files_have_no_circular_imports() {
     }
 }
 
-/// Returns, for each crate, the crates of this workspace that its manifest lists under
-/// `[dependencies]`.
+/// Returns the dependencies of each crate on other crates of this workspace, as listed in its
+/// manifest under `[dependencies]`.
 fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     let crates = fs::read_dir(root().join("crates")).expect("crates");
     let folders = crates.map(|entry| entry.expect("entry").path());
@@ -275,7 +279,7 @@ fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     folders.chain(others).map(manifest).collect()
 }
 
-/// Returns the arrows of the drawing as pairs of crates.
+/// Returns the arrows of the drawing: for each crate, the crates to which its arrows point.
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(root().join("docs/img/architecture.dot")).expect("the drawing");
     let mut arrows = BTreeMap::<_, BTreeSet<_>>::new();
@@ -286,13 +290,14 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     arrows
 }
 
-/// Returns the crates that can be reached from a crate by following arrows.
+/// Returns all crates that can be reached from a crate by following the arrows.
 fn reachable_crates(from: &str, edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
     let next = edges.get(from).into_iter().flatten();
     next.flat_map(|to| reachable_crates(to, edges).into_iter().chain([to.clone()])).collect()
 }
 
-/// Each arrow must be a dependency, and each dependency must be an arrow or a chain of arrows.
+/// Each arrow must represent a dependency. Each dependency must be drawn as an arrow or follow from
+/// a chain of arrows.
 #[test]
 fn the_architecture_drawing_shows_all_dependencies() {
     let (manifests, arrows) = (manifests(), arrows());
@@ -310,8 +315,8 @@ fn the_architecture_drawing_shows_all_dependencies() {
     assert!(!report.contains("bsm-kernels"), "sheets are of answers, not of tables: {report:?}");
 }
 
-/// A crate whose own test build is disabled must not contain tests, except in files that its test
-/// suite includes.
+/// If the test build of a crate is disabled, the crate must not contain tests, except in files that
+/// its test suite includes.
 #[test]
 fn every_test_is_compiled() {
     let mut included = 0;

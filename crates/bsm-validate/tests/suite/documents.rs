@@ -1,4 +1,4 @@
-//! Checks the links in Markdown documents.
+//! Tests of the links in Markdown documents.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -30,8 +30,8 @@ fn links(text: &str) -> Vec<&str> {
     after.filter_map(|s| Some(s.split_once(')')?.0)).collect()
 }
 
-/// Returns the anchors that GitHub creates for headings: lowercase, with hyphens instead of spaces
-/// and without other punctuation.
+/// Returns the anchors that GitHub creates for the headings of a document. An anchor is in
+/// lowercase, and has hyphens instead of spaces and no other punctuation.
 fn anchors(text: &str) -> BTreeSet<String> {
     let prose: String = text.split("```").step_by(2).collect();
     let heading = |line: &str| {

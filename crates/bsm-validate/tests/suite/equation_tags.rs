@@ -1,4 +1,4 @@
-//! Checks that every equation tag in the code exists in the theory chapters, and vice versa.
+//! Checks that every equation tag in the code also occurs in the theory chapters, and vice versa.
 
 use crate::sources;
 
@@ -8,15 +8,14 @@ use std::path::{Path, PathBuf};
 
 use self::sources::files;
 
-/// Text that begins a line of a theory chapter in which equations are listed that only tests
-/// evaluate.
+/// Beginning of a line in a theory chapter that lists equations which only tests evaluate.
 const BY_TESTS: &str = "Checked by tests alone:";
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("UTF-8 text")
 }
 
-/// Returns all tags in a text, such as `(K12)` or `\tag{K12}`.
+/// Returns all equation tags in a text, such as `(K12)` or `\tag{K12}`.
 fn tags(text: &str) -> BTreeSet<String> {
     let between = |open: &str, close: char| -> Vec<String> {
         text.split(open).skip(1).filter_map(|s| tag(s.split_once(close)?.0)).collect()
@@ -25,8 +24,8 @@ fn tags(text: &str) -> BTreeSet<String> {
 }
 
 /// Splits the text of a file into code that is always compiled and code that is compiled only for
-/// tests. Test code consists of the items from a line `#[cfg(test)]` to the closing line with the
-/// same indentation.
+/// tests. Test code begins at a line `#[cfg(test)]` and ends at the closing line with the same
+/// indentation.
 fn parts(text: &str) -> [String; 2] {
     let mut parts = [String::new(), String::new()];
     let mut of_tests = None;
@@ -46,7 +45,7 @@ fn parts(text: &str) -> [String; 2] {
     parts
 }
 
-/// Returns the files of the modules that are declared, without a body, in a part of a file.
+/// Returns the files of all modules that a part of a file declares without a body.
 fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     let root = ["lib", "main", "mod"].iter().any(|name| file.file_stem() == Some(name.as_ref()));
     let folder = if root { file.with_file_name("") } else { file.with_extension("") };
@@ -54,7 +53,8 @@ fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     names.map(|name| folder.join(format!("{name}.rs"))).collect()
 }
 
-/// Returns, for each crate, the code that is always compiled and the code of its tests.
+/// Returns two texts for each crate: code that is always compiled, and code that is compiled only
+/// for tests.
 fn crates() -> BTreeMap<String, [String; 2]> {
     let mut crates = BTreeMap::new();
     for entry in fs::read_dir(root().join("crates")).expect("crates") {
@@ -77,8 +77,8 @@ fn crates() -> BTreeMap<String, [String; 2]> {
     crates
 }
 
-/// Returns the tags of formulas in code. A tag is at the end of the line of its formula, or at the
-/// end of the line above.
+/// Returns the tags of all formulas in the code. The tag of a formula is at the end of its line, or
+/// at the end of the comment line above it.
 fn formulas(code: &str) -> BTreeSet<String> {
     let comments = code.lines().filter_map(|line| {
         let (_, comment) =
@@ -88,8 +88,8 @@ fn formulas(code: &str) -> BTreeSet<String> {
     comments.collect()
 }
 
-/// Parses a tag, which consists of one capital letter, or of AA, AB, AC or BB, followed by at least
-/// one digit.
+/// Parses an equation tag. It consists of one capital letter, or of AA, AB, AC or BB, followed by
+/// at least one digit.
 fn tag(s: &str) -> Option<String> {
     let two = ["AA", "AB", "AC", "BB"].into_iter().find_map(|letters| s.strip_prefix(letters));
     let digits = two.or(s.strip_prefix(|c: char| c.is_ascii_uppercase()))?;
@@ -125,7 +125,7 @@ fn code_and_theory_cite_the_same_equations() {
     assert!(untested.is_empty(), "said to be checked by tests, cited by none: {untested:?}");
 }
 
-/// Each formula must be implemented in only one crate, which all other crates use.
+/// Each formula must be implemented in a single crate, which all other crates use.
 #[test]
 fn each_formula_is_implemented_in_one_crate() {
     let mut homes = BTreeMap::<String, Vec<String>>::new();
@@ -138,8 +138,8 @@ fn each_formula_is_implemented_in_one_crate() {
     assert!(homes.is_empty(), "written in several crates: {homes:?}");
 }
 
-/// Code that is compiled only for tests must be recognized: items, modules in separate files, and
-/// single lines.
+/// Code that is compiled only for tests must be recognized in three forms: items, modules in
+/// separate files, and single lines.
 #[test]
 fn code_compiled_only_for_tests_is_recognized() {
     let text = "fn a() {} // (K1)\n#[cfg(test)]\nmod tests;\nmod b; // (K2)\n    #[cfg(test)]\n    \
@@ -155,7 +155,7 @@ fn code_compiled_only_for_tests_is_recognized() {
     }
 }
 
-/// Each equation must be stated only once in the theory chapters, so each tag has only one
+/// Each equation must be stated only once in the theory chapters, so each tag must have only one
 /// `\tag{...}`.
 #[test]
 fn the_theory_states_each_equation_once() {

@@ -1,4 +1,4 @@
-//! Checks that a browser can render every formula in rustdoc and in the documents.
+//! Checks that a browser can render every formula in doc comments and Markdown documents.
 
 use crate::sources;
 
@@ -9,10 +9,11 @@ use pulldown_latex::{Parser, Storage};
 
 use self::sources::files;
 
-/// Returns the formulas in a Markdown text: `math` blocks, and text between `open` and `close`.
+/// Returns the formulas in a Markdown text. They are `math` blocks and texts between `open` and
+/// `close`.
 fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     let (mut found, mut prose) = (Vec::new(), String::new());
-    // Every second piece of the text is a code block.
+    // Every second piece of the text is a code block, beginning with the second one.
     for (i, piece) in text.split("```").enumerate() {
         match piece.strip_prefix("math") {
             Some(formula) if i % 2 == 1 => found.push(formula.to_owned()),
@@ -38,8 +39,8 @@ fn doc_comments(code: &str) -> String {
     code.lines().map(line).collect()
 }
 
-/// Returns the defect of a formula, or `None` if it can be rendered. Equation tags such as
-/// `\tag{K1}` are removed first.
+/// Returns the reason why a formula cannot be rendered, or `None` if it can be rendered. Equation
+/// tags such as `\tag{K1}` are removed first.
 fn formula_defect(formula: &str) -> Option<String> {
     let mut pieces = formula.split("\\tag{");
     let mut bare = pieces.next().unwrap_or_default().to_owned();
@@ -70,7 +71,8 @@ fn every_formula_parses() {
         );
     }
     for path in files(&root.join("docs"), "md") {
-        // Formulas on separate lines are enclosed in double dollar signs.
+        // A formula on a line of its own is enclosed in double dollar signs, which are replaced by
+        // single ones.
         let text = fs::read_to_string(&path).expect("UTF-8 text").replace("$$", "$");
         all.extend(formulas(&text, ("$", "$")).into_iter().map(|formula| (path.clone(), formula)));
     }

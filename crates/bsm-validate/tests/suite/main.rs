@@ -1,4 +1,4 @@
-//! Tests of published results, and of documents that must agree with the code.
+//! Tests that compare the program with published results, and documents with the code.
 
 mod architecture;
 mod documents;

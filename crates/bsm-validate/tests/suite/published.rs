@@ -1,4 +1,4 @@
-//! Runs all checks against published results.
+//! Tests that run all checks against published results.
 
 use std::sync::LazyLock;
 
@@ -15,7 +15,7 @@ fn published_results_hold() {
     }
     let failed: Vec<_> = report.checks.iter().filter(|c| c.verdict == Verdict::Fail).collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    // Every result must be a number. A failed search would leave NaN.
+    // All results must be finite numbers. A search that fails would give NaN.
     assert!(report.checks.iter().all(|c| c.measured.is_finite()));
     assert!(report.count(Verdict::Pass) >= 20);
 }
@@ -32,16 +32,16 @@ fn page_shows_every_check_and_figure() {
     for outside in ["<script", "<link", "src="] {
         assert!(!page.contains(outside), "{outside}: the page must stand alone");
     }
-    // Every curve of every figure must have the expected number of points.
+    // Each curve of each figure must have at least the expected number of points.
     for figure in &figures {
         for curve in &figure.curves {
             let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
-            // Some curves have few points: the load back-drives the screw only at small lead
-            // angles, the largest balls of Sobolewski (2002) fit only three of the leads in the
-            // paper, and Eq 13 is a single point on the curve of Eq 11.
+            // Three kinds of curves have few points: the load back-drives the screw only at a few
+            // lead angles; the largest balls of Sobolewski (2002) fit only three of the leads in
+            // the paper; and Eq 13 is a single point on the curve of Eq 11.
             let least = match (figure.key.as_str(), curve.label.as_deref()) {
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
-                // These two points are the folds of two nut pairs in X arrangement.
+                // The two points of this curve are the folds of two nut pairs in X arrangement.
                 ("feed-axis", Some("fold: no steady state above this speed")) => 2,
                 (key, _) if key.starts_with("catalog-") => 3,
                 _ => 5,

@@ -1,4 +1,4 @@
-//! Finds files that tests read as text.
+//! Finds the files whose text is examined by tests.
 
 use std::fs;
 use std::path::{Path, PathBuf};

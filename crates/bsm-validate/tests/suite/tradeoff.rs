@@ -1,4 +1,4 @@
-//! Tests of the trade-off measurement, and of its golden data.
+//! Tests of the measurement of speed and accuracy, and of the committed reference data.
 
 use std::sync::LazyLock;
 
@@ -10,7 +10,7 @@ use bsm_validate::{ValidateError, tradeoff_page};
 
 const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
 
-/// Solutions with an accuracy of 1e-10 must agree with the data in the repository, which were
+/// Solutions with an accuracy of 1e-10 must agree with the data in the repository. These data were
 /// created by `bsm sweep --points validation/golden/tradeoff/cases.csv --model traction --accuracy
 /// 1e-10 --creep 1e-5 --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
@@ -34,8 +34,8 @@ fn solutions_match_the_committed_data() {
         for (place, output) in &outputs {
             let golden: f64 = row[*place].parse().expect("a number");
             let ours = record.number((*output).into()).expect("a number");
-            // The tolerance allows for the residuals of 1e-10 at which the solver stops, and for
-            // different rounding on other processors.
+            // The tolerance covers the residuals of 1e-10 at which the solver stops, and the
+            // different rounding errors of other processors.
             let off = (ours - golden).abs() / golden.abs();
             assert!(off < 1e-8, "{}: {ours} for {golden}", output.name);
         }
@@ -45,10 +45,12 @@ fn solutions_match_the_committed_data() {
     }
 }
 
-/// A measurement with ten points from the repository and one point that no model can solve.
+/// Results that were measured at ten points from the repository and at one point that no model can
+/// solve.
 static MEASURED: LazyLock<Tradeoff> = LazyLock::new(|| {
     let mut rows: Vec<&str> = GOLDEN.lines().step_by(30).collect();
-    // A friction coefficient of 1 across steep grooves would move the ball off its flanks.
+    // At this point, a friction coefficient of 1 across steep grooves would move the ball off its
+    // flanks.
     rows.push("40,8,30,85,1,0.53,0.53,0,100,100,1,,,,,,,,,,");
     let points = read(&rows.join("\n")).expect("points");
     let mut heard = (0, 0);
@@ -80,12 +82,12 @@ fn errors_and_times_are_measured() {
         for times in &result.times.one_core {
             assert!(times.single.median > 0.0 && times.row.median > 0.0, "{name}");
             assert!(times.batch > 0.0, "{name}");
-            // The closed-form models have no equations to solve. All other models evaluate their
-            // equations at least once per step.
+            // The closed-form models solve no equations. All other models evaluate their equations
+            // at least once per solver step.
             let steps = times.steps.map_or(0.0, |steps| steps.mean);
             assert!(steps <= times.evaluations.mean, "{name}: {times:?}");
-            // At least half of the evaluations integrate over contact ellipses, with many nodes
-            // each.
+            // At least half of the evaluations integrate friction over contact ellipses, each of
+            // which has many quadrature nodes.
             if name.starts_with("traction") {
                 assert!(times.nodes.mean > times.evaluations.mean, "{name}: {times:?}");
             }
@@ -104,17 +106,20 @@ fn errors_and_times_are_measured() {
         }
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
-    // At this accuracy, the largest error is caused by the different creep speed.
+    // With this accuracy, the creep speed, which differs from that of the reference, causes the
+    // largest error.
     assert!(max("traction --accuracy 1e-10") < 1e-6);
-    // Higher accuracy reduces the error, until the effect of the creep speed dominates.
+    // A higher accuracy must not increase the error. The error stops decreasing when the effect of
+    // the creep speed dominates.
     assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
-    // Models for rolling balls have errors of several percent if the balls slide, and vice versa.
+    // Models for rolling balls have errors of several percent if the balls slide, and models for
+    // sliding balls have such errors if the balls roll.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
     assert!(single("closed-form") < single("traction --accuracy 1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
-    // At least one setting meets a loose tolerance, so the advice must recommend settings for
-    // single solves and for batches.
+    // At least one setting meets the largest tolerance, so settings must be recommended both for
+    // points that are solved one by one and for tables.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");
     assert!(advice.single.is_some() && advice.batch.is_some(), "{advice:?}");
 }
@@ -133,7 +138,7 @@ fn page_shows_every_setting_and_figure() {
 }
 
 #[test]
-fn unusable_tables_of_points_are_rejected() {
+fn tables_without_valid_points_are_rejected() {
     let error = read("lead_angle_deg\n").expect_err("no rows").to_string();
     assert!(error.starts_with("the table has no rows"), "{error}");
     let error = read("lead_angle_deg,contact_angle_deg\n10,45\n").expect_err("inputs are missing");
