@@ -61,7 +61,9 @@ fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, 
         (None, measured) => Fit::parse(case, input, measured.as_deref().unwrap_or_default()),
     };
     let fit = fit.map_err(|e| Failure::Input(of_input(&e)))?;
-    note_unused(case.given());
+    if fit.solves_one_ball() {
+        note_unused(case.given());
+    }
     let report = fit.run(case, settings).map_err(args.case.failure())?;
     Ok(fit.answer(case, &report))
 }

@@ -508,6 +508,21 @@ impl Fit {
         Ok(kept)
     }
 
+    /// Returns true if the measured output belongs to a model of one ball, and false if it belongs
+    /// to the nut or the axis.
+    pub fn solves_one_ball(&self) -> bool {
+        matches!(self.target, Target::Measured { output, .. } if of_inputs(output).is_none())
+    }
+
+    /// Returns a note on the accuracy of the manufacturers' rule, if the measured output is
+    /// calculated with this rule.
+    fn about_rule(&self) -> Option<String> {
+        let Target::Measured { output, .. } = self.target else { return None };
+        let note = "The manufacturers' rule for the friction torque of the preload is accurate to about 50 %, so the value found has \
+                    at least this uncertainty.";
+        output.name.starts_with("preload_torque_measured").then(|| note.to_owned())
+    }
+
     /// Describes the result of the search in a sentence.
     fn describe(&self, report: &FitReport) -> String {
         let input = self.input.name();
@@ -608,7 +623,8 @@ impl Fit {
         let meaning = report.found.iter().any(|found| found.band.is_some()).then(|| {
             "The intervals contain the uncertainty of the estimated groove, but not the error of the measured value.".to_owned()
         });
-        let notes = case.groove_note().into_iter().chain(meaning).chain(without).collect();
+        let notes = case.groove_note().into_iter().chain(meaning).chain(self.about_rule());
+        let notes = notes.chain(without).collect();
         let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
         answer = match &self.target {
             Target::Measured { output, value } => {
