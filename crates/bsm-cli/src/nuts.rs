@@ -32,6 +32,9 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     drop(line);
     let (list, requirement) = list?;
     let requirement = requirement.as_ref();
+    for note in requirement.into_iter().flat_map(RequirementFile::notes) {
+        warn("note", note);
+    }
     let first = list.chosen.first().map(|place| list.case(*place, requirement));
     let nut = first.and_then(|json| Case::from_json(json.to_string().as_bytes()).ok());
     let units = args.display(nut.as_ref());

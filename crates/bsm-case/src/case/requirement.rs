@@ -140,6 +140,11 @@ pub struct RequirementFile {
 }
 
 impl RequirementFile {
+    /// Returns the notes on the assumptions that complete the requirement.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// Reads a requirement from JSON text and applies settings `name=value`.
     ///
     /// * `standard`: standard ball diameters, and the leads to choose from if the requirement

@@ -367,7 +367,7 @@ fn process_force_may_be_absent_zero_or_negative() {
 fn a_new_load_or_speed_replaces_the_cycle() {
     let cycle = json!([{ "force_N": 2000, "screw_speed_rpm": 300, "time_s": 1 }]);
     let inputs = json!({ "lead_mm": 10, "cycle": cycle });
-    let inputs = Value::Object(with_screw(inputs.as_object().expect("inputs")));
+    let inputs = Value::Object(with_catalog_screw(inputs.as_object().expect("inputs")));
     let mut case = Case::from_json(inputs.to_string().as_bytes()).expect("a case");
     let load = |case: &Case| {
         let report = AxisReport::of(case, &Settings::default()).expect("a sheet");

@@ -310,7 +310,8 @@ fn number_row(
     let mut estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
     let estimated = estimated.any(|name| name == quantity.name).then(|| "estimated".to_owned());
     let lacks = answer.lacks(quantity.name).or(estimated);
-    json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
+    let label = about.split(';').next();
+    json!({ "symbol": symbol, "about": about, "label": label, "unit": unit, "text": text, "lacks": lacks })
 }
 
 /// Formats an input as it was entered, or with five digits if its unit is converted.
