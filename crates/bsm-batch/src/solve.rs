@@ -145,8 +145,11 @@ pub(crate) struct Solver<'a> {
 
 impl<'a> Solver<'a> {
     pub(crate) fn new(task: &'a Task, columns: &'a Columns) -> Self {
-        let outputs = task.outputs.iter().chain(&task.filled).copied().chain(task.watched);
-        let outputs: Vec<_> = outputs.collect();
+        let mut outputs = [&task.outputs[..], &task.filled].concat();
+        // An output that is also written must not be requested twice, because a kernel writes only
+        // one column for each output.
+        let only_watched = task.watched_index().is_some_and(|index| index == outputs.len());
+        outputs.extend(task.watched.filter(|_| only_watched));
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {

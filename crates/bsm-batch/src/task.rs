@@ -13,8 +13,8 @@ pub struct Task {
     pub settings: Settings,
     /// Outputs that are written to the table of results.
     pub outputs: Vec<&'static Output>,
-    /// An output that is calculated for display but is not written. It is the last column of the
-    /// results.
+    /// An output that is displayed while the rows are solved. If it is not written to the table, it
+    /// is the last column of the results (see [`watched_index`](Self::watched_index)).
     pub watched: Option<&'static Output>,
     /// Requested outputs that are also input columns of the table, such as a temperature. If the
     /// input is missing in a row, the calculated value is written instead.
@@ -37,6 +37,13 @@ impl Task {
     /// Returns a task that writes the given outputs and displays no other output.
     pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None, filled: Vec::new(), estimates_rows: false }
+    }
+
+    /// Returns the index of the watched output among the columns of the results.
+    pub fn watched_index(&self) -> Option<usize> {
+        let watched = self.watched?;
+        let written = self.outputs.iter().position(|output| output.name == watched.name);
+        Some(written.unwrap_or(self.outputs.len() + self.filled.len()))
     }
 
     /// Returns true if the outputs require a solution of each row. Otherwise, they can be

@@ -28,7 +28,7 @@ use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
     Answer, Case, Content, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output,
-    OutputName, Quantity, Settings, exact, output,
+    OutputName, Quantity, Settings, output, trimmed,
 };
 
 mod train;
@@ -380,7 +380,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
-            "friction torque of the running preload, sliding friction of the ball contacts only; without the rolling resistance of a lubricant film";
+            "friction torque of the running preload, sliding friction of the ball contacts only, without the rolling resistance of a film";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
             "friction torque of the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
@@ -601,11 +601,16 @@ impl NutReport {
         })
     }
 
+    /// Returns the magnitude of the limit load in the direction of the axial load \[N\].
     fn limit_load(&self) -> Option<f64> {
         let work_out = || {
             let NutProblem { support, .. } = &self.problem;
             let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
-            self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+            self.made
+                .nut
+                .limit_load(self.made.preload.as_ref()?.by, support, way)
+                .ok()
+                .map(f64::abs)
         };
         *self.limit_load.get_or_init(work_out)
     }
@@ -983,8 +988,8 @@ impl NutReport {
         let lost = set && self.number(output!(preload_left_N)).is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number(output!(limit_load_N))) {
             warnings.push(format!(
-                "The preload is lost: the load of {} N exceeds the limit load of {limit:.0} N.",
-                exact(self.problem.axial())
+                "The preload is lost: the load of {} N exceeds the limit load of {limit:.0} N in its direction.",
+                trimmed(self.problem.axial().abs())
             ));
         }
         warnings

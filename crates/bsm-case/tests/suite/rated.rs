@@ -416,7 +416,7 @@ fn rating_and_load_factors_match_hand_calculation() {
     let plain = of(&[]);
     let rated = of(&["accuracy_grade=T10"]);
     assert_eq!(rated.number(output!(cycle_life_h)), plain.number(output!(cycle_life_h)));
-    assert!(has_note(&rated, "as printed for grade T10"));
+    assert!(has_note(&rated, "the catalog value for grade T10"));
     let soft = of(&["hardness_HRC=50", "accuracy_factor=0.9", "steel=electro-slag"]);
     let near = |name: &str, expected: f64| {
         assert_relative_eq!(number(&soft, name), expected, max_relative = 1e-12);

@@ -152,7 +152,7 @@ fn commands_accept_a_catalog_line_or_report_why_they_cannot() {
         run(&[&["axis", "line.json", "--set", "stroke_mm=500"][..], &misprint].concat());
     assert!(
         code == Some(0)
-            && text.contains("warning: No usual groove")
+            && text.contains("warning: No typical groove")
             && text.contains("life under the cycle"),
         "{text}"
     );
@@ -184,7 +184,10 @@ fn lists_and_offers_of_catalog_lines_have_intervals() {
     let [low, high] = [0, 1].map(|end| number(&row["intervals"]["our_stiffness_N_um"][end]));
     assert!(low < number(&row["our_stiffness_N_um"]) && number(&row["our_stiffness_N_um"]) < high);
     let (shown, said) = run(&["select", "--from", "lines.csv", "-o", "list.csv"]);
-    assert!(shown.contains(" to ") && said.contains("misprint: No usual groove"), "{shown}{said}");
+    assert!(
+        shown.contains(" to ") && said.contains("misprint: No typical groove"),
+        "{shown}{said}"
+    );
     let csv = fs::read_to_string(dir.path().join("list.csv")).expect("a table");
     assert!(csv.starts_with("nut,") && csv.contains(",our_stiffness_low_N_um,"), "{csv}");
     assert!(csv.contains("\"estimated, ball 6.35 mm estimated\""), "{csv}");

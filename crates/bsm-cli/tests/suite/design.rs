@@ -55,7 +55,7 @@ fn error_for_an_unattainable_requirement_names_the_violated_limit() {
         "{text}"
     );
     for (setting, words) in [
-        ("screw_torque_Nm=12", "give one of axial_load_N and screw_torque_Nm"),
+        ("screw_torque_Nm=12", "give either axial_load_N or screw_torque_Nm"),
         ("lead_mm=-2", "`lead_mm` = -2 must be a finite number > 0"),
         ("loaded=3", "unknown key `loaded`"),
     ] {
