@@ -1,8 +1,6 @@
 //! Parquet tables. The column metadata contain the units.
 
-use std::cell;
 use std::io::Write;
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -25,35 +23,10 @@ use rayon::prelude::*;
 
 use crate::columns::Columns;
 use crate::pages::Pages;
+use crate::panics::catch_panic;
 use crate::pipeline::ROWS;
 use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
-
-thread_local! {
-    /// True while this thread is inside [`catch_panic`].
-    static CATCHES: cell::Cell<bool> = const { cell::Cell::new(false) };
-}
-
-/// Installs a panic hook that prints nothing for panics inside [`catch_panic`], because these
-/// panics become errors. Other panics still reach the previous hook. Programs should call this
-/// function once at startup.
-pub fn silence_caught_panics() {
-    let print = panic::take_hook();
-    panic::set_hook(Box::new(move |panic| {
-        if !CATCHES.get() {
-            print(panic);
-        }
-    }));
-}
-
-/// Returns the result of `work`, or `None` if it panics. Use this function to call libraries that
-/// panic instead of returning an error.
-pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let outer = CATCHES.replace(true);
-    let result = catch_unwind(AssertUnwindSafe(work));
-    CATCHES.set(outer);
-    result.ok()
-}
 
 /// Returns the result of `decode` and converts panics to errors. Version 59.3 of the parquet crate
 /// panics at seven locations, for example if a page refers to a missing dictionary or if a column
