@@ -92,6 +92,7 @@ impl TableError {
     }
 
     /// Returns the error for a table that uses an unsupported Parquet feature.
+    #[cfg(feature = "parquet")]
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table uses {kind}, which is not supported; write it without encryption, and with \
@@ -125,6 +126,7 @@ impl From<TextError> for TableError {
     }
 }
 
+#[cfg(feature = "parquet")]
 impl From<parquet::errors::ParquetError> for TableError {
     fn from(error: parquet::errors::ParquetError) -> Self {
         use parquet::errors::ParquetError;

@@ -1,8 +1,6 @@
 //! Reads and writes Parquet tables, whose column metadata contain the units.
 
-use std::cell;
 use std::io::Write;
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -25,35 +23,10 @@ use rayon::prelude::*;
 
 use crate::columns::Columns;
 use crate::pages::Pages;
+use crate::panics::catch_panic;
 use crate::pipeline::ROWS;
 use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
-
-thread_local! {
-    /// True while this thread runs code inside [`catch_panic`].
-    static CATCHES: cell::Cell<bool> = const { cell::Cell::new(false) };
-}
-
-/// Installs a panic hook that prints nothing for panics inside [`catch_panic`], because these
-/// panics are converted to errors. All other panics are passed to the previous hook. A program
-/// should call this function once, when it starts.
-pub fn silence_caught_panics() {
-    let print = panic::take_hook();
-    panic::set_hook(Box::new(move |panic| {
-        if !CATCHES.get() {
-            print(panic);
-        }
-    }));
-}
-
-/// Returns the result of `work`, or `None` if it panics. Use this function to call libraries that
-/// panic instead of returning an error.
-pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let outer = CATCHES.replace(true);
-    let result = catch_unwind(AssertUnwindSafe(work));
-    CATCHES.set(outer);
-    result.ok()
-}
 
 /// Returns the result of `decode`, and converts a panic to an error. Version 59.3 of the parquet
 /// crate panics at seven places in its code, for example if a page refers to a missing dictionary

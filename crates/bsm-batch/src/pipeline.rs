@@ -81,7 +81,14 @@ impl<'a> Workers<'a> {
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }
-                Err(error) if idle.is_empty() => return Err(error),
+                Err(error) if idle.is_empty() => {
+                    // WebAssembly has no threads, so the calling thread does the work.
+                    if error.kind() != io::ErrorKind::Unsupported {
+                        return Err(error);
+                    }
+                    let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+                    return Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop });
+                }
                 Err(_) => {
                     // Half of the started threads are ended, so that memory and other resources are
                     // left for reading the table.

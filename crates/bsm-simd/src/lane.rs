@@ -5,6 +5,10 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use bsm_kin::{Jet, Real, parts};
 use pulp::Simd;
 
+/// True where the instruction set has no fused operations. Their emulation would take several times
+/// as long as two operations, and the two roundings change results by about 1e-16.
+const WITHOUT_FUSED_OPERATIONS: bool = cfg!(target_family = "wasm");
+
 /// A vector with one number for each of several points. It consists of `N` SIMD vectors of the
 /// instruction set, so that the processor can work on one of them while it waits for another.
 #[derive(Clone, Copy)]
@@ -124,18 +128,24 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self.constant(1.0) / self
     }
 
-    /// Returns `self × b + c` with a single rounding.
+    /// Returns `self × b + c` with a single rounding, except in WebAssembly.
     #[inline(always)]
     #[must_use]
     pub fn mul_add(self, b: Self, c: Self) -> Self {
+        if WITHOUT_FUSED_OPERATIONS {
+            return self * b + c;
+        }
         let simd = self.simd;
         Self { x: parts!(c.x, N, i, simd.mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }
 
-    /// Returns `c − self × b` with a single rounding.
+    /// Returns `c − self × b` with a single rounding, except in WebAssembly.
     #[inline(always)]
     #[must_use]
     pub fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        if WITHOUT_FUSED_OPERATIONS {
+            return c - self * b;
+        }
         let simd = self.simd;
         Self { x: parts!(c.x, N, i, simd.negate_mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }

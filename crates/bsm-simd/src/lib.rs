@@ -4,7 +4,8 @@
 //!
 //! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
 //! which they are written, and are fused only where the code requests it. The results are therefore
-//! identical for every instruction set and every position in a SIMD vector.
+//! identical for every instruction set and every position in a lane. WebAssembly is an exception,
+//! because it has no fused operations.
 
 mod exponential;
 mod lane;
