@@ -206,9 +206,7 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
 /// operating point.
 pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
-        let mut case = requirement.case_of(&candidate.nut);
-        case.nominal_diameter_mm.get_or_insert(decimal(candidate.size.diameter / MM));
-        return case.to_json();
+        return requirement.case_of(candidate).to_json();
     }
     let mut nut = candidate_json(candidate);
     nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
@@ -369,7 +367,7 @@ impl NutFilter {
         let first = found.chosen.get(..1).unwrap_or_default();
         let first = catalog.map(first, |_, nut| Some(*nut));
         if let (Some(nut), Some(requirement)) = (first.first(), requirement)
-            && let Ok(sheet) = requirement.judge(&requirement.case_of(&nut.nut))
+            && let Ok(sheet) = requirement.judge(&requirement.case_of(nut))
         {
             found.warnings = sheet.answer.warnings;
         }
@@ -393,7 +391,7 @@ impl NutFilter {
 
     /// Keeps the sizes whose axis sheet meets the conditions on columns of the sheet.
     fn judge(&self, requirement: &RequirementFile, catalog: &Catalog, found: &mut Found) {
-        let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
+        let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(nut)?));
         let sheets = catalog.map(&found.within, sheet);
         let meets_sheet =
             |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));

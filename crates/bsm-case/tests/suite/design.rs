@@ -442,6 +442,34 @@ fn no_screw_longer_than_the_listed_lengths_is_selected() {
     assert!(report.case.nominal_diameter_mm.is_some_and(|mm| mm >= 14.0), "{:?}", report.case);
 }
 
+/// A test by a stranger found that the order named a nominal diameter of 16 mm for the chosen size
+/// 15 x 10 mm, because 16 mm is closer to its pitch circle of 15.75 mm.
+#[test]
+fn selected_case_and_order_have_the_nominal_diameter_of_the_chosen_row() {
+    let catalog = Catalog::manufacturers().expect("compiled in");
+    let json = br#"{"moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"objective":"mass",
+        "support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]}"#;
+    let requirement = RequirementFile::from_json(json, &[], catalog.lists.clone());
+    let requirement = requirement.expect("a requirement");
+    let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
+    let Case { nominal_diameter_mm, pitch_circle_diameter_mm, lead_mm, .. } = report.case;
+    let chosen = (nominal_diameter_mm, pitch_circle_diameter_mm, lead_mm);
+    assert_eq!(chosen, (Some(15.0), Some(15.75), Some(10.0)));
+    let order = report.order.expect("a screw");
+    assert!(order.starts_with("15 x 10 mm, 2 x 2.8 turns"), "{order}");
+    // THK does not publish the ball diameter of this size.
+    assert!(report.notes.iter().any(|note| note.contains("ball diameter is estimated")));
+    // Standard lists state the nominal diameter, too.
+    let lists = Catalog::standard().expect("compiled in");
+    let requirement = RequirementFile::from_json(json, &[], lists.lists.clone());
+    let standard = DesignReport::standard(&requirement.expect("a requirement"), &lists);
+    let standard = standard.expect("sizes");
+    let nominal = standard.case.nominal_diameter_mm.expect("a listed size");
+    assert!(lists.lists.diameters.iter().any(|listed| (listed * 1e3 - nominal).abs() < 1e-9));
+    let order = standard.order.expect("a screw");
+    assert!(order.starts_with(&format!("{nominal} x ")), "{order}");
+}
+
 /// An audit found that `nut` ignored the cycle of a selected case and assumed a preloaded pair.
 #[test]
 fn nut_results_for_a_cycle_match_the_axis_sheet() {
