@@ -57,7 +57,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed of screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
-            "equivalent load: constant load with the same life; for a pair, the load of the more heavily loaded nut";
+            "equivalent load of the more heavily loaded flank; for a pair, of the more heavily loaded nut";
+        equivalent_load_of_other_flank_N ["N" "F_m2"] Scalar(|w| Some(w.life()?.other_mean_load).filter(|load| *load > 0.0)),
+            "equivalent load of the other flank or nut, which reduces the life; empty if it carries no load";
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean over the time of the cycle including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "time of the cycle";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";

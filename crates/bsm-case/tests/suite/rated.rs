@@ -492,6 +492,35 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
 
+/// A test by a stranger found that F_m was labeled as the constant load with the same life,
+/// although both flanks carried load. Hand calculation: half of all revolutions are under 3 kN, the
+/// other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube root of 2.
+#[test]
+fn life_follows_from_the_equivalent_loads_of_both_flanks() {
+    let cycle = |second: f64| {
+        let json = format!(
+            r#"{{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "load_factor": 1,
+                "cycle": [{{"time_s": 1, "feed_m_min": 10, "force_N": 3000}}, {{"time_s": 1, "feed_m_min": -10, "force_N": {second}}}]}}"#
+        );
+        sheet(&json, &["estimate_groove=false"]).expect("a sheet")
+    };
+    let life = |report: &AxisReport| number(report, "cycle_life_revolutions");
+    let of = |load: f64| 1e6 * (52000.0 / load).powi(3);
+    let both = cycle(-2000.0);
+    let names = ["equivalent_load_N", "equivalent_load_of_other_flank_N"];
+    let loads = names.map(|name| number(&both, name));
+    for (load, expected) in loads.into_iter().zip([3e3, 2e3]) {
+        assert_relative_eq!(load, expected / 2.0_f64.cbrt(), max_relative = 1e-12);
+    }
+    let [one, other] = loads.map(of);
+    let by_hand = (one.powf(-10.0 / 9.0) + other.powf(-10.0 / 9.0)).powf(-0.9);
+    assert_relative_eq!(life(&both), by_hand, max_relative = 1e-12);
+    // If only one flank carries load, its equivalent load is the constant load with the same life.
+    let one_flank = cycle(2000.0);
+    assert_eq!(one_flank.number(output!(equivalent_load_of_other_flank_N)), None);
+    assert_relative_eq!(life(&one_flank), of(number(&one_flank, names[0])), max_relative = 1e-12);
+}
+
 /// A constant process force on a horizontal axis has the same effect as an equal weight on a
 /// vertical axis.
 #[test]
