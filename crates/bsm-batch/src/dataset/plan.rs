@@ -16,7 +16,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Revision number of the results. It is incremented whenever a calculated number changes, so that
 /// parts with different results are never mixed.
-pub const RESULTS: u32 = 92;
+pub const RESULTS: u32 = 93;
 
 /// Revision number of the file format of the plan and the parts. The plan must determine every byte
 /// of the parts.

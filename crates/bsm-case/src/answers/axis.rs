@@ -188,8 +188,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
-        screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
-            "screw torque; at the largest load in motion, including preload, seals and support bearings";
+        screw_torque_Nm ["N m" "T"] Scalar(|w| w.torque_at_largest_load()) needs FRICTION,
+            "screw torque, including preload, seals and support bearings; on a sheet, the largest torque at the largest load in motion, positive if it acts against the load";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load in motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
@@ -648,6 +648,8 @@ pub(crate) fn numbers(
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
+        // On a sheet, the sign of the torque refers to the load.
+        && torque.number(output!(screw_load_N)).is_some_and(|load| load > 0.0)
     {
         return Ok(torque.numbers);
     }

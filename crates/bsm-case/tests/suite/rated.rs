@@ -521,6 +521,43 @@ fn life_follows_from_the_equivalent_loads_of_both_flanks() {
     assert_relative_eq!(life(&one_flank), of(number(&one_flank, names[0])), max_relative = 1e-12);
 }
 
+/// A test by a stranger found that the sheet stated the torque of lowering, because lowering has the
+/// same load as lifting and comes later in the cycle, and that the torque of a press was negative,
+/// because its feed is negative.
+#[test]
+fn screw_torque_of_the_sheet_is_the_largest_one_at_the_largest_load() {
+    let cycle = |phases: &str| {
+        let json = format!(
+            r#"{{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 9000, "rated_static_load_N": 15000, "estimate_groove": false,
+                "seal_torque_Nm": 0.15, "cycle": [{phases}]}}"#
+        );
+        sheet(&json, &[]).expect("a sheet")
+    };
+    let lift = r#"{"time_s": 1, "feed_m_min": 9, "force_N": 98}"#;
+    let lower = r#"{"time_s": 1, "feed_m_min": -18, "force_N": 98}"#;
+    for phases in [[lift, lower], [lower, lift]] {
+        let report = cycle(&phases.join(","));
+        // h F/0.9 with h = lead / (2 pi), and the torque of the seals.
+        let torque = 98.0 * 5e-3 / TAU / 0.9 + 0.15;
+        assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
+        let efficiency = report.phases.iter().filter_map(|p| p.number(output!(screw_efficiency)));
+        assert_eq!(report.number(output!(screw_efficiency)), efficiency.reduce(f64::max));
+        let note = report.answer.notes.iter().find(|note| note.contains("usual efficiencies give"));
+        // Usual efficiencies are 0.85 to 0.95.
+        let range = [0.95, 0.85].map(|eta| 98.0 * 5e-3 / TAU / eta + 0.15);
+        let range = format!("{:.3} to {:.3} N m", range[0], range[1]);
+        assert!(note.is_some_and(|note| note.contains(&range)), "{note:?}, not {range}");
+    }
+    let press = cycle(r#"{"time_s": 1, "feed_m_min": -9, "force_N": -98}"#);
+    let torque = press.phases[0].torque().expect("a torque");
+    assert!(torque < 0.0, "{torque}");
+    assert_relative_eq!(number(&press, "screw_torque_Nm"), -torque, max_relative = 1e-12);
+    // If only lowering has the largest load, a torque against the load is still positive.
+    let heavy = r#"{"time_s": 1, "feed_m_min": -9, "force_N": 9800}"#;
+    let torque = number(&cycle(heavy), "screw_torque_Nm");
+    assert_relative_eq!(torque, 9800.0 * 5e-3 / TAU * 0.8 - 0.15, max_relative = 1e-12);
+}
+
 /// A constant process force on a horizontal axis has the same effect as an equal weight on a
 /// vertical axis.
 #[test]
