@@ -26,8 +26,8 @@ screw = design.case
 print(screw)
 
 # %% Every nut in the catalog that meets all limits, with the lightest first.
-nuts = bs.select_nuts(requirement=requirement, sort="mass_kg", first=5)
-print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
+nuts = bs.select_nuts(requirement=requirement, sort="nut_mass_kg", first=5)
+print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "nut_mass_kg"]])
 
 # %% The axis around the screw, with limit and margin of each rule.
 axis = bs.axis(screw)

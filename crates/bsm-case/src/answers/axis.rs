@@ -102,6 +102,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load of the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
+        mass_of_nut_and_screw_kg ["kg"] Scalar(|w| {
+            let (screw, _) = w.shaft().and(w.machine.screw)?;
+            Some(screw + w.machine.nut_mass?)
+        }), "mass of nut and screw between the bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
             "steady-state temperature rise of the screw above the surroundings, mean between the bearings";
@@ -291,7 +295,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
         static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Scalar(|s| s.of_nut.number(output!(edge_load_N)));
-        mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number(output!(mass_kg))));
+        nut_mass_kg = INPUTS Scalar(|s| s.machine.nut_mass);
         cold_preload_N = NUT Scalar(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
         friction_coefficient = INPUTS Scalar(|s| s.case.friction_coefficient);
@@ -360,7 +364,7 @@ pub struct AxisReport {
 
 /// Returns the columns of the axis sheet that serve to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 13] = [
+    const NAMES: [&str; 14] = [
         "cycle_life_h",
         "critical_speed_ratio",
         "buckling_safety",
@@ -371,6 +375,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
         "screw_efficiency",
         "mean_heat_W",
         "screw_mass_kg",
+        "mass_of_nut_and_screw_kg",
         "inertia_of_screw_kg_m2",
         "warm_preload_N",
         "fold_speed_factor",

@@ -296,6 +296,14 @@ impl RequirementFile {
         }
     }
 
+    /// Returns the titles of the violated rules on the sheet of a screw, and the labels of the
+    /// selection limits in its warnings.
+    pub(crate) fn failed_rules(&self, sheet: &AxisReport) -> Vec<&'static str> {
+        let broken = sheet.answer.rules.iter().filter(|rule| rule.fails()).map(|rule| rule.title);
+        let limits = sheet.warnings.iter().filter_map(|warning| self.forbids(warning));
+        broken.chain(limits.map(SelectionLimit::label)).collect()
+    }
+
     /// Returns the reasons why a screw is not selected: the names of the violated rules on its
     /// sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
@@ -407,7 +415,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         buckling_safety = AXIS Scalar(|x| *x);
         unsupported_length_mm = INPUTS Scalar(|x| x / MM);
         inertia_of_screw_kg_m2 = AXIS Scalar(|x| *x);
-        mass_of_nut_and_screw_kg ["kg"] Scalar(|x| *x), "mass of nut and screw";
+        mass_of_nut_and_screw_kg = AXIS Scalar(|x| *x);
     }
 }
 

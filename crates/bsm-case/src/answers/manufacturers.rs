@@ -16,7 +16,7 @@ use crate::vocabulary::number::{digits, short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, InputKey, Output,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, INPUTS, InputKey, Output,
     OutputName, RequirementFile, Table, TableFormat, Verdict, output, over_grooves, ratings,
     sheet_columns,
 };
@@ -115,12 +115,13 @@ impl ManufacturerNut {
         case
     }
 
-    /// Returns the inputs that occur in the table, except for the ratings, which have separate
-    /// columns.
+    /// Returns the inputs that occur in the table, except for the ratings and the mass of the nut,
+    /// which have separate columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
-        let ratings = [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N];
+        let separate =
+            [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N, InputKey::nut_mass_kg];
         let is_given = |key: &InputKey| nuts.iter().any(|nut| nut.case[*key].is_some());
-        let all = InputKey::ALL.into_iter().filter(|key| !ratings.contains(key));
+        let all = InputKey::ALL.into_iter().filter(|key| !separate.contains(key));
         all.filter(is_given).collect()
     }
 }
@@ -146,7 +147,7 @@ quantities! {
         our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
         stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as stated by the manufacturer";
         our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
-        mass_kg = RATINGS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(mass_kg))));
+        nut_mass_kg = INPUTS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(nut_mass_kg))));
     }
 }
 
@@ -205,6 +206,8 @@ pub struct ManufacturerRow {
     pub numbers: Vec<ListNumber>,
     /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
     pub verdict: Option<Verdict>,
+    /// Titles of the violated rules and labels of the violated selection limits.
+    pub failed_rules: Vec<&'static str>,
     /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
     /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
@@ -227,6 +230,9 @@ const MIN_ROWS_OF_MEDIAN: usize = 5;
 
 /// Plausible range of a row's rating ratio, relative to the median of its table.
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
+
+/// Title of the rule that ratings and geometry of a row must belong to the same nut.
+const SAME_NUT: &str = "ratings and geometry of the same nut";
 
 /// A number of a nut in a list.
 #[derive(Debug, Clone, Copy)]
@@ -279,7 +285,7 @@ impl ManufacturerRow {
         Self::compare(&mut rows);
         let mass = |row: &Self| {
             let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
-            screw + row.value("mass_kg").unwrap_or(0.0)
+            screw + row.value("nut_mass_kg").unwrap_or(0.0)
         };
         rows.sort_by(|a, b| b.verdict.cmp(&a.verdict).then(mass(a).total_cmp(&mass(b))));
         Ok(rows)
@@ -310,6 +316,7 @@ impl ManufacturerRow {
             case: nut.case.clone(),
             numbers: numbers_of(&compared, BESIDE.iter().flat_map(|of| of.columns)).collect(),
             verdict: None,
+            failed_rules: Vec::new(),
             warnings: Vec::new(),
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
@@ -320,6 +327,7 @@ impl ManufacturerRow {
         row.case = nut.within(requirement);
         if other.is_some() {
             row.verdict = Some(Verdict::Fails);
+            row.failed_rules = vec![SAME_NUT];
             row.numbers.extend(numbers_of(&Answer::default(), sheet_columns()));
             return Ok(row);
         }
@@ -330,6 +338,7 @@ impl ManufacturerRow {
         let settings = sheet.settings;
         sheet = sheet.over_grooves(|possible| AxisReport::numbers_only(possible, &settings).ok());
         row.verdict = Some(requirement.verdict(&sheet));
+        row.failed_rules = requirement.failed_rules(&sheet);
         let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
         // The first note describes the estimate, and the notes of the sheet follow it. Only the
@@ -422,7 +431,7 @@ impl ManufacturerRow {
         let costs = |place: &u32| {
             let row = &rows[*place as usize];
             let [rating, stiffness, mass] =
-                ["dynamic_load_rating_N", "our_stiffness_N_um", "mass_kg"]
+                ["dynamic_load_rating_N", "our_stiffness_N_um", "nut_mass_kg"]
                     .map(|name| row.value(name));
             // A missing number counts as the worst possible value.
             let stiffness = row.value("stiffness_N_um").or(stiffness);
@@ -457,6 +466,9 @@ impl ManufacturerRow {
                 let passes = row.verdict?.passes();
                 Some(passes.map_or_else(|| "undecided".to_owned(), |passes| passes.to_string()))
             }));
+            columns.push(text("failed_rules", &|row| {
+                (!row.failed_rules.is_empty()).then(|| row.failed_rules.join("; "))
+            }));
         }
         columns.push(text("groove", &|row| {
             Some(row.groove.clone().unwrap_or_else(|| "given".to_owned()))
@@ -481,7 +493,11 @@ impl ManufacturerRow {
             let head = is_shown(place).then_some(column.name.into());
             Column { unit: column.unit, head, ..Column::of(column.name) }
         });
-        let passes = first.verdict.map(|_| Column::of("passes:boolean?="));
+        let passes = first.verdict.map(|_| {
+            let fails = rows.iter().any(|row| !row.failed_rules.is_empty());
+            let shown = if fails { "=failed rules" } else { "-" };
+            ["passes:boolean?=", "-failed_rules:texts", shown].map(Column::of)
+        });
         let are_estimated = rows.iter().any(|row| row.groove.is_some());
         let of_grooves = ["groove:string?", "-intervals:any", "-notes:texts"].map(Column::of);
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
@@ -493,14 +509,18 @@ impl ManufacturerRow {
                 row.texts.iter().map(|(name, text)| (name.clone(), json!(text))).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
-                .chain(row.verdict.map(|verdict| json!(verdict.passes())))
+                .chain(row.verdict.into_iter().flat_map(|verdict| {
+                    let failed = &row.failed_rules;
+                    let shown = (!failed.is_empty()).then(|| failed.join("; "));
+                    [json!(verdict.passes()), json!(failed), json!(shown)]
+                }))
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
                 .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
                 .collect()
         };
         let columns: Vec<_> = std::iter::once(Column::of("nut"))
             .chain(numbers)
-            .chain(passes)
+            .chain(passes.into_iter().flatten())
             .chain(of_grooves)
             .chain(texts)
             .collect();

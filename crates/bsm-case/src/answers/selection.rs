@@ -15,8 +15,8 @@ use crate::vocabulary::number::{decimal, number, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
 use crate::{
-    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, INPUTS, Known, Output,
-    RequirementFile, ShownColumn, Table, nearest, sheet_columns,
+    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, INPUTS, InputKey,
+    Known, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
 };
 
 quantities! {
@@ -55,7 +55,7 @@ quantities! {
         nut_length_mm = INPUTS Scalar(|c| c.body.length / MM);
     }
     "shown" {
-        mass_kg = RATINGS Scalar(|c| c.mass);
+        nut_mass_kg = INPUTS Scalar(|c| c.mass);
         rolling_efficiency = RATINGS Scalar(|c| c.efficiency);
     }
     "in files" {
@@ -209,7 +209,9 @@ pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFil
         return requirement.case_of(candidate).to_json();
     }
     let mut nut = candidate_json(candidate);
-    nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
+    // The mass follows from the sizes, so it must not become an input.
+    let is_size = |name: &str| name != InputKey::nut_mass_kg.name();
+    nut.retain(|name, _| is_size(name) && INPUTS.iter().any(|input| input.name == name));
     for number in nut.values_mut() {
         *number = json!(number.as_f64().map(decimal));
     }

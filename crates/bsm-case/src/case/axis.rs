@@ -41,6 +41,8 @@ pub(crate) struct Machine {
     pub(crate) drive: DriveTrain,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` if the length is unknown.
     pub(crate) screw: Option<(f64, f64)>,
+    /// Mass of the nut \[kg\], given or calculated from its groove.
+    pub(crate) nut_mass: Option<f64>,
     /// Moment of inertia of a driven nut \[kg·m²\]; `None` if the screw is driven.
     pub(crate) nut_inertia: Option<f64>,
     /// Length of the thread \[m\]; `None` if the stroke is unknown.
@@ -220,6 +222,12 @@ impl Machine {
             (mass, stated.unwrap_or(own))
         });
         let screw = screw.filter(|(mass, _)| !mass.is_nan());
+        // The mass is calculated in the same way as with the ratings.
+        let own_mass = || -> Option<f64> {
+            let (nut, thread) = groove.as_ref()?;
+            Some(rated_nut::body(case, nut, thread).ok()?.mass(nut, thread))
+        };
+        let nut_mass = case.nut_mass_kg.or_else(own_mass);
         let nut_inertia = (driven == DrivenPart::Nut).then(|| {
             case.nut_inertia_kg_m2.unwrap_or_else(|| {
                 let tube = body.tube_inertia(size.pitch_diameter);
@@ -267,6 +275,7 @@ impl Machine {
             carriage,
             drive,
             screw,
+            nut_mass,
             nut_inertia,
             thread,
             stroke,

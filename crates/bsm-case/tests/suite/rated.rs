@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalog, ManufacturerNut, ManufacturerRow, NutProblem, Output,
-    Record, RequirementFile, Settings, TableFormat, Verdict, output,
+    AxisReport, Case, CaseError, Catalog, ColumnValues, Content, ManufacturerNut, ManufacturerRow,
+    NutProblem, Output, Record, RequirementFile, Settings, TableFormat, Verdict, output,
 };
 use bsm_dyn::ModelWorkspace;
+use serde_json::json;
 
 use crate::named;
 
@@ -246,8 +247,39 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);
     let rows = ManufacturerRow::all(&heavy, Some(&requirement)).expect("sheets");
-    let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("mass_kg"))).collect();
+    let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("nut_mass_kg"))).collect();
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
+    for row in &rows {
+        let [nut, screw, both] = ["nut_mass_kg", "screw_mass_kg", "mass_of_nut_and_screw_kg"]
+            .map(|name| row.value(name).expect("a mass"));
+        assert_relative_eq!(nut + screw, both, max_relative = 1e-12);
+    }
+}
+
+/// A test by a stranger found rows of a list that failed without naming the failed rule.
+#[test]
+fn rows_that_fail_name_the_failed_rules() {
+    let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
+weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
+    let catalog = Catalog::standard().expect("compiled in");
+    let requirement =
+        br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
+    let requirement =
+        RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
+    let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
+    let failed: Vec<_> = rows.iter().map(|row| (&*row.name, &row.failed_rules[..])).collect();
+    assert_eq!(failed, [("strong", &[][..]), ("weak", &["static safety", "life"])]);
+    let rows: Vec<_> = rows.iter().collect();
+    let columns = ManufacturerRow::table(&rows);
+    let (.., cells) = columns.iter().find(|(name, ..)| name == "failed_rules").expect("a column");
+    let texts = ColumnValues::Texts(vec![None, Some("static safety; life".to_owned())]);
+    assert_eq!(*cells, texts);
+    let answer = ManufacturerRow::answer(&rows, 2, |_| true);
+    let Content::Table(shown) = &answer.sections[0].content else { panic!("{answer:?}") };
+    let heads: Vec<_> = shown.columns.iter().filter_map(|column| column.head.as_deref()).collect();
+    assert!(heads.contains(&"failed rules"), "{heads:?}");
+    assert_eq!(answer.to_json()[1]["failed_rules"], json!(["static safety", "life"]));
 }
 
 /// The travel error is limited by the accuracy grade. For C3 over 1 m, it is 21 + 15/2 um, which
