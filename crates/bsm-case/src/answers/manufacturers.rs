@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_design::{Band, FEW_DRAWS, Nut};
+use bsm_design::{Band, FEW_DRAWS, Nut, StiffnessAt};
 use serde_json::{Map, Value, json};
 
 use super::groove::pair;
@@ -12,6 +12,7 @@ use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::column_values::ColumnValues;
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::number::{digits, short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
@@ -51,8 +52,6 @@ pub struct ManufacturerNut {
     pub name: String,
     /// Case of the nut, with the ratings stated by the manufacturer.
     pub case: Case,
-    /// Stiffness stated by the manufacturer \[N/µm\].
-    pub stiffness: Option<f64>,
     /// Names and cells of text columns that are not inputs.
     pub texts: Vec<(String, String)>,
 }
@@ -76,8 +75,8 @@ impl ManufacturerNut {
         })?;
         let nuts = cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
-            let mut nut = Self { name, case, stiffness: None, texts: Vec::new() };
-            let (mut circuits, mut core) = (None, None);
+            let mut nut = Self { name, case, texts: Vec::new() };
+            let (mut circuits, mut core, mut stiffness) = (None, None, None);
             for ((word, change), text) in row {
                 if word == "nut" {
                     text.clone_into(&mut nut.name);
@@ -91,9 +90,14 @@ impl ManufacturerNut {
                 match word {
                     "circuits" => circuits = value,
                     "core_diameter_mm" => core = value,
-                    "stiffness_N_um" => nut.stiffness = value,
+                    "stiffness_N_um" => stiffness = value,
                     word => nut.case[InputKey::named(word)?] = value,
                 }
+            }
+            if let Some(stiffness) = stiffness {
+                nut.case.rated_rigidity_N_um.get_or_insert(stiffness);
+                let at = Named(StiffnessAt::Load(STIFFNESS_AT));
+                nut.case.nut.rated_rigidity_at.get_or_insert(at);
             }
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
@@ -115,12 +119,24 @@ impl ManufacturerNut {
         case
     }
 
-    /// Returns the inputs that occur in the table, except for the ratings and the mass of the nut,
+    /// Returns the stiffness of one nut that the manufacturer states \[N/µm\], or `None` if the
+    /// stated stiffness is that of a preloaded nut.
+    fn stiffness(&self) -> Option<f64> {
+        let is_of_one =
+            matches!(self.case.nut.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
+        self.case.rated_rigidity_N_um.filter(|_| is_of_one)
+    }
+
+    /// Returns the inputs that occur in the table, except for ratings, mass and stiffness of the nut,
     /// which have separate columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
         let separate =
             [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N, InputKey::nut_mass_kg];
-        let is_given = |key: &InputKey| nuts.iter().any(|nut| nut.case[*key].is_some());
+        let is_given = |key: &InputKey| {
+            let has_stiffness =
+                |nut: &Self| *key == InputKey::rated_rigidity_N_um && nut.stiffness().is_some();
+            nuts.iter().any(|nut| nut.case[*key].is_some() && !has_stiffness(nut))
+        };
         let all = InputKey::ALL.into_iter().filter(|key| !separate.contains(key));
         all.filter(is_given).collect()
     }
@@ -145,7 +161,7 @@ quantities! {
         our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating(output!(dynamic_load_rating_N))), "calculated dynamic load rating";
         static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
         our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
-        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as stated by the manufacturer";
+        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness()), "stiffness of one nut as stated by the manufacturer";
         our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
         nut_mass_kg = INPUTS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(nut_mass_kg))));
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 
-use bsm_design::{Candidate, Nut};
+use bsm_design::{Band, Candidate, Nut};
 use serde_json::{Map, Value, json};
 
 use super::manufacturers::{ListNumber, ManufacturerRow};
@@ -591,11 +591,25 @@ impl NutList {
             ..Column::of("")
         };
         let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
+        let rows = (0..count).map(row).collect();
+        let bands = self.bands_of(count, columns);
         let columns = columns.iter().map(head).collect();
-        let table = Table { columns, rows: (0..count).map(row).collect(), ..Table::default() };
+        let table = Table { columns, rows, bands, ..Table::default() };
         let mut answer = self.answer(first);
         answer.sections = Vec::new();
         answer.with("", Content::Table(table))
+    }
+
+    /// Returns the intervals of the first nuts in the displayed units of the given columns.
+    fn bands_of(&self, count: usize, columns: &[ShownColumn]) -> Vec<Vec<Option<Band>>> {
+        let heads = self.heads();
+        let band = |row: &ManufacturerRow, column: &ShownColumn| {
+            let Band { low, high } = row.band(&heads[column.place].0)?;
+            let [low, high] = [low, high].map(|end| column.unit.value(end));
+            Some(Band { low, high })
+        };
+        let bands = |row| columns.iter().map(|column| band(row, column)).collect();
+        self.rows_of(&self.chosen[..count]).into_iter().map(bands).collect()
     }
 
     /// Returns true if the screen shows the column.

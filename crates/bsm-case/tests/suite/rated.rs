@@ -282,6 +282,48 @@ weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
     assert_eq!(answer.to_json()[1]["failed_rules"], json!(["static safety", "life"]));
 }
 
+/// A test by a stranger found that the column stiffness_N_um of a table had no effect on the axis.
+/// Tables state the stiffness at 0.3 of the dynamic load rating, so K (F/0.3 C_a)^(1/3) times 0.8
+/// is the stiffness of the nut.
+#[test]
+fn stiffness_in_a_table_enters_the_stiffness_of_the_axis() {
+    let catalog = Catalog::standard().expect("compiled in");
+    let requirement = br#"{"axial_load_N": 2000, "feed_m_min": 6, "stroke_mm": 500}"#;
+    let requirement =
+        RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
+    let row = |heads: &str, cells: &str| {
+        let table = format!(
+            "nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,loaded_turns,rated_dynamic_load_N,rated_static_load_N{heads}\n\
+             SFU2510-4,25,10,4.762,4,28969,71540{cells}"
+        );
+        let nuts = ManufacturerNut::from_csv(table.as_bytes(), &TableFormat::default());
+        let rows = ManufacturerRow::all(&nuts.expect("a row"), Some(&requirement));
+        rows.expect("a sheet").remove(0)
+    };
+    let stiffness = |row: &ManufacturerRow| row.value("axis_stiffness_N_um").expect("a number");
+    let stated = row(",stiffness_N_um", ",490");
+    assert_eq!(stated.value("stiffness_N_um"), Some(490.0));
+    let sheet = AxisReport::of(&stated.case, &Settings::default()).expect("a sheet");
+    let of_nut = 0.8 * 490.0 * (2000.0_f64 / (0.3 * 28969.0)).cbrt();
+    let name = "nut_stiffness_at_largest_load_N_um";
+    assert_relative_eq!(number(&sheet, name), of_nut, max_relative = 1e-12);
+    assert_relative_eq!(
+        number(&sheet, "axis_stiffness_N_um"),
+        stiffness(&stated),
+        max_relative = 1e-12
+    );
+    // The stated stiffness does not depend on the estimated groove.
+    assert_eq!(stated.band("axis_stiffness_N_um"), None);
+    let estimated = row("", "");
+    assert!(
+        stiffness(&estimated) > stiffness(&stated) && estimated.value("stiffness_N_um").is_none()
+    );
+    // The names of the input have the same meaning.
+    let by_input = row(",rated_rigidity_N_um,rated_rigidity_at", ",490,0.3 Ca");
+    assert_eq!(by_input.value("stiffness_N_um"), Some(490.0));
+    assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());
+}
+
 /// The travel error is limited by the accuracy grade. For C3 over 1 m, it is 21 + 15/2 um, which
 /// exceeds the required 25 um. The sheet suggests a sufficient grade. If the standard contains no
 /// value, the rule is violated.
