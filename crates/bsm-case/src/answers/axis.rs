@@ -531,6 +531,10 @@ impl AxisReport {
             (&numbers, fold),
             &of_nut,
             (preload, machine.required_life),
+            [
+                worked.motor_peak(AxisState::motor_torque),
+                worked.motor_peak(AxisState::torque_utilization),
+            ],
         );
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);

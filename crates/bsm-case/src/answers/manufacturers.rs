@@ -457,6 +457,10 @@ impl ManufacturerRow {
         bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
     }
 
+    /// Columns that contain text.
+    pub(crate) const TEXTS: [&str; 5] =
+        ["nut", "passes", "failed_rules", "groove", "contradiction"];
+
     /// Returns the columns of a table of rows. If any number in a column depends on an estimated
     /// groove, two columns with the ends of the 90 % intervals follow.
     pub fn table(rows: &[&Self]) -> Vec<TableColumn> {

@@ -15,8 +15,8 @@ use crate::vocabulary::number::{decimal, number, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
 use crate::{
-    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, INPUTS, InputKey,
-    Known, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
+    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, DisplayUnits, INPUTS,
+    InputKey, Known, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
 };
 
 quantities! {
@@ -125,7 +125,15 @@ impl ListColumn {
             let (own, change) = convert(name, names())?;
             Some((*all.iter().find(|column| column.output.name == own)?, change))
         });
-        found.ok_or_else(|| CaseError::unknown(Known::Column, name, nearest(name, names())))
+        found.ok_or_else(|| {
+            if ManufacturerRow::TEXTS.contains(&name) {
+                return CaseError::Invalid(format!(
+                    "`{name}` is a column of text in a manufacturer's table (--from TABLE.csv), but conditions and sorting need a column \
+                     of numbers. Nuts that pass all rules always come first"
+                ));
+            }
+            CaseError::unknown(Known::Column, name, nearest(name, names()))
+        })
     }
 
     /// Returns true if the column belongs to the axis sheet.
@@ -160,13 +168,19 @@ impl Condition {
     /// Returns [`CaseError`] if the text has another form, the column is unknown, or the value is
     /// not a number.
     pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
-        let form = "name>=value, name<=value or name=value";
+        let form = "name>=number, name<=number or name=number";
         let bad = || CaseError::bad_setting(text, form);
         let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
-        let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
         let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
+        let given = text[at + sign.len()..].trim();
+        let value: f64 = given.parse().unwrap_or(f64::NAN);
+        if value.is_nan() {
+            let why =
+                format!("in `{text}`, `{given}` is not a number; a condition has the form {form}");
+            return Err(CaseError::Invalid(why));
+        }
         let value = change.value(value);
         // The decimal numbers in tables can differ from sizes in meters by rounding errors.
         let near = 1e-9 * value.abs();
@@ -176,9 +190,6 @@ impl Condition {
             "=" => value - near..=value + near,
             _ => return Err(bad()),
         };
-        if value.is_nan() {
-            return Err(bad());
-        }
         Ok(Self { text: text.to_owned(), column, range })
     }
 
@@ -526,6 +537,27 @@ impl NutList {
             }
             Rows::Table(rows) => rows[place as usize].case.to_json(),
         }
+    }
+
+    /// Selects the displayed columns (see [`ShownColumn::select`]).
+    ///
+    /// # Errors
+    ///
+    /// Returns [`CaseError`] for a name that is not a column of this list.
+    pub fn select(
+        &self,
+        wanted: Option<&[String]>,
+        display: DisplayUnits,
+    ) -> Result<Vec<ShownColumn>, CaseError> {
+        let is_of_tables = |name: &&String| ManufacturerRow::TEXTS.contains(&name.as_str());
+        let missing = wanted.into_iter().flatten().find(is_of_tables);
+        if let (Rows::Sizes { .. }, Some(name)) = (&self.rows, missing) {
+            return Err(CaseError::Invalid(format!(
+                "`{name}` is a column only of a manufacturer's table (--from TABLE.csv). A list of sizes contains only nuts that meet the requirement; \
+                 `bsm select --show columns` lists all its columns"
+            )));
+        }
+        ShownColumn::select(&self.heads(), wanted, display)
     }
 
     /// Returns the name and the unit of each column.

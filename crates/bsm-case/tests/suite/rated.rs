@@ -324,6 +324,39 @@ fn stiffness_in_a_table_enters_the_stiffness_of_the_axis() {
     assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());
 }
 
+/// A test by a stranger found that the remedy for a motor torque did not state the permitted load,
+/// but recommended less acceleration for an axis without acceleration.
+#[test]
+fn remedy_for_the_motor_torque_states_the_permitted_load() {
+    let lift = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13000, "estimate_groove": false,
+        "seal_torque_Nm": 0.1, "feed_m_min": 1.5, "axial_load_N": 3000}"#;
+    let rule = |load: &str, limit: &str, title: &str| {
+        let report = sheet(lift, &[load, limit]).expect("a sheet");
+        let found = report.answer.rules.iter().find(|rule| rule.title == title).cloned();
+        found.expect("a rule")
+    };
+    // Torque h F/0.9 + 0.1 N m with h = lead / (2 pi).
+    let most = ((1.9 - 0.1) * 0.9 * TAU / 5e-3).floor();
+    for (limit, title) in [
+        ("motor_peak_torque_Nm=1.9", "peak torque of the motor"),
+        ("motor_rated_torque_Nm=1.9", "rated torque of the motor"),
+    ] {
+        let remedy = rule("axial_load_N=3000", limit, title).remedy.expect("a remedy");
+        let load = format!("an axial load of at most {most} N instead of 3000 N");
+        assert_eq!(remedy, format!("a larger motor, a smaller lead, or {load}"));
+        assert!(rule(&format!("axial_load_N={most}"), limit, title).passes());
+        assert!(!rule(&format!("axial_load_N={}", most + 1.0), limit, title).passes());
+    }
+    let cycle = r#"cycle=[{"distance_mm": 300, "time_s": 1, "profile": "trapezoidal", "force_N": 3000}, {"distance_mm": -300, "time_s": 1, "profile": "trapezoidal", "force_N": 3000}]"#;
+    let moved =
+        sheet(lift, &[cycle, "stroke_mm=300", "moved_mass_kg=10", "motor_peak_torque_Nm=1.9"]);
+    let moved = moved.expect("a sheet");
+    let rules = &moved.answer.rules;
+    let remedy = rules.iter().find(|rule| rule.title == "peak torque of the motor");
+    let remedy = remedy.and_then(|rule| rule.remedy.clone()).expect("a remedy");
+    assert!(remedy.ends_with(", or less acceleration"), "{remedy}");
+}
+
 /// The travel error is limited by the accuracy grade. For C3 over 1 m, it is 21 + 15/2 um, which
 /// exceeds the required 25 um. The sheet suggests a sufficient grade. If the standard contains no
 /// value, the rule is violated.

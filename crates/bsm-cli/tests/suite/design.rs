@@ -148,6 +148,12 @@ fn bad_catalog_requests_are_reported() {
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `nut_mass_kg`?"),
         (["select", "--sort", "weight_kg"], "no column is named `weight_kg`"),
+        (["select", "--where", "passes=true"], "conditions and sorting need a column of numbers"),
+        (["select", "--where", "lead_mm=ten"], "`ten` is not a number"),
+        (
+            ["select", "--columns", "nut,lead_mm"],
+            "`nut` is a column only of a manufacturer's table",
+        ),
         (["select", "-o", "table.txt"], "must end with .csv, .jsonl, .parquet, .xlsx or .json"),
     ] {
         let output = bsm(dir.path(), &args, "");
