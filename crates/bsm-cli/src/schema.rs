@@ -80,7 +80,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "select",
         "select",
         "found boolean, reasons texts, steps [step], case @case?, @said \
-         | [@catalog, @sheet?] | [nut string, @input?, @manufacturer, @sheet?, passes? boolean?, groove? string?, intervals? any, notes? texts, texts? any]",
+         | [@catalog, @sheet?] | [nut string, @input?, @manufacturer, @sheet?, passes? boolean?, failed_rules? texts, groove? string?, intervals? any, notes? texts, texts? any]",
     ),
     (
         "fit",

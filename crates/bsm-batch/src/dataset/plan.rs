@@ -16,7 +16,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Version number of the results. It is incremented with every change of the program that changes a
 /// calculated number, so that a dataset never contains parts with different results.
-pub const RESULTS: u32 = 92;
+pub const RESULTS: u32 = 93;
 
 /// Version number of the file formats of plans and parts. It is part of the plan, because the plan
 /// must determine every byte of the part files.

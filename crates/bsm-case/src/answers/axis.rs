@@ -57,7 +57,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed between screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
-            "equivalent load: constant load that gives the same life; for a pair, the load of the more heavily loaded nut";
+            "equivalent load of the more heavily loaded flank; for a pair, of the more heavily loaded nut";
+        equivalent_load_of_other_flank_N ["N" "F_m2"] Scalar(|w| Some(w.life()?.other_mean_load).filter(|load| *load > 0.0)),
+            "equivalent load of the other flank or nut, which reduces the life; empty if it carries no load";
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean speed over the cycle, including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "cycle time";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
@@ -100,6 +102,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load on the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
+        mass_of_nut_and_screw_kg ["kg"] Scalar(|w| {
+            let (screw, _) = w.shaft().and(w.machine.screw)?;
+            Some(screw + w.machine.nut_mass?)
+        }), "mass of nut and screw between the bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
             "steady-state temperature rise of the screw above the surroundings, mean between the bearings";
@@ -186,8 +192,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
-        screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
-            "screw torque; at the largest load during motion, including preload, seals and support bearings";
+        screw_torque_Nm ["N m" "T"] Scalar(|w| w.torque_at_largest_load()) needs FRICTION,
+            "screw torque, including preload, seals and support bearings; on a sheet, the largest torque at the largest load during motion, positive if it acts against the load";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load during motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
@@ -289,7 +295,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
         static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Scalar(|s| s.of_nut.number(output!(edge_load_N)));
-        mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number(output!(mass_kg))));
+        nut_mass_kg = INPUTS Scalar(|s| s.machine.nut_mass);
         cold_preload_N = NUT Scalar(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
         friction_coefficient = INPUTS Scalar(|s| s.case.friction_coefficient);
@@ -358,7 +364,7 @@ pub struct AxisReport {
 
 /// Returns the columns of the axis sheet that serve to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 13] = [
+    const NAMES: [&str; 14] = [
         "cycle_life_h",
         "critical_speed_ratio",
         "buckling_safety",
@@ -369,6 +375,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
         "screw_efficiency",
         "mean_heat_W",
         "screw_mass_kg",
+        "mass_of_nut_and_screw_kg",
         "inertia_of_screw_kg_m2",
         "warm_preload_N",
         "fold_speed_factor",
@@ -524,6 +531,10 @@ impl AxisReport {
             (&numbers, fold),
             &of_nut,
             (preload, machine.required_life),
+            [
+                worked.motor_peak(AxisState::motor_torque),
+                worked.motor_peak(AxisState::torque_utilization),
+            ],
         );
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
@@ -646,6 +657,8 @@ pub(crate) fn numbers(
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
+        // On a sheet, the sign of the torque refers to the load.
+        && torque.number(output!(screw_load_N)).is_some_and(|load| load > 0.0)
     {
         return Ok(torque.numbers);
     }

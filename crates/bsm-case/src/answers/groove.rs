@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
 use serde_json::{Map, Value, json};
 
+use crate::case::rated_screw::usual_nut_length_mm;
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
@@ -70,8 +71,11 @@ impl Case {
         if !self.has_estimated_groove() {
             return None;
         }
-        let line = self.without_estimates();
+        let mut line = self.without_estimates();
         let estimate = line.groove_estimate().ok()??;
+        // The length of the nut is estimated from the best groove. It is the same for all possible
+        // grooves, so that the lengths of the axis have no intervals.
+        line.nut_length_mm = line.nut_length_mm.or_else(|| usual_nut_length_mm(self));
         Some((line, estimate))
     }
 

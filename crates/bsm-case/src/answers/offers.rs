@@ -17,11 +17,12 @@ pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
 /// Numbers for which a smaller value is better. A larger value is better for the other numbers of
 /// [`sheet_columns`], except for the numbers in [`NEITHER`].
-const SMALLER: [&str; 5] = [
+const SMALLER: [&str; 6] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
     "mean_heat_W",
     "screw_mass_kg",
+    "mass_of_nut_and_screw_kg",
     "inertia_of_screw_kg_m2",
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];

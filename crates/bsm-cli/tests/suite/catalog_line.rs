@@ -189,6 +189,11 @@ fn lists_and_offers_of_catalog_lines_have_intervals() {
         shown.contains(" to ") && said.contains("misprint: No typical groove"),
         "{shown}{said}"
     );
+    // The screen shows the intervals of selected columns, too, in the selected unit.
+    let columns = ["--columns", "nut,our_stiffness_N_um,our_stiffness_kgf_um"];
+    let (selected, _) = run(&[&["select", "--from", "lines.csv"][..], &columns].concat());
+    let row = selected.lines().find(|line| line.contains("R40")).expect("R40");
+    assert_eq!(row.matches(" to ").count(), 2, "{row}");
     let csv = fs::read_to_string(dir.path().join("list.csv")).expect("a table");
     assert!(csv.starts_with("nut,") && csv.contains(",our_stiffness_low_N_um,"), "{csv}");
     assert!(csv.contains("\"estimated, ball 6.35 mm estimated\""), "{csv}");

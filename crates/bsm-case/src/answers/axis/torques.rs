@@ -123,6 +123,14 @@ impl Torques {
         Some(self.ideal + self.point.direction() * self.friction()?)
     }
 
+    /// Returns the torque at the screw \[N·m\]. It is positive if it acts against the load or,
+    /// without a load, in the direction of motion.
+    pub(super) fn against_load(&self) -> Option<f64> {
+        let Torques { point, .. } = self;
+        let sign = if point.load == 0.0 { point.direction() } else { point.load.signum() };
+        Some(sign * self.at_screw()?)
+    }
+
     /// Describes which percentage of the input power each part dissipates.
     pub(super) fn costs(&self) -> Option<String> {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
@@ -212,8 +220,7 @@ impl PhaseTorques {
         })
     }
 
-    /// Returns the torques at the start or the end of the phase, whichever has the larger load. If
-    /// both loads are equal, the larger speed decides.
+    /// Returns the torques at the heavier end of the phase (see [`PhasePoint::heavier`]).
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }
