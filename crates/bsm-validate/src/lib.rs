@@ -25,7 +25,7 @@ mod xu2015;
 pub use figures::figures;
 pub use pages::{tradeoff_page, validation_page};
 pub use published::PublishedData;
-pub use report::{Check, Report, Verdict};
+pub use report::{Check, Report, ReportJson, Verdict};
 
 use std::fmt::Display;
 

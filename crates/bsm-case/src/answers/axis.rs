@@ -20,23 +20,27 @@ use self::heat::Heating;
 pub use self::order::Order;
 pub(crate) use self::rules::rule_titles;
 use self::state::AxisState;
-pub(crate) use self::torques::TORQUES;
 pub(crate) use self::torques::quick_efficiency;
 use self::torques::{PhaseTorques, Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
+pub(crate) use self::torques::{TORQUES, TorqueParts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
+use super::schema::CaseJson;
 use super::warm::QUANTITIES as WARM;
 use crate::case::axis::{Machine, operating_hours_per_year, stroke};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::bad;
+use crate::vocabulary::members::{
+    Data, NumberCells, NumbersOf, Rows, Sentences, answer, number_tables, row,
+};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
-    Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
-    NutReport, Output, OutputName, Quantity, Section, Settings, Table, Verdict, WarmBranch, output,
+    Answer, Case, CaseError, Content, Criterion, INPUTS, InputKey, InputSet, Numbers, NutReport,
+    Output, OutputName, Quantity, Section, Settings, Verdict, WarmBranch, output,
 };
 
 /// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
@@ -697,40 +701,13 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     warnings
 }
 
-/// Adds the sections of the axis sheet to an answer.
-fn sheet(
-    of: Answer,
-    case: &Case,
-    warm: Option<&Warm>,
-    (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
-    not_modeled: Vec<String>,
-) -> Answer {
-    let answer = of
-        .with_verdict()
-        .with("inputs", Content::Json(case.to_json()))
-        .with("phases", Content::Table(of_phases(phases)))
-        .with("results", Content::numbers(numbers, "axis"));
-    Warm::add_to(warm, answer)
-        .with("screw", Content::numbers(screw, "screw"))
-        .with("not_modeled", Content::Texts("not modeled", not_modeled))
-}
-
-impl Answer {
-    /// Sets the JSON member `passes` to the verdict on all rules.
-    fn with_verdict(mut self) -> Self {
-        const MEMBER: &str = "passes";
-        let verdict = Content::Json(json!(self.verdict().passes()));
-        match self.sections.iter_mut().find(|section| section.member == Some(MEMBER)) {
-            Some(section) => section.content = verdict,
-            None => self.sections.push(Section { member: Some(MEMBER), content: verdict }),
-        }
-        self
-    }
-}
-
-/// Builds the table of phases with one row per phase. The screen shows only the columns in `SHOWN`.
-fn of_phases(phases: &[ScrewTorque]) -> Table {
-    const SHOWN: [&str; 9] = [
+number_tables! {
+    /// Numbers of an axis.
+    pub(crate) AxisNumbers = QUANTITIES.iter();
+    /// Inputs and results of a screw.
+    pub(crate) ScrewNumbers = SCREW.iter();
+    /// Numbers of a phase of the cycle.
+    pub(crate) PhaseNumbers = PHASE.iter().chain(TORQUES), shown [
         "time_share",
         "screw_load_N",
         "start_feed_m_min",
@@ -741,22 +718,78 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         "motor_torque_Nm",
         "heat_W",
     ];
-    let column = |Quantity { name, unit, .. }: &Quantity| {
-        let head = SHOWN.contains(name).then_some((*name).into());
-        Column { unit, head, ..Column::of(name) }
+}
+
+row! {
+    /// A phase of the cycle.
+    #[expect(non_snake_case, reason = "the names end with unit symbols")]
+    pub(crate) struct PhaseRow {
+        [skip] phase: usize = "phase";
+        [flatten] numbers: NumberCells<PhaseNumbers>;
+        /// Name of the contact model, or the reason why there is no contact torque.
+        contacts: String;
+        /// Axial force of each nut body in the warm steady state \[N\].
+        body_axial_N: Option<Vec<f64>>;
+    }
+}
+
+answer! {
+    /// Sheet of an axis.
+    pub(crate) struct AxisMembers {
+        /// True if all rules are met, false if a rule is violated, else null.
+        passes: Data<Option<bool>>;
+        inputs: Data<CaseJson>;
+        phases: Rows<PhaseRow>;
+        results: NumbersOf<AxisNumbers>;
+    }
+}
+
+answer! {
+    /// Sheet of an axis: members that follow the warm state.
+    pub(crate) struct AxisRemarks {
+        screw: NumbersOf<ScrewNumbers>;
+        /// Effects that the numbers neglect.
+        not_modeled: Sentences;
+    }
+}
+
+/// Adds the sections of the axis sheet to an answer.
+fn sheet(
+    of: Answer,
+    case: &Case,
+    warm: Option<&Warm>,
+    (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
+    not_modeled: Vec<String>,
+) -> Answer {
+    let row = |(phase, torque): (usize, &ScrewTorque)| PhaseRow {
+        phase,
+        numbers: NumberCells::of(&torque.numbers),
+        contacts: torque.contacts.clone(),
+        body_axial_N: torque.bodies.clone(),
     };
-    let others = ["-contacts", "-body_axial_N"].map(Column::of);
-    let columns =
-        std::iter::once(Column::of("=phase")).chain(PHASE.iter().chain(TORQUES).map(column));
-    let row = |(place, phase): (usize, &ScrewTorque)| {
-        let numbers = phase.numbers.columns().map(|(_, value)| json!(value));
-        std::iter::once(json!(place))
-            .chain(numbers)
-            .chain([json!(phase.contacts), json!(phase.bodies)])
-            .collect()
-    };
-    let rows = (1..).zip(phases).map(row).collect();
-    Table { columns: columns.chain(others).collect(), rows, ..Table::default() }
+    let passes = Data(of.verdict().passes());
+    let answer = of.with_members(AxisMembers {
+        passes,
+        inputs: Data(CaseJson(case.to_json())),
+        phases: Rows((1..).zip(phases).map(row).collect()),
+        results: NumbersOf::new(numbers, "axis"),
+    });
+    Warm::add_to(warm, answer).with_members(AxisRemarks {
+        screw: NumbersOf::new(screw, "screw"),
+        not_modeled: Sentences("not modeled", not_modeled),
+    })
+}
+
+impl Answer {
+    /// Sets the JSON member `passes` to the verdict on all rules.
+    fn with_verdict(mut self) -> Self {
+        let verdict = self.verdict().passes();
+        let is_verdict = |section: &&mut Section| section.member == Some("passes");
+        if let Some(section) = self.sections.iter_mut().find(is_verdict) {
+            section.content = Content::Json(json!(verdict));
+        }
+        self
+    }
 }
 
 /// Explains why the nut cannot be calculated with all its balls.

@@ -7,19 +7,20 @@ use bsm_design::{
     PhasePoint, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
-use serde_json::json;
 
 use super::axis::QUANTITIES as AXIS;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::axis::quick_efficiency;
 use crate::answers::optimum::hard_to_make;
+use crate::answers::schema::CaseJson;
+use crate::vocabulary::members::{Data, Label, Rows, Sentences, answer, row};
 use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
-    Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Content, Criterion, INPUTS, Output,
-    OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, Verdict, output, sheet_columns,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Criterion, INPUTS, Output,
+    OutputName, REQUIREMENT_INPUTS, RequirementFile, Verdict, output, sheet_columns,
 };
 
 /// A result of the selection procedure and the requirement that it must meet.
@@ -64,8 +65,35 @@ pub struct DesignReport {
 /// Name of the output for the efficiency of the whole screw.
 const EFFICIENCY: OutputName = output!(screw_efficiency);
 
-/// Columns of the table that lists the selection steps.
-pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
+row! {
+    /// A step of the selection.
+    pub(crate) struct StepRow {
+        /// Step of Lin's procedure, or 11 for additional results.
+        step: u8 = "step";
+        /// Name of the quantity, with its unit as a suffix.
+        name: &'static str;
+        [skip] label: &'static str = "";
+        [skip] unit: &'static str = "";
+        value: Option<f64> = "value";
+        /// Requirement as text.
+        required: Option<String> = "limit";
+        passes: bool;
+        [skip] verdict: Option<&'static str> = "";
+    } unit unit
+}
+
+answer! {
+    /// Selected screw.
+    pub(crate) struct DesignMembers {
+        /// True if the screw meets the requirement.
+        found: Data<bool>;
+        steps: Rows<StepRow>;
+        /// Active limits, or limits that cannot be met.
+        reasons: Sentences;
+        [skip] order: Label;
+        case: Data<CaseJson>;
+    }
+}
 
 thread_local! {
     /// Workspace of the models. Each search thread has its own workspace.
@@ -196,29 +224,28 @@ impl DesignReport {
     /// Returns the answer: whether a screw was found, the steps of the selection, and the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
-            let DesignRow { step, name, label, unit, value, requirement, passes } = row;
-            let verdict = if *passes { "pass" } else { "FAIL" };
-            vec![
-                json!(step),
-                json!(name),
-                json!(label),
-                json!(unit),
-                json!(value),
-                json!(requirement),
-                json!(passes),
-                json!(requirement.as_ref().map(|_| verdict)),
-            ]
+            let verdict = if row.passes { "pass" } else { "FAIL" };
+            StepRow {
+                step: row.step,
+                name: row.name,
+                label: row.label,
+                unit: row.unit,
+                value: row.value,
+                required: row.requirement.clone(),
+                passes: row.passes,
+                verdict: row.requirement.as_ref().map(|_| verdict),
+            }
         };
-        let row_units = self.rows.iter().map(|row| row.unit).collect();
-        let steps = Table { row_units, ..Table::of(STEP_COLUMNS, self.rows.iter().map(row)) };
         let label = if self.found { "active limit" } else { "limit that cannot be met" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
-        Answer { notes, warnings, fails: !self.found, ..Answer::default() }
-            .with("found", Content::Json(self.found.into()))
-            .with("steps", Content::Table(steps))
-            .with("reasons", Content::Texts(label, self.reasons.clone()))
-            .with_shown(Content::Text("order:", self.order.clone()))
-            .with("case", Content::Json(self.case.to_json()))
+        let of = Answer { notes, warnings, fails: !self.found, ..Answer::default() };
+        of.with_members(DesignMembers {
+            found: Data(self.found),
+            steps: Rows(self.rows.iter().map(row).collect()),
+            reasons: Sentences(label, self.reasons.clone()),
+            order: Label("order:", self.order.clone()),
+            case: Data(CaseJson(self.case.to_json())),
+        })
     }
 }
 

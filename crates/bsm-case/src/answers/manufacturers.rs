@@ -385,7 +385,7 @@ impl ManufacturerRow {
     /// Returns the intervals as a JSON object with the names of the numbers.
     fn intervals(&self) -> Value {
         let named = |ListNumber { column, band, .. }: &ListNumber| {
-            Some((column.name.to_owned(), pair((*band)?)))
+            Some((column.name.to_owned(), json!(pair((*band)?))))
         };
         Value::Object(self.numbers.iter().filter_map(named).collect::<Map<_, _>>())
     }
@@ -509,18 +509,22 @@ impl ManufacturerRow {
             return Answer::default().with("", Content::Table(Table::default()));
         };
         let numbers = first.numbers.iter().enumerate().map(|(place, ListNumber { column, .. })| {
-            let head = is_shown(place).then_some(column.name.into());
-            Column { unit: column.unit, head, ..Column::of(column.name) }
+            let head = is_shown(place).then_some(column.name);
+            Column { unit: column.unit, ..Column::new(column.name, head) }
         });
         let passes = first.verdict.map(|_| {
             let fails = rows.iter().any(|row| !row.failed_rules.is_empty());
-            let shown = if fails { "=failed rules" } else { "-" };
-            ["passes:boolean?=", "-failed_rules:texts", shown].map(Column::of)
+            [
+                Column::new("passes", Some("")),
+                Column::new("failed_rules", None),
+                Column::new("", fails.then_some("failed rules")),
+            ]
         });
         let are_estimated = rows.iter().any(|row| row.groove.is_some());
-        let of_grooves = ["groove:string?", "-intervals:any", "-notes:texts"].map(Column::of);
+        let of_grooves = [("groove", Some("groove")), ("intervals", None), ("notes", None)];
+        let of_grooves = of_grooves.map(|(name, head)| Column::new(name, head));
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
-        let texts = Some(Column::of("-texts:any")).filter(|_| !first.texts.is_empty());
+        let texts = Some(Column::new("texts", None)).filter(|_| !first.texts.is_empty());
         let row = |row: &&Self| {
             let numbers = row.numbers.iter().map(|number| json!(number.value));
             let of_groove = [json!(row.groove), row.intervals(), json!(row.notes)];
@@ -537,7 +541,7 @@ impl ManufacturerRow {
                 .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
                 .collect()
         };
-        let columns: Vec<_> = std::iter::once(Column::of("nut"))
+        let columns: Vec<_> = std::iter::once(Column::new("nut", Some("nut")))
             .chain(numbers)
             .chain(passes.into_iter().flatten())
             .chain(of_grooves)

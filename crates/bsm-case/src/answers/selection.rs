@@ -621,7 +621,7 @@ impl NutList {
         let values: Vec<_> = columns.iter().map(|column| column.values(&all)).collect();
         let head = |column: &ShownColumn| Column {
             head: Some(column.name.clone().into()),
-            ..Column::of("")
+            ..Column::new("", None)
         };
         let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
         let rows = (0..count).map(row).collect();
@@ -675,7 +675,7 @@ impl NutList {
         let values = self.values(0..count);
         let head = |column: &ListColumn| {
             let Output { name, unit, .. } = *column.output;
-            Column { unit, head: self.is_shown(column).then_some(name.into()), ..Column::of(name) }
+            Column { unit, ..Column::new(name, self.is_shown(column).then_some(name)) }
         };
         let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
         let table = Table {

@@ -7,13 +7,14 @@ use bsm_design::{
 };
 use bsm_dyn::ModelWorkspace;
 use bsm_nut::thermal::HeatSources;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::contacts::{Contacts, contacts, nut_at, takes_catalog_efficiency};
 use super::{NEEDS, NUT, QUANTITIES};
 use crate::case::axis::{Machine, carriage};
 use crate::case::warm::ColdNut;
-use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::members::{NumbersJson, number_tables};
 use crate::vocabulary::number::short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
@@ -31,6 +32,20 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
     }
+}
+
+number_tables! {
+    /// Parts of the screw torque.
+    pub(crate) TorqueNumbers = TORQUES.iter();
+}
+
+/// Parts of the screw torque in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct TorqueParts {
+    #[serde(flatten)]
+    numbers: NumbersJson<TorqueNumbers>,
+    /// Name of the contact model, or the reason why there is no contact torque.
+    contacts: String,
 }
 
 /// The screw torque and its parts. For a phase of a cycle, the numbers also include the results
@@ -66,11 +81,9 @@ impl ScrewTorque {
         self.number(output!(screw_torque_Nm))
     }
 
-    /// Converts the torques to a JSON object.
-    pub fn to_json(&self) -> Value {
-        let mut map = numbers_json(&self.numbers);
-        map.insert("contacts".to_owned(), json!(self.contacts));
-        Value::Object(map)
+    /// Returns the torques as JSON.
+    pub(crate) fn members(&self) -> TorqueParts {
+        TorqueParts { numbers: NumbersJson::of(&self.numbers), contacts: self.contacts.clone() }
     }
 }
 
