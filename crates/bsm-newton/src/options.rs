@@ -128,7 +128,7 @@ pub enum JacobianUpdate {
     EveryTrial {
         /// Scaled residual below which the chord method is used. Trial points are then evaluated
         /// without the Jacobian, and steps use the latest LU factors as long as each step reduces
-        /// the residual to one tenth. Zero disables the chord method.
+        /// the residual to at most one tenth. Zero disables the chord method.
         chord_below: f64,
     },
 }
