@@ -1,4 +1,4 @@
-//! Cost of solves: how many model evaluations, quadrature nodes and searches they need.
+//! Cost of solves: numbers of model evaluations, quadrature nodes and searches.
 
 use std::array::from_fn;
 use std::cell::Cell;
@@ -96,7 +96,8 @@ mod tests {
                 let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
                 (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
-            // As in the benchmarks, only points for which the rigid model has a root are used.
+            // As in the benchmarks, a random point is used only if the rigid model has a root at
+            // this point.
             if count(Model::Rigid).is_some() {
                 counts.push(count(model).expect("a practical point"));
             }
@@ -118,12 +119,13 @@ mod tests {
             // Model `raceway-control`: Newton's method has two unknowns, and every evaluation
             // calculates both contacts. Measured numbers of evaluations: [24, 28].
             (Model::RacewayControl, [36, 42]),
-            // Model `elastic`: the solve consists of the beginning of the curve, Newton's method
-            // with three unknowns, and a check with the seven equations. Measured numbers of
-            // evaluations: [12, 13].
+            // Model `elastic`: a solve calculates the beginning of the solution curve, applies
+            // Newton's method to three unknowns, and checks the result with the seven equations.
+            // Measured numbers of evaluations: [12, 13].
             (Model::Elastic, [18, 20]),
-            // Model `traction`: Newton's method starts from the rolling ball and uses a coarse and
-            // a fine quadrature. Measured numbers of evaluations: [34, 39].
+            // Model `traction`: Newton's method starts from the solution for a rolling ball and
+            // uses first a coarse and then a fine quadrature. Measured numbers of evaluations: [34,
+            // 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_quantile(model);

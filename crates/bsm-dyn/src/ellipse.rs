@@ -123,7 +123,8 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
-    /// Creates the patch for the friction sums from this ellipse and a given motion.
+    /// Returns the contact patch (dimensions and motion) from which the friction sums are
+    /// calculated, for a given motion.
     pub(crate) fn patch(&self, local: &ContactMotion<D>, creep: f64) -> Patch<D> {
         let [t, n, c] = local.omega;
         Patch {
@@ -191,8 +192,8 @@ impl<D: Scalar> Patch<D> {
     }
 }
 
-/// Scalar types, with constants of type `P`, for which friction can be integrated over the contact
-/// ellipses.
+/// Scalar types for which friction can be integrated over the contact ellipses. `P` is the type of
+/// the constants.
 ///
 /// The default implementation is [`Patch::integrate`], which is exact but slow. Plain numbers and
 /// jets of numbers use vectorized sums, which are faster.
@@ -234,7 +235,8 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     }
 }
 
-/// Returns the friction at two contacts with a lubricant, as in [`Integrate::lubricated`].
+/// Returns the friction forces and moments at two lubricated contacts, as in
+/// [`Integrate::lubricated`].
 pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
     laws: [&MixedFriction<D>; 2],
@@ -415,8 +417,8 @@ mod tests {
     use super::kernel::sums_on;
     use super::*;
 
-    /// Returns the friction at two contacts for a constant friction coefficient, as in
-    /// [`Integrate::dry`].
+    /// Returns the friction forces and moments at two contacts with a constant friction
+    /// coefficient, as in [`Integrate::dry`].
     fn dry_friction<P: Scalar, D: Integrate<P>>(
         patches: &[Patch<D>; 2],
         nodes: &[Placement<'_>; 2],
@@ -589,8 +591,8 @@ mod tests {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
-                // The tolerance allows for rounding errors of sums over hundreds of nodes, in which
-                // each term has the magnitude of the friction coefficient.
+                // The tolerance allows for the rounding errors of sums over hundreds of nodes. Each
+                // term has the magnitude of the friction coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
@@ -710,9 +712,9 @@ mod tests {
         }
     }
 
-    /// For rolling balls in thin and thick oil at low and high pressure, the quadrature errors
-    /// relative to the friction are within the stated limits. The reference values come from a
-    /// finer quadrature.
+    /// For rolling balls in thin and thick oil at low and high pressure, the quadrature errors,
+    /// divided by the friction force, are within the stated limits. The reference values come from
+    /// a finer quadrature.
     #[test]
     fn quadrature_errors_of_lubricated_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);

@@ -178,8 +178,8 @@ pub enum Reason {
         /// Slip speed at the nut without inertia, divided by `$r_b|W|$`.
         slip: f64,
     },
-    /// The inertia ratio is outside the range in which the ball slides against friction on both
-    /// flanks.
+    /// The inertia ratio is outside the range in which the ball slides on both flanks with friction
+    /// opposing the slip.
     NoSkidAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia: f64,
@@ -427,17 +427,18 @@ impl NoAnswer {
     /// Outcome of a failed search: no root was found, but a root may exist.
     pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
-    /// Creates the outcome that no solution exists, together with the evidence for this.
+    /// Creates an outcome with the status `no_solution` and with evidence that no solution exists.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    /// Creates the outcome that the solver found no solution, although a solution may exist.
+    /// Creates an outcome with the status `not_converged`: the solver found no solution, although a
+    /// solution may exist.
     pub(crate) const fn not_converged(reason: Reason) -> Self {
         Self { status: Status::NotConverged, reason, evidence: None }
     }
 
-    /// Creates the outcome that the model does not accept the inputs.
+    /// Creates an outcome with the status `invalid_input`: the model does not accept the inputs.
     pub(crate) fn invalid(reason: Reason) -> Self {
         Self { status: Status::InvalidInput, reason, evidence: None }
     }
@@ -458,7 +459,7 @@ impl NoAnswer {
     }
 }
 
-/// Creates the outcome that the equations of the model cannot be evaluated.
+/// Creates the outcome of a model whose equations cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
     NoAnswer::not_converged(Reason::Refused { error })
 }

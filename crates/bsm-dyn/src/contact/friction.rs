@@ -14,8 +14,8 @@ use super::transition::Transition;
 /// coefficient. This applies to a point contact (F1) and to every point of a contact ellipse (E4).
 ///
 /// The closed forms, the reduced equations of the rigid and the elastic model, and the vectorized
-/// sums over an ellipse are valid only for a constant [`Coulomb`] coefficient. They take this
-/// coefficient instead of a friction law.
+/// sums over a dry contact ellipse are valid only for a constant [`Coulomb`] coefficient. They take
+/// this coefficient instead of a friction law.
 pub trait FrictionLaw<D> {
     /// Returns the friction coefficient at a point of the contact.
     ///
@@ -23,9 +23,9 @@ pub trait FrictionLaw<D> {
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 
-    /// Returns the transition along a line across a contact ellipse at which the slope of the
-    /// friction coefficient changes. Returns `None` if the coefficient depends neither on pressure
-    /// nor on speed; the integration then needs fewer nodes.
+    /// Returns the transition at which the friction coefficient changes its slope along a line
+    /// across a contact ellipse. Returns `None` if the coefficient depends neither on pressure nor
+    /// on speed; the integration then needs fewer nodes.
     fn bend(&self) -> Option<Transition> {
         Some(Transition::SMOOTH)
     }

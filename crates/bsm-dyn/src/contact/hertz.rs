@@ -197,7 +197,7 @@ impl<D: Scalar> Hertz<D> {
         Ok(hertz)
     }
 
-    /// Creates several contacts together, which takes only as long as creating one contact.
+    /// Creates several contacts side by side, in about the time that a single contact takes.
     ///
     /// # Errors
     ///
@@ -304,8 +304,9 @@ impl<D: Real> Axes<D> {
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
             let [found, wanted] = [at.below(), target * q.square() * at.above()];
-            // Newton's method is applied to the logarithms of both sides. The logarithm ln x is
-            // approximated by 2 (x−1)/(x+1), and the step uses the inverse of this approximation.
+            // Newton's method is applied to the logarithms of both sides of (H7). The logarithm ln
+            // x is approximated by 2 (x−1)/(x+1), and the step uses the inverse of this
+            // approximation.
             let up = (found - wanted) * (at.above() * at.below());
             let down = (found + wanted) * at.slope();
             q = q * ((down + up) / (down - up));
@@ -374,7 +375,7 @@ struct CurvatureEquation<D> {
     k: D,
     /// Half of the parameter of the elliptic integrals, `$m/2$`.
     half: D,
-    /// Terms `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
+    /// Terms `$r = w m/2$` and `$w$` of (H7). For a circular contact, `$w = 1/4$`.
     r: D,
     w: D,
 }
@@ -394,7 +395,7 @@ impl<D: Real> CurvatureEquation<D> {
         }
         // (K − E)/K = m/2 + Σ 2^{i−1} c_i², c₁ = (1 − q)/2. Near a circle, all terms after c₁² are
         // of order c₁⁴ or of the order of the squared rounding error, 1e-33. Adding 1e-16 to c₁²
-        // keeps them from affecting the result.
+        // keeps these terms from affecting the result.
         let first = below.square() * 0.25 + 1e-16;
         let half = below * above * 0.5;
         let w = (sum + first) / (first * above.square());
@@ -535,7 +536,7 @@ mod tests {
     fn axes_match_reference_values_from_circle_to_needle() {
         for (target, flatness, k, e) in AXES {
             let [axes] = Axes::of([target]);
-            // Each value may differ by a few rounding errors.
+            // Each value may differ from its reference by a few rounding errors.
             assert_relative_eq!(axes.flatness, flatness, max_relative = 1e-15);
             assert_relative_eq!(axes.k, k, max_relative = 1e-15);
             assert_relative_eq!(axes.e, e, max_relative = 1e-15);
@@ -554,9 +555,9 @@ mod tests {
             let at = |a: f64, e: f64| {
                 Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
-            // The tolerance covers the truncation error h² and the rounding error of (H7). The
-            // rounding error of the difference quotient is 1e-16/h, divided by the logarithm of the
-            // curvature ratio, which is small near a circle.
+            // The tolerance allows for the truncation error, which is of order h², and for the
+            // rounding error of (H7). In the difference quotient, the rounding error is 1e-16/h
+            // divided by the logarithm of the curvature ratio, which is small near a circle.
             let h = 1e-4;
             let tol = 1e-6 + 1e-11 / log_ratio;
             let read: [fn(&Hertz) -> f64; 4] =

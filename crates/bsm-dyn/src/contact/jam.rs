@@ -40,7 +40,8 @@ impl<D: Scalar> Wedge<D> {
         (self.angles[0] + self.angles[1]) * 0.5
     }
 
-    /// Returns the friction forces across the grooves at nut and screw \[N\] (M7).
+    /// Returns the components of the friction forces across the grooves, at nut and screw \[N\]
+    /// (M7).
     pub fn across(&self) -> [D; 2] {
         // F_X = f Q |cosψ|                                                (M7)
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
@@ -227,8 +228,8 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Returns the friction force along the track that the loaded balls of one turn exert on the ball
-/// ahead \[N\] (M16).
+/// Returns the force along the track with which friction drives the loaded balls of one turn
+/// against the ball ahead \[N\] (M16).
 ///
 /// * `balls`: number of balls per turn.
 /// * `friction`: friction coefficient `$f$`.

@@ -23,7 +23,7 @@ impl<D: Scalar> Jones<D> {
     /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
     ///
     /// This is the closed-form inverse of (J1) to (J5). It allows the loads themselves to be
-    /// unknowns, and a tilt of the order of the inertia forces keeps all its significant digits.
+    /// unknowns, and a small tilt due to the inertia forces keeps all its significant digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
     /// Bearings*, ASME J. Basic Eng. 82 (1960), applied to the groove arcs of a screw and a nut.
@@ -54,8 +54,8 @@ impl<D: Scalar> Jones<D> {
 
     /// Returns the contact angle at the screw \[rad\] and the axial displacement of the nut \[m\]
     /// for two approaches \[m\] and a contact angle at the nut \[rad\] (J9). This function is used
-    /// under high centrifugal loads. The contact angle at the nut is then small, and it would lose
-    /// significant digits if it were calculated as mean angle minus tilt.
+    /// under high centrifugal loads. The contact angle at the nut is then small, and calculating it
+    /// as mean angle minus tilt would lose significant digits.
     ///
     /// # Errors
     ///
@@ -90,7 +90,7 @@ impl<D: Scalar> Jones<D> {
 ///
 /// * `lengths`: distances between arc centers and ball center, at nut and screw.
 /// * `sines`: sines of the contact angles.
-/// * `unloaded`: distance of the arc centers along the binormal at first contact, `$(l_{A0} +
+/// * `unloaded`: distance between the arc centers along the binormal at first contact, `$(l_{A0} +
 ///   l_{B0})\sin\beta_0$`.
 #[inline(always)]
 pub(crate) fn binormal_displacement<P: Real, D: RealOver<P>>(
@@ -148,8 +148,8 @@ mod tests {
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let (opposite, same) = SCREW.opposite([nut, screw], mean - tilt).unwrap();
-            // The tolerance is larger for small angles, because the cosine hardly depends on the
-            // angle there.
+            // The tolerance exceeds the usual rounding errors, because a small angle is calculated
+            // from a cosine that hardly depends on it.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
         }
@@ -176,8 +176,8 @@ mod tests {
             // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]      (J6)
             let half = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
             let direct = (0.5 * (b - a)).tan().powi(2);
-            // The numerator is a difference of squared lengths, and its rounding error is 1e-16
-            // times the squares.
+            // The numerator is a difference of squared lengths, so its rounding error is 1e-16
+            // times these squares.
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 

@@ -19,7 +19,8 @@ pub struct EllipseSlip<F> {
     /// Coefficients of the polynomial that gives the slip along the groove as a function of the
     /// position.
     pub(super) longitudinal: [F; 3],
-    /// Ball radius, and depth by which the contact surface drops at the end of the ellipse.
+    /// Ball radius, and the depth by which the contact surface drops from the center of the ellipse
+    /// to its end.
     pub(super) radius: F,
     pub(super) sagitta: F,
     /// Angular velocity about the tangent, and spin multiplied by the short semi-axis.
@@ -55,8 +56,8 @@ fn divisor<F: Real>(x: F) -> F {
     F::select(x.abs().lt(tiny), tiny, x)
 }
 
-/// A complex pole of the integrand along the long axis, given by its real part and by its distance
-/// from the real axis.
+/// A complex pole of the integrand along the long axis, given by the real part of its position and
+/// by its distance from the real axis.
 #[derive(Clone, Copy)]
 pub(super) struct Pole<F> {
     pub(super) at: F,

@@ -126,8 +126,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives. The model is chosen from the values of
-    /// the inputs.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs. The model
+    /// is chosen from the values of the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -173,8 +173,8 @@ impl<F: Real> ModelErrors<F> {
     /// Calculates the error bounds from the solution for a rolling ball.
     ///
     /// * `back`: true if the load back-drives the screw.
-    /// * `onset_number`, `cross_slip`: numbers of the rolling ball. If they are undefined (infinite
-    ///   or NaN), the error bounds are infinite or NaN, too.
+    /// * `onset_number`, `cross_slip`: onset number and cross slip of the rolling ball. If they are
+    ///   undefined (infinite or NaN), the error bounds are infinite or NaN, too.
     /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
     pub fn of(

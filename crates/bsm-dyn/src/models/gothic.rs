@@ -203,8 +203,7 @@ impl GothicBall {
         };
         self.search(&grooves, condition, &at_rest, work, |start, traction| match start {
             Start::Near => near.map(|near| near.root),
-            // A ball at rest that is oversize loads all flanks, so there is no state with two
-            // contacts.
+            // An oversize ball at rest loads all flanks, so there is no state with two contacts.
             Start::TwoContacts if self.fit.oversize > 0.0 => None,
             Start::TwoContacts if force < 0.0 => {
                 let turned = self.back_driven();
@@ -603,7 +602,7 @@ fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
 }
 
 impl<const M: usize> GothicBall<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
@@ -616,7 +615,8 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
-    /// Returns efficiency and torque with their derivatives for a root with a third contact.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs, for a root
+    /// with a third contact.
     fn third_contact_slopes(
         &self,
         ball: &GothicBall,

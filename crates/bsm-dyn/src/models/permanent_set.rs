@@ -87,8 +87,8 @@ impl ElasticPoint {
 /// Number of unknowns of [`RadialClosure`].
 const CLOSURE: usize = 1;
 
-/// Closure condition for the triangle of ball center and arc centers in the radial direction. The
-/// unknown is the cotangent of the contact angle at the screw.
+/// Radial closure condition for the triangle that is formed by the ball center and the two arc
+/// centers. The unknown is the cotangent of the contact angle at the screw.
 struct RadialClosure {
     axial: [f64; 2],
     radial: f64,

@@ -170,8 +170,9 @@ impl RollingBall {
     }
 
     /// Finds other states of the ball that satisfy the same equations. These are states with the
-    /// same controlling raceway and a larger difference between the contact angles. If each raceway
-    /// satisfies (W7) when it controls, the screw-controlled state is also included.
+    /// same controlling raceway and a larger difference between the contact angles. If both the
+    /// nut-controlled and the screw-controlled ball satisfy (W7), the screw-controlled state is
+    /// also included.
     fn alternatives(
         &self,
         contacts: &ElasticContacts,
@@ -324,8 +325,9 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball together with the number of other solutions and
-    /// with the efficiency among them that differs most.
+    /// Returns the steady state of a rolling ball, together with the number of other solutions and,
+    /// among their efficiencies, the one that differs most from the efficiency of this steady
+    /// state.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -413,7 +415,7 @@ mod tests {
         }
     }
 
-    /// Returns a feed screw whose lead angle is a variable of the derivatives.
+    /// Returns a feed screw whose lead angle is the variable of differentiation.
     fn feed_screw<D: Scalar>(lead_angle: D) -> RacewayControl<D> {
         let steel = Material { youngs_modulus: D::from(207e9), poisson_ratio: D::from(0.3) };
         let ball = Ball::<f64>::of_density(3.175e-3, 7800.0);

@@ -154,8 +154,8 @@ mod tests {
         nut_operating_point(axial, 98.0, speed)
     }
 
-    /// The reference values are all digits of an independent solution for a nut with 98 equally
-    /// loaded balls under 6340 N (case P01).
+    /// The reference values are stated with all digits of an independent solution, for a nut with
+    /// 98 equally loaded balls under 6340 N (case P01).
     #[test]
     fn ball_under_an_equal_load_share_matches_the_reference() {
         let screw = screw(6340.0, 1.0);

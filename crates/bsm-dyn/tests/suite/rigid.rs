@@ -268,7 +268,7 @@ fn efficiency_is_continuous_from_large_to_small_inertia() {
 }
 
 /// If the rounding error of the inertia forces at the screw speed exceeds the load, the result
-/// equals the limit for large inertia from the previous test.
+/// equals the limit for large inertia.
 #[test]
 fn efficiency_at_extreme_inertia_equals_the_large_inertia_limit() {
     for exponent in -160..-40 {

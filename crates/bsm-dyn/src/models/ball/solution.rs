@@ -56,7 +56,8 @@ impl Solution {
         Some(self.solved()?.transmission.efficiency)
     }
 
-    /// Returns true if friction prevents the motion in this direction; `None` if this is unknown.
+    /// Returns true if friction prevents motion in the given direction of the power flow; `None` if
+    /// this is unknown.
     pub fn self_locking(&self) -> Option<bool> {
         match &self.answer {
             Ok(solved) => Some(solved.transmission.self_locking),

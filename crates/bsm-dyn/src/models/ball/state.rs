@@ -54,8 +54,8 @@ pub struct FarFlank<F = f64> {
     pub gap: F,
     /// Contact with the more heavily loaded far flank; `None` if the ball touches no far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if such a ball
-    /// has no steady motion.
+    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if a ball with
+    /// two contacts has no steady motion.
     pub two_contact_power: Option<F>,
 }
 
@@ -97,7 +97,7 @@ pub struct HertzContact<F = f64> {
 pub struct Transmission<F: Real = f64> {
     /// Ratio of output power to input power; zero or negative if the screw is self-locking.
     pub efficiency: F,
-    /// True if friction prevents the motion in this direction.
+    /// True if friction prevents motion in the given direction of the power flow.
     pub self_locking: F::Mask,
     /// Torque on the screw in steady motion \[N·m\]; `None` if the axial load is not given.
     pub screw_torque: Option<F>,
@@ -275,7 +275,8 @@ pub struct ControllingRaceway {
 pub struct Alternatives {
     /// Number of other admissible solutions.
     pub count: usize,
-    /// Efficiency of the other solution whose efficiency differs most.
+    /// Among the efficiencies of the other solutions, the one that differs most from the efficiency
+    /// of this solution.
     pub farthest_efficiency: Option<f64>,
 }
 
@@ -299,8 +300,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Adds the number of other solutions of the same equations, and the efficiency among them that
-    /// differs most.
+    /// Adds the number of other solutions of the same equations and, among their efficiencies, the
+    /// one that differs most from the efficiency of this solution.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();

@@ -45,7 +45,7 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if there is no root, or if no root is found.
+/// Returns [`NoAnswer`] if no root exists or if the search fails.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
@@ -77,7 +77,7 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if there is no root, or if no root is found.
+    /// Returns [`NoAnswer`] if no root exists or if the search fails.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
         // Newton's method refines the roots of a coarse continuation. If it converges to a
         // different root, the continuation is repeated with an accurate step control.
@@ -85,7 +85,7 @@ impl<'a> SlidingCurve<'a> {
         found.unwrap_or(Err(NoAnswer::LOST))
     }
 
-    /// Returns the forces on the ball and its motion at a point of the curve.
+    /// Returns the state of the ball (forces and motion) at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
@@ -135,8 +135,8 @@ impl<'a> SlidingCurve<'a> {
         searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
-        // `seen` contains the smallest and the largest inertia ratio at which a ball on its flanks
-        // slides against friction.
+        // `seen` contains the smallest and the largest inertia ratio at which the ball is on its
+        // flanks and its slip is opposite to friction.
         let mut seen = None::<(f64, f64)>;
         if start.at.is_admissible() {
             seen = Some((0.0, start.at.log_inertia().exp()));

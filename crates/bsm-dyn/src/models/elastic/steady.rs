@@ -188,8 +188,8 @@ impl<F: Real> SlidingBall<F> {
         self.friction.lt(self.cot)
     }
 
-    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is a change of the coordinate
-    /// by about one third.
+    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is about one third of the
+    /// coordinate.
     #[inline(always)]
     pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
         // sinα/d is an upper limit of −x_A.
@@ -231,8 +231,9 @@ where
     Jet<1, F>: RealOver<F> + Real<Mask = F::Mask>,
     Jet<3, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
-    /// Estimates `$x$` and `$c$` at the beginning of the curve. Also returns the number of Newton
-    /// steps, and a mask that is true if the estimate was found.
+    /// Estimates the cotangents `$x$` of the slip angles and the value of `$c$` at the beginning of
+    /// the curve. Also returns the number of Newton steps, and a mask that is true if the estimate
+    /// was found.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
     /// * `expected`: mask of the points for which an estimate is requested.
@@ -244,7 +245,8 @@ where
         (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
     }
 
-    /// Finds the state of balanced forces at zero inertia near given `$x$` and `$c$`.
+    /// Finds the state of balanced forces at zero inertia, starting from an estimate of `$x$` and
+    /// `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
         let guess = [x.constant(LOG_NO_INERTIA), x, c];
@@ -272,7 +274,8 @@ where
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // `rounding` covers rounding errors of the terms and of the logarithm of q.
+            // `rounding` is an upper limit of the rounding errors of the terms and of the logarithm
+            // of q.
             let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
             let near = if continued {

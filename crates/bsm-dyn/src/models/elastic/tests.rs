@@ -92,7 +92,8 @@ struct Tally {
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Runs random searches at an equal number of points with and without a solution.
+/// Runs random searches at `points` points with a solution and at the same number of points without
+/// a solution.
 fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();

@@ -200,7 +200,8 @@ impl<P: Scalar> Grooves<P> {
         let moved = if body == 0 { [*w_b - *x_b, -*x_n - self.radial_gap] } else { [-*x_b, -*x_n] };
         let v = [moved[0] + c[0], moved[1] + c[1]];
         let length = (v[0].square() + v[1].square()).sqrt();
-        // This is the part of |C₀|² − l₀² that is due to the shift by play.
+        // `by_play` is the part of |C₀|² − l₀² that results from the shift of the arc centers due
+        // to play.
         let by_play = self.shift * (self.across[body] * 2.0 - self.shift);
         let by_motion =
             moved[0] * (moved[0] + c[0] * 2.0) + moved[1] * (moved[1] + c[1] * 2.0) - by_play;

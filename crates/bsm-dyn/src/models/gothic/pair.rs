@@ -46,8 +46,8 @@ impl GothicPair {
         self.driving.force_at_rest(0.5 * self.offset, work)
     }
 
-    /// Creates the pair of nuts in which the force between the nuts without friction and external
-    /// load is `preload` \[N\].
+    /// Creates a pair of nuts with a given preload \[N\], which is the force between the nuts
+    /// without friction and external load.
     ///
     /// # Errors
     ///

@@ -31,8 +31,8 @@ const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the twelve uncertain inputs of the lubricant model.
 const UNCERTAIN: [(f64, f64); 12] = [
-    // Factors for boundary friction, rolling force, and film ratio in the formula of the asperity
-    // load share.
+    // Factors for the boundary friction, for the rolling force, and for the film ratio λ in the
+    // formula ξ = e^{−1.4λ} for the asperity load share.
     (0.75, 1.25),
     (0.5 / 0.85, 1.2 / 0.85),
     (0.8 / 1.4, 2.3 / 1.4),
@@ -109,7 +109,7 @@ impl LubricatedBall {
         lubricant.film_factor *= factor(4) * film;
         // The rolling force must not depend on the uncertainty factor of the film thickness.
         lubricant.rolling_factor *= factor(1) / film;
-        // A larger exponent in the formula of the asperity load share has the same effect as
+        // In the formula for the asperity load share, a larger exponent has the same effect as
         // smoother surfaces.
         let rough = factor(3) / factor(2);
         let Roughness { ball, nut, screw: raceway } = lubricant.roughness;

@@ -69,8 +69,8 @@ pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
 }
 
 impl RacewayFriction {
-    /// Calculates the sliding powers for a friction coefficient of one, and the forces, moments and
-    /// power losses at both contacts of a rolling ball.
+    /// Calculates the forces, moments and power losses at both contacts of a rolling ball. Also
+    /// returns the sliding powers for a friction coefficient of one.
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
@@ -125,8 +125,8 @@ impl<D: Scalar> LubricatedBall<D> {
     }
 }
 
-/// Temperature step with which the lubricant temperature is searched upward from the ambient
-/// temperature \[K\].
+/// Temperature step of the search for the lubricant temperature \[K\]. The search proceeds upward
+/// from the ambient temperature.
 const TEMPERATURE_STEP: f64 = 5.0;
 
 /// Maximum lubricant temperature that the search considers \[K\].

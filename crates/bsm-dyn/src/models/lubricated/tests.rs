@@ -109,7 +109,7 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // The tolerance covers the error of the quadrature over the contact ellipse.
+    // The tolerance allows for the error of the quadrature over the contact ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
@@ -218,7 +218,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { at: screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
-        // The tolerance covers the quadrature errors of both efficiencies.
+        // The tolerance allows for the quadrature errors of both efficiencies.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }
 }
@@ -295,8 +295,8 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
                         numbers.iter().all(|x| x.is_finite()),
                         "{axial} {rpm} {viscosity}: {film:?}"
                     );
-                    // The friction coefficient cannot exceed both the boundary friction coefficient
-                    // and the ratio of limiting shear stress to pressure.
+                    // The friction coefficient cannot exceed the larger of two values: the boundary
+                    // friction coefficient, and the ratio of limiting shear stress to pressure.
                     assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
                 }
             }

@@ -185,9 +185,9 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     Some(NoAnswer::none(Evidence::Bound, reason))
 }
 
-/// Returns the given verdict that no root exists. However, if the first-order solution indicates a
-/// root by a margin larger than its error, returns that the search failed, because rounding errors
-/// of large loads near self-locking can affect the sweeps and the continuation.
+/// Returns the given verdict that no root exists, unless the first-order solution indicates a root
+/// by a margin larger than its error. In that case, the function reports a failed search, because
+/// rounding errors of large loads near self-locking can affect the sweeps and the continuation.
 fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;

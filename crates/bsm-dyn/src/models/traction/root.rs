@@ -208,8 +208,9 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns an error bound of the efficiency due to the quadrature (T25), estimated by a second
-    /// quadrature rule. If the estimate fails, the bound is the whole power loss.
+    /// Returns an error bound of the efficiency due to the quadrature (T25), estimated with a
+    /// second quadrature rule. If the estimate fails, the whole power loss is returned as the error
+    /// bound.
     ///
     /// * `accuracy`: accuracy of the quadrature with which the root was found.
     /// * `found`: residuals and torque at the root, evaluated with the second quadrature rule.

@@ -212,8 +212,8 @@ mod tests {
                 [part, -part].map(|part| ball.with_slips(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
-                // The tolerance covers the truncation error of the central difference and rounding
-                // errors of the precession rates.
+                // The tolerance allows for the truncation error of the central difference and for
+                // rounding errors of the precession rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

@@ -218,7 +218,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
     (answered, broken, largest)
 }
 
-/// The error bound covers the quadrature error at nearly all points, and the error at the default
+/// The error bound exceeds the quadrature error at nearly all points, and the error at the default
 /// accuracy is below 1e-7.
 #[test]
 fn error_bound_covers_the_quadrature_error() {
@@ -279,11 +279,11 @@ fn equations_agree_with_force_and_moment_vectors() {
         let motion = contacts.absolute(&to_nut, &loaded.frame);
         let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
-        // The rounding error is proportional to the largest normal force, inertia force, friction
-        // moment or gyroscopic moment.
+        // In scaled units, the rounding error is proportional to the largest of four quantities:
+        // the normal force, the inertia force, the friction moment and the gyroscopic moment.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        // The precession rate relative to the nut is the difference between the precession rate and
-        // the nut speed, so its rounding error depends on both.
+        // The precession rate relative to the nut is the difference between the absolute precession
+        // rate and the nut speed, so the rounding error of this difference depends on both.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
         let centrifugal = contacts.inertia_ratio() * rate.abs() * rates;
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
@@ -305,7 +305,7 @@ fn equations_agree_with_force_and_moment_vectors() {
     assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
 }
 
-/// Compares the derivatives with respect to each unknown with central differences.
+/// Compares the derivatives of the residual with respect to each unknown with central differences.
 #[test]
 fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
@@ -338,8 +338,8 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
-                // The tolerance covers the truncation error and the rounding error of the central
-                // difference (1e-10 each), and the effect of changing node counts.
+                // The tolerance allows for the truncation error and the rounding error of the
+                // central difference (1e-10 each), and for the effect of changing node counts.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

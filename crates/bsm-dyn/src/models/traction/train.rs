@@ -75,7 +75,7 @@ impl Equations<BALL> for TrainEquations<'_> {
 
 impl SlipBall<'_> {
     /// Returns the directional derivative of the residuals with respect to the forces of both
-    /// neighbors, in which the residuals are linear.
+    /// neighbors. The residuals are linear in these forces.
     ///
     /// * `[front, back]`: direction, with one component each for the forces of the balls in front
     ///   and behind.

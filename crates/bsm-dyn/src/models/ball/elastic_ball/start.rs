@@ -11,8 +11,8 @@ use super::ElasticContacts;
 
 impl ElasticContacts {
     /// Returns the loads and the tilt that balance axial force and centrifugal force without
-    /// friction, for the precession rate `rate`, which is divided by `$W$`. The result is a
-    /// starting value with an accuracy of two digits.
+    /// friction. `rate` is the precession rate divided by `$W$`. The result is a starting value
+    /// with an accuracy of two digits.
     ///
     /// For given axial and centrifugal forces, the force triangle leaves one unknown, the contact
     /// angle `$\beta_B$` at the screw, which is at least the unloaded contact angle. The radial
