@@ -67,13 +67,13 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::cost_of;
-    use crate::extreme::practical;
+    use crate::extreme::random_practical_screw;
     use crate::{
         ElasticPoint, Model, ModelWorkspace, Problem, Status,
         model::{Elastic, RacewayControl, Rigid, Traction},
     };
 
-    fn problem(model: Model, at: ElasticPoint) -> Problem {
+    fn problem_for(model: Model, at: ElasticPoint) -> Problem {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         match model {
             Model::RacewayControl => Problem::RacewayControl(RacewayControl { at, control: None }),
@@ -91,9 +91,9 @@ mod tests {
         let mut work = ModelWorkspace::default();
         let mut counts = Vec::new();
         while counts.len() < POINTS {
-            let screw = practical(&mut rng);
+            let screw = random_practical_screw(&mut rng);
             let mut count = |model| {
-                let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
+                let (solution, cost) = cost_of(|| problem_for(model, screw).solve(&mut work));
                 (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
             // As in the benchmarks, a random point is used only if the rigid model has a root at

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_without_slip_is_an_error() {
+    fn friction_without_slip_is_rejected() {
         assert!(friction_force(&Coulomb(0.07), 130.0, &Vector3::zeros()).is_err());
         assert!(friction_force(&Coulomb(0.07), 130.0, &Vector3::repeat(f64::NAN)).is_err());
     }

@@ -440,7 +440,7 @@ mod tests {
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-    fn lin(member: Raceway) -> Hertz {
+    fn lin_contact(member: Raceway) -> Hertz {
         let groove = Groove { member, conformity: 0.53 };
         let angle = f64::to_radians;
         let curvatures = groove.curvatures(24.3e-3, 4.37e-3, angle(10.0), angle(45.0));
@@ -451,14 +451,14 @@ mod tests {
     /// are given with eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
-        let nut = lin(Raceway::Nut);
+        let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
         // The reference states 1.88829920e-5, which deviates from the reference ratio a/κ by a
         // relative 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
-        let screw = lin(Raceway::Screw);
+        let screw = lin_contact(Raceway::Screw);
         assert_relative_eq!(screw.ratio(), 6.961_155_4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axis, 1.151_921_66e-4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axes(1.0).1, 1.654_785_16e-5, max_relative = 1e-8);
@@ -506,7 +506,7 @@ mod tests {
     }
 
     #[test]
-    fn curvatures_without_an_ellipse_are_rejected() {
+    fn curvatures_that_give_no_ellipse_are_rejected() {
         for (longitudinal, transverse) in [(1.0, 2.0), (1.0, 0.0), (1.0, -1.0), (f64::NAN, 1.0)] {
             let domain_error = Hertz::of(&Curvatures { longitudinal, transverse }, 1e11);
             assert!(
@@ -533,7 +533,7 @@ mod tests {
     ];
 
     #[test]
-    fn axes_match_reference_values_from_circle_to_needle() {
+    fn ellipse_axes_match_reference_values_from_circle_to_needle() {
         for (target, flatness, k, e) in AXES {
             let [axes] = Axes::of([target]);
             // Each value may differ from its reference by a few rounding errors.

@@ -378,7 +378,7 @@ mod tests {
     /// A step of zero height only deflects the ball. Near the maximum height, the thrust grows
     /// without bound, and no thrust can lift the ball over a higher step.
     #[test]
-    fn entry_step_thrust_is_unbounded_near_the_maximum_height() {
+    fn thrust_at_entry_step_grows_without_bound_near_the_maximum_height() {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);

@@ -115,7 +115,7 @@ mod tests {
     /// Returns the contact angles and approaches at nut and screw. The arguments are the
     /// displacement of the ball center along binormal and principal normal \[m\], and the
     /// displacement of the nut along the binormal \[m\].
-    fn sides([axial, radial]: [f64; 2], nut: f64) -> ([f64; 2], [f64; 2]) {
+    fn contact_angles_and_approaches([axial, radial]: [f64; 2], nut: f64) -> ([f64; 2], [f64; 2]) {
         let (sin, cos) = SCREW.contact_angle.sin_cos();
         // (z, r) = (l_A0 sinβ₀ + X, l_A0 cosβ₀ + R)                       (J1)
         let (z, r) = (SCREW.nut_offset * sin + axial, SCREW.nut_offset * cos + radial);
@@ -166,10 +166,10 @@ mod tests {
         /// The closed-form formula for the difference between the contact angles agrees with the
         /// directly calculated difference.
         #[test]
-        fn closed_form_angle_difference_is_correct(
+        fn closed_form_angle_difference_agrees_with_direct_calculation(
             axial in -1e-4..1e-4_f64, radial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64,
         ) {
-            let ([a, b], approaches) = sides([axial, radial], nut);
+            let ([a, b], approaches) = contact_angles_and_approaches([axial, radial], nut);
             let (l_a, l_b) = (SCREW.nut_offset + approaches[0], SCREW.screw_offset + approaches[1]);
             let both = SCREW.nut_offset + SCREW.screw_offset;
             let square = (both * 0.78_f64.sin() + nut).powi(2) + (both * 0.78_f64.cos()).powi(2);
@@ -195,7 +195,7 @@ mod tests {
             let ((sin, cos), (sin_0, cos_0)) = ((mean - tilt).sin_cos(), 0.78_f64.sin_cos());
             let center = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
-            let ([a, b], approaches) = sides(center, displacement);
+            let ([a, b], approaches) = contact_angles_and_approaches(center, displacement);
             // The tolerance allows for rounding errors of lengths of 3e-4 m, and for rounding
             // errors of angles multiplied by a slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);

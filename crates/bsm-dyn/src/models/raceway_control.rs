@@ -356,7 +356,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::extreme::extreme;
+    use crate::extreme::random_extreme_screw;
     use crate::{
         Ball, Coulomb, Load, Material, OperatingPoint, Reason, Status,
         solution::{ContactState, Slip},
@@ -365,7 +365,7 @@ mod tests {
     /// Elastic constants of steel.
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-    fn lin(axial: f64, rpm: f64) -> RacewayControl {
+    fn lin_screw(axial: f64, rpm: f64) -> RacewayControl {
         let screw = ElasticPoint {
             point: OperatingPoint {
                 helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
@@ -393,7 +393,7 @@ mod tests {
     #[test]
     fn lin_screw_has_the_reference_efficiencies() {
         for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
-            let case = RacewayControl { control: Some(Control::Nut), ..lin(axial, 2000.0) };
+            let case = RacewayControl { control: Some(Control::Nut), ..lin_screw(axial, 2000.0) };
             let efficiency = solved(&case).transmission.efficiency;
             assert_relative_eq!(efficiency, eta, epsilon = 6e-5);
         }
@@ -407,7 +407,7 @@ mod tests {
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
                 let mut memory = RacewayWorkspace { quadrature, ..RacewayWorkspace::default() };
-                lin(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
+                lin_screw(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
             };
             let exact = eta(fine.clone());
             let ours = eta(Quadrature::of(RacewayControl::ACCURACY));
@@ -466,7 +466,7 @@ mod tests {
     #[test]
     fn raceway_with_the_closer_conformity_controls() {
         let spins = |conformity| {
-            let screw = ElasticPoint { conformity, ..lin(2113.0, 2000.0).at };
+            let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).at };
             let o = solved(&RacewayControl { at: screw, control: None });
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
@@ -485,7 +485,7 @@ mod tests {
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
-            let base = lin(axial, if back { -rpm } else { rpm }).at;
+            let base = lin_screw(axial, if back { -rpm } else { rpm }).at;
             let speed = base.point.drive.screw_speed;
             let case = ElasticPoint { point: OperatingPoint { helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix }, contact_angle: beta.to_radians(), drive: Drive { screw_speed: speed, nut_speed: nut * speed }, ..base.point }, conformity: (f_n, f_s), ..base };
             let o = solved(&RacewayControl { at: case, control: None });
@@ -513,8 +513,8 @@ mod tests {
     #[test]
     fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(0.0), ..lin(500.0, 2000.0).at.point },
-            ..lin(500.0, 2000.0).at
+            point: OperatingPoint { friction: Coulomb(0.0), ..lin_screw(500.0, 2000.0).at.point },
+            ..lin_screw(500.0, 2000.0).at
         };
         let o = solved(&RacewayControl { at: screw, control: None });
         assert_relative_eq!(o.transmission.efficiency, 1.0);
@@ -524,7 +524,7 @@ mod tests {
     #[test]
     fn load_increases_contact_angles_and_speed_increases_their_difference() {
         let angles = |axial, rpm| {
-            let o = solved(&lin(axial, rpm));
+            let o = solved(&lin_screw(axial, rpm));
             (o.ball.nut.angle, o.ball.screw.angle)
         };
         let (slow, loaded, fast) = (angles(100.0, 1.0), angles(2000.0, 1.0), angles(100.0, 8000.0));
@@ -538,12 +538,12 @@ mod tests {
     /// nut-controlled ball and for the screw-controlled ball. If the two sides of (W7) are nearly
     /// equal, both balls or neither ball may satisfy it.
     #[test]
-    fn clear_selection_is_equal_for_nut_and_screw_control() {
+    fn clear_selection_is_the_same_for_nut_and_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
-            let mut screw = extreme(&mut rng);
+            let mut screw = random_extreme_screw(&mut rng);
             // Every second point has equal conformities, for which the two sides of (W7) are nearly
             // equal.
             if solved % 2 == 0 {
@@ -579,9 +579,9 @@ mod tests {
                 case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
             (none.status(), none.reason().clone())
         };
-        let still = lin(100.0, 0.0);
+        let still = lin_screw(100.0, 0.0);
         assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin(100.0, 100.0).at };
+        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).at };
         let (status, reason) = why(&RacewayControl { at: screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn loose_ball_has_no_load_and_tensile_load_is_rejected() {
+    fn ball_with_clearance_has_no_load_and_tensile_load_is_rejected() {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));

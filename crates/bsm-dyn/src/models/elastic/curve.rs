@@ -263,7 +263,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::extreme::{extreme, practical};
+    use crate::extreme::{random_extreme_screw, random_practical_screw};
 
     #[test]
     fn direct_root_is_the_first_root_of_the_continuation() {
@@ -271,9 +271,9 @@ mod tests {
         let (mut of_practice, mut of_extremes) = (0, 0);
         for number in 0..2000 {
             let (screw, found) = if number % 2 == 0 {
-                (practical(&mut rng), &mut of_practice)
+                (random_practical_screw(&mut rng), &mut of_practice)
             } else {
-                (extreme(&mut rng), &mut of_extremes)
+                (random_extreme_screw(&mut rng), &mut of_extremes)
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
@@ -305,9 +305,9 @@ mod tests {
         let (mut of_practice, mut of_extremes, mut fewer) = (0, 0, 0);
         for number in 0..2000 {
             let (screw, found) = if number % 2 == 0 {
-                (practical(&mut rng), &mut of_practice)
+                (random_practical_screw(&mut rng), &mut of_practice)
             } else {
-                (extreme(&mut rng), &mut of_extremes)
+                (random_extreme_screw(&mut rng), &mut of_extremes)
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
@@ -342,7 +342,7 @@ mod tests {
     fn number_of_steps_to_the_beginning_of_the_curve_is_bounded() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);
         for number in 0..1000 {
-            let mut screw = extreme(&mut rng);
+            let mut screw = random_extreme_screw(&mut rng);
             if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
                 screw.point.contact_angle = *angle;
             }

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use bsm_newton::Convergence;
 
 use super::*;
-use crate::extreme::extreme;
+use crate::extreme::random_extreme_screw;
 use crate::{Status, angles::Angles};
 
 /// Returns a random starting value in the unknowns (S1) for which the nut contact carries the axial
@@ -99,7 +99,7 @@ fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tall
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
     while tally.no_solution < points || tally.found < points {
-        let screw = extreme(&mut rng);
+        let screw = random_extreme_screw(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
         // The random search cannot resolve the roots of balls with very small inertia.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
@@ -156,7 +156,7 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
     let mut newton = Workspace::default();
     let mut tried = 0;
     while tried < 300 {
-        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let Ok(contacts) = random_extreme_screw(&mut rng).scaled() else { continue };
         let contacts = contacts.with_inertia(1e-12 / contacts.inertia_ratio());
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let loaded = GrossSlipEquations(&contacts).state(&y).expect("a root").loaded;
@@ -211,7 +211,7 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut newton = Workspace::default();
     for _ in 0..300 {
-        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let Ok(contacts) = random_extreme_screw(&mut rng).scaled() else { continue };
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let state = GrossSlipEquations(&contacts).state(&y).expect("a root");
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
@@ -232,7 +232,7 @@ fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
     let mut work = ElasticWorkspace::default();
     let mut converged = 0;
     for _ in 0..1000 {
-        let mut screw = extreme(&mut rng);
+        let mut screw = random_extreme_screw(&mut rng);
         let speed = screw.point.drive.relative_speed();
         let apart = rng.log_uniform(1e-12, 0.1);
         screw.point.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };

@@ -226,7 +226,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
 /// At very low speed, asperities carry the whole load, and rolling resistance is due to hysteresis
 /// alone. Perfectly smooth surfaces have no asperity contact.
 #[test]
-fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
+fn low_speed_leads_to_boundary_friction_and_smooth_surfaces_to_a_full_film() {
     let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
     assert!(film.nut.asperity_share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
     let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };

@@ -91,7 +91,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
 /// The onset number separates rolling balls from sliding balls at every lead angle; the skid number
 /// does not.
 #[test]
-fn the_onset_number_separates_rolling_from_sliding() {
+fn onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
