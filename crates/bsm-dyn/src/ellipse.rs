@@ -68,7 +68,7 @@ pub(crate) struct Integral<D> {
     pub(crate) moment: [D; 3],
 }
 
-/// Converts a motion relative to the nut or the screw to contact coordinates.
+/// Converts a motion relative to the nut or the screw into contact coordinates.
 pub(crate) fn contact_motion<D: Scalar>(
     motion: &Motion<D>,
     contact: &Contact<D>,
@@ -442,7 +442,7 @@ mod tests {
         let frame = BallFrame::turned(0.17, 0.0);
         let contact = Contact::new(Site::Nut, 0.8, &frame);
         // The contact is flat and far from the ball center, so there is no Heathcote slip and all
-        // points have the same lever arm.
+        // points have equal lever arms.
         let ellipse = Ellipse {
             contact,
             load: 130.0,
@@ -473,8 +473,8 @@ mod tests {
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let (_, e) = ellip::ellipke(1.0 - 0.04).expect("parameter below 1");
         let expected = 3.0 / 8.0 * 0.08 * 130.0 * 0.5e-3 * e;
-        // At the center, the direction of slip has a singularity, which limits the convergence of
-        // the quadrature to 1/order³.
+        // At the center of the ellipse, the direction of slip has a singularity, which limits the
+        // convergence of the quadrature to 1/order³.
         let spin_moment = -wrench.moment.dot(&ellipse.contact.normal);
         assert_relative_eq!(spin_moment, expected, max_relative = 1e-4);
         assert_relative_eq!(power, spin_moment * 50.0, max_relative = 1e-10);
@@ -598,8 +598,8 @@ mod tests {
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
                 for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
                     // Derivatives with respect to the slip are proportional to the reciprocal of
-                    // the creep speed. The derivative with respect to the film thickness does not
-                    // depend on the creep speed.
+                    // the creep speed, whereas the derivative with respect to the film thickness
+                    // does not depend on the creep speed.
                     let unit = if k < 5 { 1.0 / creep } else { 1.0 };
                     prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
                 }

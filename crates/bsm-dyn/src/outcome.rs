@@ -142,7 +142,7 @@ pub enum Reason {
         /// Load ratio `$Q_B/F_a$` at the screw.
         screw_load_ratio: f64,
     },
-    /// The branch of steady motions that begins without inertia does not reach the inertia ratio of
+    /// The branch of steady motions that begins at zero inertia does not reach the inertia ratio of
     /// this operating point.
     NoRootAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
@@ -152,8 +152,8 @@ pub enum Reason {
         nearest: f64,
     },
     /// A contact angle is not between 0 and 90 degrees. With the status `no_solution`, the angles
-    /// are those of the first root, or those at the end of a path on which no root has both angles
-    /// in this range; no other root is known.
+    /// are either those of the first root, or those at the end of a path without any root whose
+    /// angles are both in this range. No other root is known.
     BallLeavesFlank {
         /// Contact angle at the nut \[rad\].
         nut: f64,
@@ -168,8 +168,8 @@ pub enum Reason {
         /// Ratio of the centrifugal force that the flanks can hold to the axial load. The force is
         /// evaluated at a contact angle of 90 degrees at the screw.
         held: f64,
-        /// Ratio of the actual centrifugal force to the axial load, also at a contact angle of 90
-        /// degrees at the screw.
+        /// Ratio of the actual centrifugal force to the axial load, also evaluated at a contact
+        /// angle of 90 degrees at the screw.
         centrifugal: f64,
     },
     /// Wherever the forces are in equilibrium with saturated friction, friction would act in the
@@ -357,12 +357,12 @@ impl From<Report> for Reason {
 pub enum Evidence {
     /// Proof from the equations of the model, up to rounding errors.
     Proof,
-    /// A limit that was determined by tests at many points excludes a solution. This limit is
+    /// A solution is excluded by a limit that was determined in tests at many points. This limit is
     /// either the error of the first-order solution or the boundary of the range in which several
     /// solutions exist.
     Bound,
-    /// The curve of states that begins without inertia was followed to its end. The search may have
-    /// missed two solutions within one step, and solutions on other curves.
+    /// The curve of states that begins at zero inertia was followed to its end. The search may have
+    /// missed two solutions within one step, or solutions on other curves.
     Traced {
         /// Longest step length along the curve, in scaled units.
         resolution: f64,

@@ -245,8 +245,8 @@ pub struct Sines<D> {
     pub cos_b: D,
 }
 
-/// In all methods, `back` is true if the load back-drives the screw, and `friction` is the friction
-/// coefficient `$f \ge 0$`.
+/// In all methods, `back` is a mask that is true if the load back-drives the screw, and `friction`
+/// is the friction coefficient `$f \ge 0$`.
 impl<D: Real> Sines<D> {
     /// Returns the tangent of the lead angle, `$\tan\alpha$`.
     #[inline(always)]
@@ -261,8 +261,8 @@ impl<D: Real> Sines<D> {
         (self.cos_b.square() + self.tan_a().square()).sqrt()
     }
 
-    /// Returns `$\sin\beta$` and `$D$` in this order, or in reverse order if the load back-drives
-    /// the screw.
+    /// Returns `$\sin\beta$` and the slip factor `$D$` in this order, or in reverse order if the
+    /// load back-drives the screw.
     #[inline(always)]
     fn by_direction(&self, back: D::Mask) -> [D; 2] {
         let (s, d) = (self.sin_b, self.slip_factor());

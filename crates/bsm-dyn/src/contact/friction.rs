@@ -82,8 +82,8 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     })
 }
 
-/// Returns the friction force \[N\] that opposes a slip (F1). The argument `size` is the friction
-/// force divided by the slip speed.
+/// Returns the friction force \[N\] that opposes a slip (F1). `size` is the magnitude of the
+/// friction force divided by the slip speed.
 pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
     // F = −f Q v/|v|                                                      (F1)
     slip * -size

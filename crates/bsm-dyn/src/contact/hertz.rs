@@ -276,13 +276,13 @@ struct Iterations {
 }
 
 /// Numbers of iterations for curvature ratios up to [`Axes::PRACTICE`]. The error of the starting
-/// value is at most 0.3, and the errors after the three Newton steps are at most 4e-3, 2e-7 and the
-/// rounding error. For `$\kappa \le 700$`, the errors of the arithmetic-geometric means are below
-/// rounding errors.
+/// value is at most 0.3. The errors after the first two Newton steps are at most 4e-3 and 2e-7, and
+/// the error after the third step is a rounding error. For `$\kappa \le 700$`, the errors of the
+/// arithmetic-geometric means are below rounding errors.
 const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
-/// Numbers of iterations for curvature ratios up to 1e30, which no groove in double precision
-/// exceeds.
+/// Numbers of iterations for curvature ratios up to 1e30. No groove in double precision has a
+/// larger curvature ratio.
 const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {
@@ -448,14 +448,14 @@ mod tests {
     }
 
     /// The constants of Lin's screw with conformities of 0.53 agree with independent values, which
-    /// are given with eight to eleven digits.
+    /// are stated with eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
         let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The reference states 1.88829920e-5, which deviates from the reference ratio a/κ by a
-        // relative 2e-8.
+        // The reference states 1.88829920e-5, which differs by a relative 2e-8 from the reference
+        // ratio a/κ.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin_contact(Raceway::Screw);

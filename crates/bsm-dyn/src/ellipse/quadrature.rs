@@ -24,12 +24,12 @@ pub(super) const UNRESOLVED: usize = 8;
 /// counts as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
-/// Maximum number of rings of equal pressure. If more rings were needed, integration along lines
-/// would be more efficient for an oil.
+/// Maximum number of rings of equal pressure. If more rings were needed for an oil, integration
+/// along lines would be more efficient.
 pub(super) const MAX_RINGS: usize = 2 * BLOCK;
 
-/// Maximum number of blocks of angles on half a ring. If more blocks were needed, integration along
-/// lines would be more efficient for an oil.
+/// Maximum number of blocks of angles on half a ring. If more blocks were needed for an oil,
+/// integration along lines would be more efficient.
 const MAX_BLOCKS: usize = 4;
 
 /// Returns the fraction of a ring that each node represents.
@@ -163,7 +163,7 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
 /// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
 const MAX_MORE: usize = 1;
 
-/// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules use this table,
+/// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules share this table,
 /// because creating it takes seven times as long as creating the rest of a rule.
 static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
     LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
@@ -175,16 +175,16 @@ fn part_of_panel(nodes: usize) -> usize {
 }
 
 impl Quadrature {
-    /// Returns a quadrature rule with which the error of friction force and moment is about
-    /// `accuracy`, relative to the friction force. The number of nodes per panel is
-    /// `$-2\log_{10}\epsilon$`, where `$\epsilon$` is the accuracy.
+    /// Returns a quadrature rule for a constant friction coefficient. The errors of friction force
+    /// and moment, relative to the friction force, are about `accuracy`. The number of nodes per
+    /// panel is `$-2\log_{10}\epsilon$`, where `$\epsilon$` is the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// Returns a quadrature rule for an oil, whose friction coefficient has a transition along each
-    /// line. Each half of a line has its own nodes, and lines with a nearby spin pole have many
-    /// nodes.
+    /// Returns a quadrature rule for an oil. Because the friction coefficient of an oil has a
+    /// transition along each line, each half of a line has its own nodes, and lines with a nearby
+    /// spin pole have many nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)

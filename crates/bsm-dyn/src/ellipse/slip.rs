@@ -5,8 +5,9 @@
 use bsm_kin::Real;
 use bsm_simd::{Lane, Simd};
 
-/// Upper limit of the distance of a pole from the center, and of the width of a pole, divided by
-/// the semi-axis. A pole beyond this limit hardly affects the positions of the nodes.
+/// Upper limit of the distance of a pole from the center of the ellipse, and of the width of a
+/// pole, both divided by the semi-axis. A pole beyond this limit hardly affects the positions of
+/// the nodes.
 pub(super) const FAR_LIMIT: f64 = 8.0;
 
 /// Lower limit of the magnitude of divisors, which prevents division by zero.
@@ -213,7 +214,7 @@ impl EllipseSlip<f64> {
     }
 }
 
-/// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse for a ball that
+/// Returns the slip speed at the ends of the longer ellipse, divided by `$r_b W$`, for a ball that
 /// rotates at `$W$` relative to a raceway. The result is at least 1 (T9).
 ///
 /// * `semi_axes`, `pressed_radius`: semi-axes of the ellipses and radii of the contact surfaces

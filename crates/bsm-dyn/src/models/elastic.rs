@@ -151,7 +151,7 @@ impl GrossSlip {
         self.steps
     }
 
-    /// Returns a root that serves as a starting value. Usually, this is the first root on the curve
+    /// Returns a root that serves as a starting value. This is usually the first root on the curve
     /// of force balance.
     ///
     /// # Errors

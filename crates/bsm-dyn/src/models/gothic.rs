@@ -140,13 +140,13 @@ const FIRST_CREEP: f64 = 30.0;
 /// quadrature that is used along the continuation.
 const PATH_RESIDUAL: f64 = 1e-6;
 
-/// Scaled residual below which Newton steps reuse the Jacobian. Above it, the Jacobian is
-/// calculated together with every trial step, because few steps are rejected and the quadrature
-/// with derivatives costs little more than without.
+/// Scaled residual below which Newton steps reuse the Jacobian. Above this residual, the Jacobian
+/// is calculated together with every trial step, because few steps are rejected and the quadrature
+/// with derivatives costs little more than the quadrature without.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
-/// tried. For nine of ten balls, at most 11 steps are needed in total.
+/// tried. Nine of ten balls need at most 11 steps in total.
 const MAX_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
@@ -344,8 +344,8 @@ impl GothicBall {
         Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
     }
 
-    /// Returns the ball with reversed speeds. It represents the ball in the other nut of a
-    /// preloaded pair, mirrored so that its + flanks are loaded.
+    /// Returns the ball with reversed speeds. The returned ball represents the ball in the other
+    /// nut of a preloaded pair, mirrored so that its + flanks are loaded.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -693,7 +693,7 @@ struct Search<'a> {
 struct Found {
     unknowns: [f64; UNKNOWNS],
     residual: f64,
-    /// Node counts of the quadrature, which stay fixed near the root.
+    /// Node counts of the quadrature, which are kept fixed near the root.
     rules: FrozenRules,
 }
 

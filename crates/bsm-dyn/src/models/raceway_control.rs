@@ -1,5 +1,6 @@
-//! Raceway control: elastic contacts, a force balance without friction, rolling kinematics, and
-//! friction power calculated from the slip that pure rolling leaves in the contacts.
+//! Raceway control: a model with elastic contacts, a force balance without friction, and rolling
+//! kinematics. The friction power is calculated from the slip that remains in the contacts during
+//! pure rolling.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
@@ -205,8 +206,8 @@ impl RollingBall {
             && ball.is_control_clear(&sides, ball.nut_excess(&sides))
     }
 
-    /// Estimates the state of the nut-controlled ball to two digits. The estimate exists even if
-    /// the centrifugal force is too large for raceway control.
+    /// Estimates the state of the nut-controlled ball with an accuracy of two digits. An estimate
+    /// is available even if the centrifugal force is too large for raceway control.
     ///
     /// # Errors
     ///
@@ -452,7 +453,8 @@ mod tests {
             .sensitivities(&mut RacewayWorkspace::default());
         let exact = exact.expect("a solution").efficiency.eps[0];
         // With a step of 1e-4, the curvature of the efficiency causes an error of 1e-8, rounding
-        // causes an error of 1e-9, and the solve causes an error of less than 1e-6.
+        // causes an error of 1e-9, and the residual of the solution causes an error of less than
+        // 1e-6.
         let step = 1e-4 * lead_angle;
         let difference =
             (efficiency(lead_angle + step) - efficiency(lead_angle - step)) / (2.0 * step);

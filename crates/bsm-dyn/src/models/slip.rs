@@ -170,9 +170,9 @@ impl<D: Scalar> SteadyBall<D> {
         [angle, omega.x.atan2(-omega.z)]
     }
 
-    /// Returns the moment about the tangent that is needed to turn the angular velocity vector of
-    /// the ball together with the triad \[N·m\]. This moment is provided by the friction of all
-    /// contacts (X16).
+    /// Returns the moment about the tangent \[N·m\] that is needed to make the angular velocity
+    /// vector of the ball rotate together with the triad. This moment is provided by the friction
+    /// of all contacts (X16).
     ///
     /// * `inertia`: moment of inertia of the ball about a diameter \[kg·m²\].
     ///

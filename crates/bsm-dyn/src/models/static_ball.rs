@@ -117,8 +117,8 @@ impl StaticBall {
         }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
-        // The displacement at which the load is carried at the unloaded contact angle is an upper
-        // limit.
+        // The displacement at which the ball would carry the load at the unloaded contact angle is
+        // an upper limit.
         let max_displacement =
             (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         let signs = [f64::NEG_INFINITY, f64::INFINITY];

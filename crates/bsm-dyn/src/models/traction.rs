@@ -43,8 +43,8 @@ impl Traction {
     /// most 1e-7.
     pub const ACCURACY: f64 = 1e-8;
     /// Accuracies of the quadrature, which are used one after the other until the error bound is
-    /// small enough. Starting with an accuracy of 1e-4 does not pay off, because its error bound
-    /// exceeds 0.01 for one in six balls in partial skid.
+    /// small enough. An accuracy of 1e-4 is not worth trying first, because its error bound exceeds
+    /// 0.01 for one in six balls in partial skid.
     pub const ACCURACIES: [f64; 2] = [1e-6, Self::ACCURACY];
     /// Default creep speed, which changes the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;

@@ -8,8 +8,8 @@ use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::transition::Transition;
 
-/// Mixed friction: friction of asperities in contact, and friction of the oil that is sheared
-/// between the surfaces.
+/// Mixed friction: the friction of asperities in contact, together with the friction of the oil
+/// that is sheared between the surfaces.
 ///
 /// ```math
 /// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},

@@ -177,7 +177,8 @@ impl<P: Real> EhlPoint<P> {
     }
 }
 
-/// A lubricated contact with its power losses, in scaled units except for the semi-axes.
+/// A lubricated contact with its power losses. All quantities except the semi-axes are in scaled
+/// units.
 #[derive(Debug, Clone, Copy)]
 pub struct FilmLoss<F = f64> {
     /// Oil film of the contact.
@@ -435,8 +436,8 @@ pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
     /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Sliding power divided by `$W$`. It has derivatives with respect to the inputs, but not with
-    /// respect to the unknowns.
+    /// Sliding power divided by `$W$`. It carries derivatives with respect to the inputs, but not
+    /// with respect to the unknowns.
     pub(crate) sliding: D,
     /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,

@@ -74,8 +74,9 @@ impl Solution {
 pub struct Choice {
     /// Slip regime or quadrature on which the error bound is based.
     pub basis: Basis,
-    /// Requested error bound of the efficiency. If no model is accurate enough, the bound in the
-    /// result is larger. The bound in the result holds for 99 % of all points.
+    /// Requested error bound of the efficiency. If no model is accurate enough, the error bound of
+    /// the result is larger than requested. The error bound of the result holds for 99 % of all
+    /// points.
     pub tolerance: f64,
 }
 

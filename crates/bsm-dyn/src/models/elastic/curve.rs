@@ -285,8 +285,8 @@ mod tests {
             let (direct, sign) = (direct.at, direct.rate.signum());
             let (first, same) =
                 curve.trace(&EXACT_STEP_CONTROL).expect("a result").expect("a root");
-            // Where friction nearly holds the load, the normal load is a million times the axial
-            // load, and only ten digits remain accurate. A different root would differ by several
+            // If friction nearly holds the load, the normal load is a million times the axial load,
+            // and only ten digits remain accurate. A different root would differ by several
             // percent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
             close(direct.state.centrifugal, first.state.centrifugal);
@@ -294,8 +294,8 @@ mod tests {
             close(sign, same);
             *found += 1;
         }
-        // Of 1000 practical and 1000 extreme points, nearly all practical points and the slow
-        // extreme points are solved directly by Newton's method.
+        // Newton's method directly solves nearly all of the 1000 practical points, and the slow
+        // points among the 1000 extreme points.
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 
@@ -319,8 +319,8 @@ mod tests {
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
-                    // The tolerance allows for the loss of digits where friction nearly holds the
-                    // load. A different root would differ by several percent.
+                    // The tolerance allows for the loss of digits at points at which friction
+                    // nearly holds the load. A different root would differ by several percent.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
                     close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);
@@ -349,7 +349,8 @@ mod tests {
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
             let _ = SlidingCurve::of(&contacts, &mut steps);
-            // The limit includes the evaluations of the bracket and the Newton steps to the curve.
+            // The limit is the maximum number of function evaluations in the bracket plus the
+            // maximum number of Newton steps to the curve.
             assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }

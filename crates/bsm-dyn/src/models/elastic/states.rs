@@ -269,9 +269,8 @@ impl<F: Real> SlidingPoint<F> {
             & cos[1].gt(zero)
     }
 
-    /// Returns true if this state differs from `begin` only in its centrifugal force, which is
-    /// `factor` times as large. All other factors of (S27) may differ by the relative tolerance
-    /// `change`.
+    /// Returns true if the centrifugal force of this state is `factor` times the centrifugal force
+    /// of `begin`, and all other factors of (S27) agree within the relative tolerance `change`.
     #[inline(always)]
     pub(super) fn has_only_grown(&self, begin: &Self, factor: F, change: f64) -> F::Mask {
         is_near(self.state.centrifugal / begin.state.centrifugal, factor, change)

@@ -32,10 +32,10 @@ const RESIDUAL_TOL: f64 = 1e-10;
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
 const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Limits of Newton's method for a state on the curve. Step lengths are in units of the scale of
-/// the state. After a step of 1e-8, the error is of the order of the square of the step, which is
-/// below rounding errors. If Newton's method needs more steps, the starting value was not near a
-/// state.
+/// Limits of Newton's method for a state on the curve. Step lengths are in units of the scales of
+/// the coordinates. After a step of 1e-8, the error is of the order of the square of the step,
+/// which is below rounding errors. If Newton's method needs more steps, the starting value was not
+/// near a state.
 const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, max_steps: 8 };
 
 /// Limits of Newton's method for the contact angle at zero inertia. Step lengths are changes of the
@@ -49,7 +49,7 @@ const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, m
 const MAX_LOAD: f64 = 1e3;
 
 /// Largest ratio of nut speed to relative speed (dimensionless) at which a root found directly by
-/// Newton's method is accepted. Above this ratio, rounding errors of both speeds dominate the
+/// Newton's method is accepted. Above this ratio, rounding errors of the two speeds dominate the
 /// residual.
 const MAX_NUT_SPEED: f64 = 1e4;
 
@@ -69,8 +69,8 @@ const MAX_STEPS: usize = 12;
 /// the largest ratio along a straight curve.
 const MAX_SLOPE: f64 = 4.0;
 
-/// Step length at which Newton's method stops for an intermediate state, in units of the scale of
-/// the state (dimensionless).
+/// Step length at which Newton's method stops for an intermediate state, in units of the scales of
+/// the coordinates (dimensionless).
 const PREDICTOR_STEP_TOL: f64 = 1e-4;
 
 /// Coordinates `$\ln q$`, `$x_B$` and `$c$` of a state. The fourth coordinate `$x_A$` is calculated
@@ -154,7 +154,7 @@ impl<F: Real> CurveState<F> {
             & (self.point[2] - start.point[2]).abs().le(scale[2] * max_change)
     }
 
-    /// Returns true if this state is at most one continuation step away from the given point of the
+    /// Returns true if this state is at most one continuation step away from a given point of the
     /// curve.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
@@ -316,9 +316,9 @@ where
     /// Estimates the first steady motion by continuation in inertia. Also returns a mask that is
     /// true if the motion was found, and the number of Newton steps. The continuation begins at a
     /// steady motion on the straight part of the curve. It stops if a step is long compared with
-    /// the scale of the state or if the inertia does not increase.
+    /// the scales of the coordinates or if the inertia does not increase.
     ///
-    /// * `root`: value of `$\ln q$` at the root if the curve were straight.
+    /// * `root`: value that `$\ln q$` would have at the root if the curve were straight.
     #[inline(always)]
     fn continued(
         &self,
@@ -390,7 +390,8 @@ where
 
     /// Finds a state of balanced forces near a starting value, with the given tolerances.
     ///
-    /// * `below`: distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
+    /// * `below`: difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below
+    ///   the inertia ratio of the ball.
     #[inline(always)]
     fn iterate_to<const STEADY: bool>(
         &self,
@@ -467,7 +468,8 @@ struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
     scale: [F; 2],
-    /// Distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
+    /// Difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below the
+    /// inertia ratio of the ball.
     below: F,
 }
 

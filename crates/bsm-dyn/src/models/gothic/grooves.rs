@@ -260,8 +260,8 @@ impl Grooves {
         self.normal_forces(place).1[0] * self.lead.1
     }
 
-    /// Returns the axial play \[m\] below which a far flank touches a ball that has two contacts,
-    /// or zero if no far flank touches the ball even without play.
+    /// Returns the axial play \[m\] below which a ball on two contacts also touches a far flank, or
+    /// zero if the ball does not touch a far flank even without play.
     ///
     /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {

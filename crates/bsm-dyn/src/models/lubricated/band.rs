@@ -87,8 +87,8 @@ impl LubricatedBall {
         })
     }
 
-    /// Returns the operating point with the inputs of one random draw at an oil temperature \[K\],
-    /// for raceway control or traction. If `number` is `None`, the inputs stay unchanged.
+    /// Returns the operating point for raceway control or traction at an oil temperature \[K\],
+    /// with the inputs of one random draw. If `number` is `None`, the inputs stay unchanged.
     fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {

@@ -105,7 +105,7 @@ pub(super) struct BranchRoots {
     /// admissible motion.
     pub(super) nearest_inertia: Option<f64>,
     /// True if the branch was followed to its end or far enough beyond the actual inertia, or if
-    /// the motion at its beginning is not admissible.
+    /// the motion at the beginning of the branch is not admissible.
     pub(super) is_complete: bool,
 }
 
@@ -249,8 +249,8 @@ fn least_slip(motion: &RigidMotion<f64>) -> f64 {
 }
 
 impl RigidBall<f64> {
-    /// Returns true if the slip at contact B in the first-order solution is opposite to the
-    /// friction there. Otherwise, no branch begins at zero inertia.
+    /// Returns true if, in the first-order solution, the slip at contact B is opposite to the
+    /// friction at this contact. Otherwise, no branch begins at zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;

@@ -425,9 +425,8 @@ fn slowly_orbiting_points() -> [OperatingPoint; 4] {
 
 /// Inertia forces are proportional to the square of the precession rate, so inertia cannot reverse
 /// the precession. In an earlier version, the continuation began beyond the root of the first
-/// operating point. A search that varied the inertia over its whole range failed because the load
-/// at the unloaded flank of the nut, which is 1e-18 times the axial load, was lost in rounding
-/// errors.
+/// operating point. A search that varied the inertia over its whole range also failed: the load at
+/// the unloaded flank of the nut is 1e-18 times the axial load and was lost in rounding errors.
 #[test]
 fn slowly_orbiting_ball_has_a_root() {
     for point in slowly_orbiting_points() {

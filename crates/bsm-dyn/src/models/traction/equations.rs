@@ -424,7 +424,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.residual_goal >= COARSE_RESIDUAL
     }
 
-    /// Returns the difference between the precession rate and the unknown that represents it.
+    /// Returns the difference between the precession rate and the unknown that represents it in the
+    /// equations.
     ///
     /// If the nut speed is large compared with the relative speed, or if the ball almost sticks to
     /// the nut, the difference is the nut speed. This avoids cancellation in the slip. Otherwise,

@@ -29,7 +29,7 @@ const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
-    /// Given precession rate, in the same form as the corresponding unknown of a free ball.
+    /// Given precession rate, measured in the same way as the corresponding unknown of a free ball.
     precession: f64,
 }
 

@@ -90,8 +90,8 @@ fn errors_of_the_automatic_choice_are_within_their_bounds() {
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
         let tried = check_error_bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
-        // Outside the ranges of inputs for which the bounds were fitted, they may be violated at up
-        // to 2 % of the points.
+        // Outside the ranges of inputs for which the error bounds were fitted, up to 2 % of the
+        // points may violate their bounds.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }

@@ -292,7 +292,7 @@ fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
 #[test]
 fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
-    // This closure returns the feed drive that is used in the examples.
+    // The closure returns the feed drive that is used in the examples, with a given contact angle.
     let feed_drive = |contact_angle: f64| {
         let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
         with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {
