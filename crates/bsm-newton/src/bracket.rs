@@ -144,7 +144,8 @@ impl Bracket {
         Ok(None)
     }
 
-    /// Finds a sign change of a function that may fail, like [`root`](Self::root).
+    /// Finds a sign change in the same way as [`root`](Self::root), but for a function that may
+    /// return an error.
     ///
     /// # Errors
     ///

@@ -134,8 +134,8 @@ pub enum JacobianUpdate {
 }
 
 impl JacobianUpdate {
-    /// Maximum ratio of the residual after a step to the residual before it for which the next step
-    /// may reuse the LU factors.
+    /// Maximum ratio of the residual after a step to the residual before this step at which the
+    /// next step may reuse the LU factors.
     const MAX_CHORD_RATIO: f64 = 0.1;
 
     /// Returns true if the Jacobian is evaluated together with the residual at the starting point.

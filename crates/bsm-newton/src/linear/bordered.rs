@@ -137,7 +137,8 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // The couplings to the next block contain entries of this unknown in both directions.
+        // In both directions, the entries of this unknown in the couplings to the next block are
+        // set to zero.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;
@@ -157,7 +158,7 @@ impl<const K: usize> BorderedMatrix<K> {
         rows[k] = from_fn(|j| if j == k { 1.0 } else { 0.0 });
     }
 
-    /// Returns the Schur complement row by row (N11), which is the matrix of the border after
+    /// Returns the Schur complement (N11), row by row. It is the matrix of the border after
     /// elimination of the chain. The matrix must have been factorized.
     pub fn condensed(&self) -> &[f64] {
         &self.corner
