@@ -12,8 +12,8 @@ use crate::polynomial::polynomial;
 /// The number `$2^{52}$`, for which the unit in the last place is 1.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
-/// Constant whose addition rounds a number to an integer. The low bits of the sum then contain this
-/// integer.
+/// Constant that rounds a number to an integer when it is added to the number. The low bits of the
+/// sum then contain this integer.
 const WHOLE: f64 = 1.5 * TWO_TO_52;
 
 /// High part of `$\ln 2$`, rounded to 33 bits so that multiples by small integers are exact.
