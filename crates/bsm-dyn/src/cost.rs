@@ -12,7 +12,7 @@ thread_local! {
 /// Cost of one or more solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Number of evaluations of model equations, for all models together and including evaluations
+    /// Number of evaluations of model equations, summed over all models and including evaluations
     /// during searches.
     pub evaluations: usize,
     /// Number of quadrature nodes of contact ellipses at which friction was evaluated.

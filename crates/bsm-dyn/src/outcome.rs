@@ -123,8 +123,8 @@ pub enum Reason {
     /// With saturated friction, the slip at contact A (loaded flank of the nut) would have to be
     /// negative. The ball rolls on the nut instead, which these equations do not cover.
     NutContactWouldRoll {
-        /// Slip speed at contact A along its friction direction, divided by `$r_b|W|$`; zero or
-        /// negative.
+        /// Slip speed at contact A along the friction direction of this contact, divided by
+        /// `$r_b|W|$`; zero or negative.
         slip: f64,
         /// True if `slip` satisfies the equations, which were continued beyond rolling; false if it
         /// is the first-order value.
@@ -403,7 +403,8 @@ impl fmt::Display for Evidence {
     }
 }
 
-/// Status and reason if a model has no solution, with the evidence that no solution exists.
+/// Status and reason of a solve without a solution, with the evidence (if any) that no solution
+/// exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoAnswer {
     status: Status,

@@ -217,8 +217,8 @@ impl Optimum {
         (cosine <= 1.0).then(|| cosine.acos())
     }
 
-    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the best efficiency, which
-    /// does not depend on the lead angle.
+    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the best efficiency. This
+    /// value does not depend on the lead angle.
     pub fn constant(direction: Direction, friction: f64) -> f64 {
         // y* = (1 ± f/√(1+f²))/2                                          (C8)
         (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()

@@ -142,7 +142,7 @@ pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D
 /// wrench `contact` on the ball (B7).
 ///
 /// The torque on the screw maintains the motion. The torque on the nut is equal and opposite,
-/// because the net moment on a ball in steady motion about the axis is zero.
+/// because the net moment about the screw axis on a ball in steady motion is zero.
 ///
 /// Source: Lin, Velinsky and Ravani, Equation 9 (moment equation).
 pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
@@ -198,8 +198,8 @@ pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
-/// Returns the torque on the screw for a given efficiency, which is the inverse of [`efficiency`]
-/// (B8).
+/// Returns the torque on the screw for a given efficiency (B8). This function is the inverse of
+/// [`efficiency`].
 ///
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
@@ -278,8 +278,8 @@ mod tests {
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// Input and output powers are positive in both directions and for both signs of the screw
-    /// torque.
+    /// Input and output powers are positive for both directions of the power flow and for both
+    /// signs of the screw torque.
     #[test]
     fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);

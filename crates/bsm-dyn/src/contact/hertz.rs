@@ -454,8 +454,8 @@ mod tests {
         let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The reference states 1.88829920e-5, which differs by a relative 2e-8 from the reference
-        // ratio a/κ.
+        // The reference states 1.88829920e-5. Its relative difference from the reference ratio a/κ
+        // is 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin_contact(Raceway::Screw);

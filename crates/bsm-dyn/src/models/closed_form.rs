@@ -320,8 +320,9 @@ mod tests {
             }
         }
 
-        /// The closed-form optimum is better than neighboring angles, has the stated efficiency,
-        /// and satisfies the published conditions (15) and (18).
+        /// The contact angle of the closed-form optimum gives a better efficiency than neighboring
+        /// angles. Its efficiency equals the stated efficiency, and it satisfies the published
+        /// conditions (15) and (18).
         #[test]
         fn closed_form_optimum_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {

@@ -34,8 +34,8 @@ use crate::models::ball::{
 /// A ball in gothic arches at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
-    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) uses the load in its
-    /// [`AxialCondition`] instead of the load of this operating point.
+    /// Screw, ball, friction and speeds. The load of this operating point is ignored by
+    /// [`solve`](GothicBall::solve), which has an [`AxialCondition`] as its argument.
     pub at: ElasticPoint<D>,
     /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
@@ -68,8 +68,8 @@ pub struct FlankContact {
 /// A ball in gothic arches in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicState {
-    /// Loaded contacts in the order nut +, nut −, screw +, screw −. `None` is an unloaded contact
-    /// (gap).
+    /// Loaded contacts in the order nut +, nut −, screw +, screw −. `None` stands for an unloaded
+    /// contact (gap).
     pub contacts: [Option<FlankContact>; FLANKS],
     /// Approaches of the four contacts \[m\]; a negative approach is a gap.
     pub approaches: [f64; FLANKS],
@@ -180,9 +180,9 @@ impl<D: Scalar> GothicBall<D> {
 impl GothicBall {
     /// Solves for the steady motion of the ball in gothic arches (AC5), (AC6).
     ///
-    /// Newton's method starts from the state `near`, if it is given, and then from the ball on two
-    /// contacts. If Newton's method does not converge from these states, a continuation starts from
-    /// the ball at rest and lowers the creep speed.
+    /// Newton's method first starts from the state `near`, if this state is given, and then from
+    /// the state of the ball on two contacts. If Newton's method converges from neither state, a
+    /// continuation starts from the ball at rest and lowers the creep speed.
     ///
     /// # Errors
     ///
@@ -712,8 +712,8 @@ impl Search<'_> {
         found.ok()
     }
 
-    /// Returns two starting values derived from a ball on two contacts, or `None` if the forces
-    /// balance at no position.
+    /// Returns two starting values derived from a ball on two contacts, or `None` if there is no
+    /// position at which the forces balance.
     ///
     /// In both starting values, the ball is at the position where the normal loads of all flanks
     /// balance the friction of the two contacts. One starting value has the motion of the ball on

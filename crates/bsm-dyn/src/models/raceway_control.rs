@@ -198,8 +198,8 @@ impl RollingBall {
         alternatives
     }
 
-    /// Returns true if (W7) selects the same raceway no matter which raceway controls, and no other
-    /// roots exist.
+    /// Returns true if (W7) selects the same raceway regardless of which raceway controls, and if
+    /// no other roots exist.
     fn is_clear(&self, contacts: &ElasticContacts) -> bool {
         let (ball, sides) = (RacewayBall::from(contacts), self.sides(contacts));
         Control::ALL.iter().all(|raceway| Balance::new(contacts, *raceway).is_unique())
@@ -480,8 +480,8 @@ mod tests {
     }
 
     proptest! {
-        /// The forces in the result are in equilibrium, both contact centers roll along the groove,
-        /// and the spin at one raceway is zero.
+        /// The forces in the result are in equilibrium, the ball rolls along the groove at both
+        /// contact centers, and the spin at one raceway is zero.
         #[test]
         fn ball_is_in_equilibrium_and_rolls_at_both_contacts(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,

@@ -108,7 +108,8 @@ impl<D: Scalar> SteadyBall<D> {
         BallFrame::turned(self.helix.lead_angle, D::from(0.0))
     }
 
-    /// Returns the angular speed of the body (nut or screw) at the contact \[rad/s\].
+    /// Returns the angular speed of the body (nut or screw) that the ball touches at the contact
+    /// \[rad/s\].
     fn body_speed(&self, site: Site) -> D {
         match site {
             Site::Nut | Site::NutUnloaded => self.drive.nut_speed,
@@ -121,7 +122,8 @@ impl<D: Scalar> SteadyBall<D> {
         Contact::new(touch.site, touch.angle, &self.frame())
     }
 
-    /// Returns the motion of the ball relative to the body (nut or screw) at the contact.
+    /// Returns the motion of the ball relative to the body (nut or screw) that it touches at the
+    /// contact.
     pub fn relative_to(&self, site: Site) -> Motion<D> {
         self.motion.relative_to(self.body_speed(site), &self.frame())
     }

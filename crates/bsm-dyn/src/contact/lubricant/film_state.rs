@@ -46,8 +46,8 @@ pub struct ContactFilm<F = f64> {
     pub rolling_moment: F,
     /// Entrainment speed along the track, smoothed by the creep speed \[m/s\].
     pub entrainment: F,
-    /// Dimensionless load parameter `$M$` of the rolling force (Y17). If `$M$` is below about 10,
-    /// (Y7) underestimates the film thickness.
+    /// Dimensionless load parameter `$M$` in the formula for the rolling force (Y17). If `$M$` is
+    /// below about 10, (Y7) underestimates the film thickness.
     pub elasticity: F,
     /// Local friction law of the contact, for slip speeds in m/s.
     pub law: MixedFriction<F>,

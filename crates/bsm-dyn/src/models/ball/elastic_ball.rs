@@ -202,15 +202,15 @@ impl<P: Scalar> ElasticContacts<P> {
         self.scaled.inertia_ratio()
     }
 
-    /// Returns the elastic approaches, divided by the ball radius, for given loads, divided by the
-    /// axial load (P2).
+    /// Returns the elastic approaches in units of the ball radius, for loads in units of the axial
+    /// load per ball (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the elastic approach at nut (0) or screw (1), divided by the ball radius, for a
-    /// given load, divided by the axial load (P2).
+    /// Returns the elastic approach at nut (0) or screw (1) in units of the ball radius, for a load
+    /// in units of the axial load per ball (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }

@@ -173,8 +173,8 @@ pub struct SteadyState<F: Real = f64> {
     pub error: Option<ErrorBound<F>>,
     /// Oil films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
-    /// Friction powers of all balls at nut and screw \[W\]; only for raceway control, lubricated
-    /// balls, and balls that touch a far flank.
+    /// Friction powers of all balls at nut and screw \[W\]; available only for raceway control,
+    /// lubricated balls, and balls that touch a far flank.
     pub contact_power: Option<[F; 2]>,
     /// State of the far flanks; `None` if no axial play is given.
     pub far_flank: Option<FarFlank<F>>,

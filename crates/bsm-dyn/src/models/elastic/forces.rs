@@ -13,8 +13,8 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, linear};
 
-/// Residual tolerance of (S20) for the estimate from which the Newton iteration to the beginning of
-/// the curve starts (dimensionless).
+/// Residual tolerance of (S20) for the starting value of the Newton iteration that finds the
+/// beginning of the curve (dimensionless).
 const START_RESIDUAL_TOL: f64 = 1e-9;
 
 /// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load increases the

@@ -15,8 +15,8 @@ use crate::models::ball::{friction_power, is_in_range};
 /// the smallest normal floating-point number.
 pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 
-/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless)
-/// up to which the curve is treated as straight. On a straight curve, inertia increases
+/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless).
+/// Up to this change, the curve is treated as straight. On a straight curve, inertia increases
 /// monotonically.
 pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 

@@ -61,7 +61,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
 
-/// A loaded contact of the ball, with vectors as components along t, n and b.
+/// A loaded contact of the ball. Vectors have components along t, n and b.
 #[derive(Clone, Copy)]
 pub(super) struct Pressed<D> {
     /// Sine and cosine of the contact angle; the sine is negative at a far flank.

@@ -172,8 +172,8 @@ impl<P: Scalar> Grooves<P> {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Returns the component of the distance between the two arc centers on a diagonal along the
-    /// principal normal \[m\].
+    /// Returns the component along the principal normal of the distance between the two arc centers
+    /// on a diagonal \[m\].
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
@@ -231,8 +231,8 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the component of the distance between the two arc centers on a diagonal along the
-    /// binormal \[m\], for the middle position of the nut.
+    /// Returns the component along the binormal of the distance between the two arc centers on a
+    /// diagonal \[m\], for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
