@@ -539,7 +539,7 @@ mod tests {
         (ellipse, local)
     }
 
-    fn components<D: Copy>(sum: &Integral<D>) -> Vec<D> {
+    fn numbers<D: Copy>(sum: &Integral<D>) -> Vec<D> {
         [sum.force.as_slice(), &sum.moment].concat()
     }
 
@@ -590,7 +590,7 @@ mod tests {
             for sums in [&fast, &bare] {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
-            for (i, slow) in components(&slow).iter().enumerate() {
+            for (i, slow) in numbers(&slow).iter().enumerate() {
                 // The tolerance allows for the rounding errors of sums over hundreds of nodes. Each
                 // term has the magnitude of the friction coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
@@ -634,7 +634,7 @@ mod tests {
             for fast in [fast_power, sloped_power.re] {
                 prop_assert!((power.re - fast).abs() <= 1e-13 * (1.0 + power.re), "{power:?}");
             }
-            for ((law, fast), value) in components(&law).into_iter().zip(components(&fast)).zip(values) {
+            for ((law, fast), value) in numbers(&law).into_iter().zip(numbers(&fast)).zip(values) {
                 prop_assert!(same(law, fast), "{law:?} {fast:?}");
                 prop_assert!((law.re - value).abs() <= 1e-13);
             }
