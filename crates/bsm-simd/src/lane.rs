@@ -10,7 +10,7 @@ use pulp::Simd;
 const WITHOUT_FUSED_OPERATIONS: bool = cfg!(target_family = "wasm");
 
 /// A vector with one number for each of several points. It consists of `N` SIMD vectors of the
-/// instruction set, so that the processor can work on one of them while it waits for another.
+/// instruction set, so that the processor can work on one SIMD vector while it waits for another.
 #[derive(Clone, Copy)]
 pub struct Lane<S: Simd, const N: usize = 1> {
     simd: S,
@@ -425,7 +425,7 @@ mod tests {
 
     /// Evaluates an expression that uses all operations of [`Real`].
     #[inline(always)]
-    fn everything<D: RealOver<P>, P>(x: D, y: D, p: P) -> D
+    fn evaluate_all_operations<D: RealOver<P>, P>(x: D, y: D, p: P) -> D
     where
         P: Copy,
     {
@@ -436,12 +436,12 @@ mod tests {
 
     by_lanes!(Both { x, y } -> 3: {
         let (x, y, p) = (Jet::<2, _>::variable(x, 0), Jet::variable(y, 1), x.constant(0.7));
-        let z = everything(x, y, p);
+        let z = evaluate_all_operations(x, y, p);
         [z.re, z.eps[0], z.eps[1]]
     });
 
     fn jets<D: Over<f64>>(x: D, y: D) -> D {
-        everything(x, y, 0.7)
+        evaluate_all_operations(x, y, 0.7)
     }
 
     proptest! {

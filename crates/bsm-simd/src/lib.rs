@@ -23,7 +23,7 @@ pub const BLOCK: usize = 8;
 /// Block with one number for each of [`BLOCK`] points.
 pub type Block = [f64; BLOCK];
 
-/// Returns a short name of an instruction set.
+/// Returns the short name of an instruction set.
 pub fn name(arch: Arch) -> &'static str {
     match arch {
         Arch::Scalar => "portable",
