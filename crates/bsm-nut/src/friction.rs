@@ -889,7 +889,7 @@ impl Equilibrium {
         IDLE_LOAD * self.max_load()
     }
 
-    /// Returns an upper bound of the sum of all ball loads \[N\].
+    /// Returns an upper bound on the sum of all ball loads \[N\].
     fn forces(&self) -> f64 {
         self.max_load() * count(self.balls.len())
     }
