@@ -30,8 +30,8 @@ enum Origin {
     Absent,
 }
 
-/// Plan of how a kernel solves those rows of a table that have no empty cell. The plan is created
-/// once per table.
+/// Plan that determines how a kernel solves the rows without empty cells. The plan is created once
+/// per table.
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
     pub(crate) model: ModelChoice,

@@ -106,7 +106,8 @@ impl Columns {
                 columns.kept_types.push(DataType::Utf8);
             } else if ANSWERS.contains(&name) || answers.is_empty() && is_answer(name) {
                 // Some outputs have the same name as an input. In a table with results of an
-                // earlier run, the inputs precede the status columns, and the outputs follow them.
+                // earlier run, columns before the status columns are inputs, and columns after the
+                // status columns are outputs.
                 columns.unread.push(own.to_owned());
                 columns.results.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
@@ -183,8 +184,8 @@ impl Columns {
         }
     }
 
-    /// Returns the conversion from the unit of the table to the unit of the input. For a grid, no
-    /// conversion is needed.
+    /// Returns the conversion from the unit of the table to the unit of the input. The values of a
+    /// grid need no conversion.
     pub(crate) fn change(&self, index: usize) -> UnitChange {
         self.units.get(index).map_or(UnitChange::NONE, |(_, change)| *change)
     }
@@ -256,7 +257,7 @@ impl ColumnUnits {
         Self { display, selected: names.filter_map(in_other_unit).collect() }
     }
 
-    /// Returns true if all columns are displayed in the units of their inputs and outputs.
+    /// Returns true if all inputs and outputs are displayed in their default units.
     pub fn are_own(&self) -> bool {
         self.display == DisplayUnits::Metric && self.selected.is_empty()
     }

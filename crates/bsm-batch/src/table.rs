@@ -192,8 +192,8 @@ impl<W: Write + Send> TableSink<W> {
     }
 
     /// Finishes a table like [`finish`](Self::finish), but writes several metadata keys to a
-    /// Parquet file. The function `keys` is called after everything before the footer has been
-    /// written.
+    /// Parquet file. The function `keys` returns these keys and their values. It is called after
+    /// everything before the footer has been written.
     pub(crate) fn finish_with(
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,

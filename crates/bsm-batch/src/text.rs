@@ -88,7 +88,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
         // In a table with a single text column, a line of spaces is a row with one cell. In all
-        // other tables, a line of delimiters is a row of empty cells.
+        // other tables, a line that consists only of delimiters is a row of empty cells.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
         while chunk.len() < rows && text < MAX_TEXT_BYTES {
             let line = lines.number() + 1;
@@ -215,7 +215,7 @@ enum RowForm {
         decimal: u8,
     },
     JsonLines {
-        /// Text that precedes each cell: an opening brace or a comma, followed by the column name.
+        /// Text before each cell: an opening brace or a comma, followed by the column name.
         before: Vec<Vec<u8>>,
     },
 }

@@ -139,8 +139,9 @@ fn motion_columns_use_one_model_for_all_rows() {
     assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
-        // In the first step, the load doubles. The jamming margin increases slightly faster than
-        // the load, so it more than doubles.
+        // The largest changes occur in the first step, in which the load doubles. The jamming
+        // margin grows slightly faster than the load, so it increases by a little more than a
+        // factor of 2. The limit is a factor of e.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }
@@ -267,7 +268,7 @@ fn columns_that_cannot_be_calculated_in_any_row_are_rejected() {
             Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
         assert!(error.contains(words), "{column}: {error}");
     }
-    // One of two alternative inputs is given, which is sufficient.
+    // One of two alternative inputs is given, which is sufficient to calculate the margin.
     let columns = outputs(&["ball_return_margin"]);
     Task::over_grid(dong_case("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");

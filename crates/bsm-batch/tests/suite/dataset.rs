@@ -266,7 +266,7 @@ fn a_run_can_be_stopped_within_a_chunk() {
         assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
         asked.join().expect("no panic")
     });
-    // Solving a chunk takes a few milliseconds. The limit is larger, because the machine may be
+    // It takes a few milliseconds to solve a chunk. The limit is larger, because the machine may be
     // busy.
     assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
@@ -378,8 +378,8 @@ fn part_solved_in_memory_equals_the_part_file() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
-/// In an earlier version, `--repair` overwrote valid parts if another plan had replaced the plan
-/// file.
+/// In an earlier version, `--repair` overwrote valid parts if the plan file had been replaced by
+/// another plan.
 #[test]
 fn parts_of_another_plan_are_not_overwritten() {
     let (points, [mine, yours]) = (Points::Grid(grid()), [temporary_folder(), temporary_folder()]);
@@ -397,8 +397,8 @@ fn parts_of_another_plan_are_not_overwritten() {
     let refused = repair(&task(Model::QuasiStatic));
     assert!(matches!(refused, Err(DatasetError::NotOfThePlan(_))), "{refused:?}");
     assert!(files(mine.path()) == before);
-    // After its own plan has been restored, the folder is intact again. A single part of another
-    // plan counts as damaged.
+    // After the original plan has been restored, the folder is intact again. A single part of
+    // another plan counts as damaged.
     fs::write(&plan, own).expect("writable");
     let [from, to] = [&yours, &mine].map(|f| f.path().join("data/part-000001.parquet"));
     fs::copy(from, to).expect("writable");
@@ -484,7 +484,8 @@ fn random_points_do_not_depend_on_the_part_size() {
     assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
 }
 
-/// If the points of a dataset come from a table, only the same table can continue the dataset.
+/// If the points of a dataset come from a table, the dataset can be continued only with the same
+/// table.
 #[test]
 fn dataset_of_a_table_can_only_continue_with_the_same_table() {
     let folder = temporary_folder();
@@ -570,7 +571,7 @@ fn estimated_size_is_an_upper_bound_for_the_parts() {
 }
 
 /// A plan with 1e12 points can be created and opened, and one of its parts can be solved. This must
-/// not take more time and memory than a single part requires.
+/// not take more time and memory than a plan that contains only this part.
 #[test]
 fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
     // The plan has 59 604 parts with 2^24 rows each, and a last part with 4096 rows.

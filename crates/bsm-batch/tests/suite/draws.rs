@@ -37,8 +37,8 @@ fn random_row_depends_only_on_seed_inputs_and_row_number() {
     assert!(source.next(1).expect("never fails").is_none());
 }
 
-/// The expected numbers are constants, because another build of the program may continue a dataset,
-/// and must generate the same points.
+/// The expected numbers are constants in the code, because another build of the program may
+/// continue a dataset and must then generate the same points.
 #[test]
 fn random_numbers_do_not_change_between_builds() {
     let draws = draws(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);

@@ -104,7 +104,8 @@ fn compare_kernel_with_model(settings: &Settings, count: usize) {
 }
 
 /// Compares a kernel and its model like [`compare_kernel_with_model`], but at the given points. The
-/// kernel must solve some of the rows itself, because all other rows are solved by the model.
+/// kernel must solve at least some of the rows. All other rows are solved by the model, so a
+/// comparison of these rows tests nothing.
 fn compare_kernel_with_model_at(
     settings: &Settings,
     base: &Case,
@@ -215,14 +216,14 @@ fn hard_points_have_the_same_root_in_tables_and_single_solves() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance is the same as for other rows.
+        // The tolerance is the same as for the rows of all other tables.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
 }
 
-/// The chosen model, its error bound and the stated reason must be the same in a kernel and in the
-/// scalar solver.
+/// The model that `auto` chooses, its error bound and the stated reason must be the same in a
+/// kernel and in the scalar solver.
 #[test]
 fn auto_chooses_the_same_model_in_kernel_and_scalar_solver() {
     for tolerance in [1e-1, 1e-2] {
@@ -295,7 +296,7 @@ fn results_do_not_depend_on_chunks_threads_or_instruction_set() {
     }
 }
 
-/// Returns for each row whether the kernel solves it. The model solves all other rows.
+/// Returns, for each row, whether the kernel solves the row. The model solves all other rows.
 fn solved_by_kernel(
     settings: &Settings,
     base: &Case,
@@ -364,7 +365,7 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
 }
 
 /// If the caller provides no buffer for an output, the values of this output are returned
-/// separately. If there are no values, nothing is returned.
+/// separately. If the output has no values, nothing is returned for it.
 #[test]
 fn outputs_without_a_buffer_are_returned_separately() {
     for settings in all_settings() {

@@ -263,7 +263,7 @@ fn dictionary(length: u32, values: u32) -> Vec<u8> {
         .concat()
 }
 
-/// Returns a Parquet file whose only column consists of the given pages.
+/// Returns a Parquet file with a single column, which consists of the given pages.
 fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     let number = Type::primitive_type_builder(name, Physical::DOUBLE)
         .with_repetition(Repetition::REQUIRED)
@@ -326,8 +326,8 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
     );
 }
 
-/// A large table whose inputs are mostly constant is compressed by a factor of more than 500. It
-/// must not be rejected as a decompression bomb.
+/// A large table whose inputs are mostly constant is compressed to less than 1/500 of its size. The
+/// table must not be rejected as a decompression bomb.
 #[test]
 fn a_highly_compressible_table_is_read() {
     const ROWS: usize = 200_000;

@@ -168,7 +168,8 @@ fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     }
 }
 
-/// The settings of the solver must be checked by the library, not only by the program.
+/// The library must check the solver settings, because not all callers use the command-line
+/// program.
 #[test]
 fn settings_out_of_range_are_rejected_in_every_model() {
     let table = Table {
@@ -193,9 +194,9 @@ fn model_choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
-/// Returns one of a few practical values of an input. There are only a few values, so rows often
-/// contain special combinations: equal speeds, leads that agree, drives in which both parts turn,
-/// balls that do not fit, and zero friction.
+/// Returns one of a few practical values of an input. There are only a few values, so that rows
+/// often contain special combinations: equal speeds, leads that agree, drives in which both parts
+/// turn, balls that do not fit, and zero friction.
 fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
@@ -301,7 +302,7 @@ fn rows_of_random_tables_match_single_solves() {
         }
         keys.shuffle(rng);
         // Lead and lead angle are often chosen as columns, because each of them can replace the
-        // other.
+        // other in a row.
         keys.truncate(rng.random_range(1..6));
         for lead in [InputKey::lead_angle_deg, InputKey::lead_mm] {
             if !keys.contains(&lead) && rng.random_bool(0.4) {
@@ -341,7 +342,7 @@ fn name_in_random_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange
 #[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
 fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
-    // A quantity in this list can be given by either of two inputs, but not by both.
+    // Each quantity in this list can be given by one of two inputs, but not by both.
     const TWO_FORMS: [[K; 2]; 4] = [
         [K::screw_speed_rpm, K::feed_m_min],
         [K::contact_angle_deg, K::groove_bottom_distance_mm],
