@@ -65,7 +65,8 @@ pub enum ValidateError {
 }
 
 impl ValidateError {
-    /// Creates the error for an invalid file, check or table row, whose name is `place`.
+    /// Creates the error for an invalid file, check or table row. The argument `place` names the
+    /// invalid item.
     fn of(place: impl Display, why: impl Display) -> Self {
         Self::Invalid(format!("{place}: {why}"))
     }

@@ -20,7 +20,7 @@ const BALANCE: f64 = 1e-9;
 /// are determined, and both results are accepted because of their small residuals.
 const BATCH: f64 = 1e-7;
 
-/// Absolute tolerance that is added to the relative tolerance. It covers the rounding errors of
+/// Absolute tolerance that is added to the relative tolerance. It allows for the rounding errors of
 /// efficiencies that are almost zero because friction nearly holds the load.
 const ROUNDING: f64 = 1e-14;
 
@@ -53,7 +53,8 @@ pub(crate) struct Answer {
     /// Message of the program about the point.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Number of further solutions; `None` if the program did not search for them.
+    /// Number of further solutions of the point; `None` if the program did not search for further
+    /// solutions.
     pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
@@ -231,8 +232,8 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
             return Some(format!("{} beyond 0 to 90", name.name()));
         }
     }
-    // Friction must not generate power. The tolerance covers the rounding errors of a very small
-    // power loss.
+    // Friction must not generate power. The tolerance allows for the rounding errors of a very
+    // small power loss.
     let taken =
         record.number(output!(dissipated_power_W)).zip(record.number(output!(input_power_W)));
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {

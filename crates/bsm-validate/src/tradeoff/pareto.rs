@@ -17,7 +17,7 @@ pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
         let key = group.name().replace(' ', "-");
         figures.push(figure(settings, group, &key, group.name(), |times| times.single.mean));
     }
-    // If the table contains no points with a slip regime, the plot for this regime is removed.
+    // If no point has a given slip regime, the plot for this regime is removed.
     figures.retain(|figure| !figure.curves.is_empty());
     figures
 }

@@ -15,7 +15,7 @@ fn published_results_hold() {
     }
     let failed: Vec<_> = report.checks.iter().filter(|c| c.verdict == Verdict::Fail).collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    // All results must be finite numbers. A search that fails would give NaN.
+    // All results must be finite numbers, because a search that fails would return NaN.
     assert!(report.checks.iter().all(|c| c.measured.is_finite()));
     assert!(report.count(Verdict::Pass) >= 20);
 }
