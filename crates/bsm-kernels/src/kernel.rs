@@ -55,8 +55,8 @@ impl Selection {
 pub enum OutputColumn<'a> {
     /// Buffer that the caller provides. It must contain only NaN at the beginning.
     Given(&'a mut [f64]),
-    /// Buffer that is allocated when the first value is stored. Outputs that the model does not
-    /// calculate, which are the majority, never need a buffer.
+    /// Buffer that is allocated when the first value is stored. No buffer is allocated for outputs
+    /// that the model does not calculate, which are the majority.
     OnDemand {
         /// Number of rows in the column.
         rows: usize,
