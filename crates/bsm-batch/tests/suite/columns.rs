@@ -220,7 +220,7 @@ fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
 /// Results of analyses are never calculated by a kernel. If they are requested, all other columns
 /// must remain bit-identical.
 #[test]
-fn columns_of_analyses_do_not_change_other_columns() {
+fn requested_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
     for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
         let task = |names: &[&str]| {
@@ -324,7 +324,7 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
 /// contain all results that are still valid, and a message with the reason why other results are
 /// missing.
 #[test]
-fn row_message_explains_missing_torque_with_large_push_forces() {
+fn row_message_explains_why_torque_is_missing_at_large_push_forces() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");

@@ -275,7 +275,7 @@ fn a_run_can_be_stopped_within_a_chunk() {
 /// If rows of a Parquet table are skipped, complete row groups are not read at all. The remaining
 /// rows must be the same as if the whole table had been read.
 #[test]
-fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
+fn skipping_parquet_rows_does_not_change_the_remaining_rows() {
     let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
     // The table has more rows than a row group, and the number of its rows is not a multiple of the
@@ -315,7 +315,7 @@ fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
 /// waits for a worker must not cause a deadlock. The table has more rows than a chunk, and one axis
 /// has more values than a dictionary can hold.
 #[test]
-fn a_table_solved_on_a_single_worker_is_bit_identical() {
+fn one_worker_and_several_workers_write_identical_tables() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
     let grid = Grid::new(axes).expect("a grid");
@@ -487,7 +487,7 @@ fn random_points_do_not_depend_on_the_part_size() {
 /// If the points of a dataset come from a table, the dataset can be continued only with the same
 /// table.
 #[test]
-fn dataset_of_a_table_can_only_continue_with_the_same_table() {
+fn dataset_of_a_table_can_be_continued_only_with_the_same_table() {
     let folder = temporary_folder();
     let (path, map) = (folder.path().join("points.parquet"), folder.path().join("map"));
     let write = |loads: &str| {
@@ -554,7 +554,7 @@ fn damaged_parts_are_replaced_only_on_request() {
 /// The estimated size of a dataset must be at least as large as the actual size, and at most twice
 /// as large.
 #[test]
-fn estimated_size_is_an_upper_bound_for_the_parts() {
+fn estimated_size_is_an_upper_bound_on_the_actual_size() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));

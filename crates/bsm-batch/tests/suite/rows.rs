@@ -69,7 +69,7 @@ impl Table {
             assert_eq!(answers.message(row), message.as_deref(), "{}", what());
             assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
             assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
-            seen.count(&expected);
+            seen.count_record(&expected);
         }
     }
 
@@ -102,7 +102,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn count(&mut self, record: &Record) {
+    fn count_record(&mut self, record: &Record) {
         match record.status() {
             Status::Converged => {
                 match self.converged.iter_mut().find(|(model, _)| *model == record.model()) {
@@ -124,7 +124,7 @@ impl Tally {
 /// A table has a column for the lead and a column for the lead angle. In an earlier version, a row
 /// with a value in only one of the two columns was solved with the value of the base case.
 #[test]
-fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
+fn a_row_with_a_value_in_one_of_two_lead_columns_uses_this_value() {
     let table = Table {
         keys: vec![InputKey::lead_angle_deg, InputKey::lead_mm],
         rows: vec![
@@ -171,7 +171,7 @@ fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
 /// The library must check the solver settings, because not all callers use the command-line
 /// program.
 #[test]
-fn settings_out_of_range_are_rejected_in_every_model() {
+fn settings_out_of_range_are_rejected_by_every_model() {
     let table = Table {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],

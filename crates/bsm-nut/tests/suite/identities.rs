@@ -203,7 +203,7 @@ fn nut_with_zero_lead_matches_a_ball_bearing() {
 /// If the preload approaches zero, the limit load approaches 2√2 times the preload, and the
 /// stiffness approaches 3 F_p/δ_p.
 #[test]
-fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
+fn limit_load_and_stiffness_at_small_preload_match_hertzian_theory() {
     let pair = pair();
     let support = Support::guided(0.0);
     let force = 1.0;
@@ -371,7 +371,7 @@ fn a_large_prescribed_displacement_deforms_the_bodies() {
 /// A nut on soft guides behaves like a free nut, and a nut on stiff guides behaves like a rigidly
 /// guided nut.
 #[test]
-fn guide_springs_cover_the_range_from_free_to_guided() {
+fn soft_guides_act_like_no_guides_and_stiff_guides_like_rigid_guides() {
     let nut = nut_with_98_balls();
     let sprung = |stiffness: f64| {
         let mut support = Support::free(6340.0);

@@ -539,7 +539,7 @@ fn defect_of(reference: &Case, train: &Train) -> Option<String> {
 /// For each random nut, the solver returns either a ball train, which is checked independently, or
 /// the reason why no ball train exists.
 #[test]
-fn random_ball_trains_have_a_solution_or_the_reason_is_stated() {
+fn random_ball_trains_are_solved_or_rejected_with_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());

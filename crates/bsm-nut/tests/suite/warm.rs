@@ -883,7 +883,7 @@ fn preload_change_matches_the_first_order_formula() {
 /// reason why no state exists. With `CAMPAIGNS=whole`, 5000 axes are tested. The friction decreases
 /// with temperature like that of an oil, so the test does not need to solve ball models.
 #[test]
-fn random_axes_have_a_steady_state_or_the_reason_is_stated() {
+fn random_axes_have_a_steady_state_or_are_rejected_with_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
     let (mut case, whole) = (reference("WS-P4")["case"].clone(), campaign(5000));
