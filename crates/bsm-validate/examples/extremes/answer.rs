@@ -67,18 +67,18 @@ impl Answer {
         Self { order, kind, words, residual, others: None, balance, time, efficiency: None }
     }
 
-    fn turns_false(&mut self, what: &str) {
+    fn mark_as_false(&mut self, what: &str) {
         (self.order, self.kind) = (Order::False, format!("false {what}"));
     }
 
-    fn no_sensitivities(&mut self, reason: &Reason) {
+    fn mark_sensitivities_as_missing(&mut self, reason: &Reason) {
         let kind = format!("converged, no sensitivities: {}", name(reason));
         (self.order, self.kind) = (Order::NotConverged, kind);
     }
 }
 
 /// Solves a case with a model and classifies the outcome.
-pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
+pub(crate) fn classify(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
     let problem = match case.problem(&settings(model)) {
         Ok(problem) => problem,
         Err(error) => return Answer::new(Order::Invalid, format!("invalid_input: {error}")),
@@ -105,8 +105,8 @@ pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) ->
     answer.others = others;
     answer.balance = record.number(output!(power_balance)).unwrap_or(0.0).abs();
     answer.efficiency = record.number(output!(efficiency));
-    if let Some(wrong) = wrong(&record, case, &answer) {
-        answer.turns_false(&wrong);
+    if let Some(wrong) = find_defect(&record, case, &answer) {
+        answer.mark_as_false(&wrong);
     }
     answer
 }
@@ -131,13 +131,13 @@ pub(crate) fn with_sensitivities(
     match found {
         Err(_) => {
             *work = ModelWorkspace::default();
-            answer.turns_false("panic in the sensitivities");
+            answer.mark_as_false("panic in the sensitivities");
         }
-        Ok(Err(none)) => answer.no_sensitivities(none.reason()),
+        Ok(Err(none)) => answer.mark_sensitivities_as_missing(none.reason()),
         Ok(Ok((_, rows))) => {
             let mut slopes = rows.iter().flat_map(|row| [Some(row.efficiency), row.screw_torque]);
             if !slopes.all(|slope| slope.is_none_or(f64::is_finite)) {
-                answer.turns_false("sensitivity not finite");
+                answer.mark_as_false("sensitivity not finite");
             }
         }
     }
@@ -161,7 +161,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
     let task = Task::new(Case::default(), settings(model), vec![efficiency]);
     let Ok(batch) = catch_unwind(AssertUnwindSafe(|| task.solve(&chunk, &columns))) else {
         for answer in answers {
-            answer.turns_false("panic in the batch");
+            answer.mark_as_false("panic in the batch");
         }
         return;
     };
@@ -171,9 +171,9 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
         if answer.kind == ROUNDED && verdict.status == Status::Converged {
             answer.kind.push_str(", but not in the batch");
         } else if answer.order < Order::False && Order::from(verdict.status) != answer.order {
-            answer.turns_false("status in the batch");
+            answer.mark_as_false("status in the batch");
         } else if answer.order == Order::Converged && !alike {
-            answer.turns_false("efficiency in the batch");
+            answer.mark_as_false("efficiency in the batch");
         }
     }
 }
@@ -202,7 +202,7 @@ pub(crate) fn inertia(case: &Case) -> f64 {
 }
 
 /// Describes the first defect of a converged solution, or returns `None` if it has no defect.
-fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
+fn find_defect(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)
             && !x.is_finite()
