@@ -25,7 +25,7 @@ struct BallSite {
     /// Groove displacement at the ball per unit displacement of the nut, for each degree of freedom
     /// (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
-    /// Index of the node of the elastic bodies at which the ball is located; `None` if both bodies
+    /// Index of the node of the elastic bodies at the position of the ball; `None` if both bodies
     /// are rigid.
     node: Option<usize>,
     /// Index of the radial expansion of the nut around the ball in the vector of unknowns; `None`
@@ -39,7 +39,7 @@ struct Spring {
     stiffness: f64,
 }
 
-/// Selects the springs whose stiffness is added to the matrix, and the unknowns that are fixed.
+/// Selects which springs contribute to the stiffness matrix, and which unknowns are fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StiffnessScope {
     /// All springs, for a Newton step. Degrees of freedom that are held by the guides are fixed.

@@ -34,7 +34,7 @@ impl Flanks {
 pub struct FourContacts {
     /// Gothic arches around a ball, without axial play (U8).
     pub grooves: Grooves,
-    /// A ball between two opposite flanks, whose two Hertzian contacts act in series.
+    /// A ball between two opposite flanks. Its two Hertzian contacts act in series.
     pub series: StaticBall,
     /// Fraction of the total elastic approach of both contacts that occurs at the nut.
     pub nut_share: f64,
@@ -122,7 +122,7 @@ impl FourContacts {
 
     /// Returns the position of a ball that carries no external load and is pressed into the nut
     /// groove by the centrifugal force. The ball touches both flanks or, if balls can be loaded on
-    /// only one flank, the bottom of this flank.
+    /// only one flank, the deepest point of this flank.
     fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let (l, stiffness) = (self.grooves.offsets[0], self.grooves.stiffness[0]);

@@ -123,7 +123,7 @@ impl BallNut {
         let places =
             successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
         // Near the limit load F_lim, the preload that remains under a load F is proportional to
-        // |F_lim − F|^(3/2). This preload is so small that only its sign is reliable.
+        // (F_lim − F)^(3/2). This preload is so small that only its sign is reliable.
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };

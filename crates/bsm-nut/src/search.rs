@@ -80,7 +80,7 @@ impl Assembly<'_> {
             }
             let moved = self.moved(&at.y);
             // If the nut moves farther than the distance between the groove-arc centers, the balls
-            // are on the other side of these centers.
+            // have moved past these centers and can no longer carry load.
             if moved > begun + self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }

@@ -206,7 +206,7 @@ impl Train {
 /// Reason why a ball train has no steady flow or why none was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
-    /// A ball is loaded on both flanks, which the ball-train model does not cover.
+    /// A ball is loaded on both flanks, but the ball-train model does not support such balls.
     #[error(
         "a ball is loaded on both flanks, but push forces are calculated only for balls that are loaded on one flank"
     )]
@@ -231,8 +231,8 @@ pub enum TrainError {
     /// is not valid.
     #[error("the push forces between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
-        /// Lower bound of the largest push force \[N\], calculated at a speed of the ball train
-        /// below its actual speed.
+        /// Lower bound on the largest push force \[N\], calculated at a speed below the actual
+        /// speed of the ball train.
         push: f64,
         /// Push force divided by the largest ball load.
         part: f64,

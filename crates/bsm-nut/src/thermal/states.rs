@@ -199,7 +199,7 @@ struct HeatBalance<'a> {
     weight: f64,
     /// False if the nut had lost its preload when the heat balance was last evaluated.
     has_preload: Cell<bool>,
-    /// Models of the balls. They are held constant during a solve, because the friction is
+    /// Models of the balls. The models are held constant during a solve, because the friction is
     /// discontinuous where a ball changes its model.
     models: ModelsOfPhases,
 }
@@ -255,7 +255,7 @@ impl HeatBalance<'_> {
     }
 
     /// Returns the derivatives `$P'$` of the heat with a relative error of 0.001, and the heat from
-    /// which they are calculated. They are used in Newton and continuation steps.
+    /// which they are calculated. The derivatives are used in Newton and continuation steps.
     fn slopes_of_step(
         &self,
         rises: &[f64; NODES],
@@ -329,7 +329,7 @@ impl HeatBalance<'_> {
 
     /// Returns the temperature rises in the steady state at a given speed factor, together with
     /// heat and loads of the nut. The search starts at the temperature rises `rises`. Returns
-    /// `None` if it does not converge.
+    /// `None` if the search does not converge.
     fn steady_rises(
         &self,
         mut rises: [f64; NODES],
@@ -574,7 +574,7 @@ impl WarmNut<'_> {
         let decided = self.models(&state.rises, 1.0, &state.heated);
         let decided = decided.ok_or(NoSteadyState::NoFriction)?;
         // The state is at a discontinuity. A steady state may exist with the ball models on the
-        // other side.
+        // other side of this discontinuity.
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 

@@ -47,8 +47,8 @@ fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
-    // The search starts from equal ball loads, which is the solution here, so at most one step is
-    // needed.
+    // The search starts from equal ball loads, which are the solution in this case, so at most one
+    // step is needed.
     assert!(found.steps <= 1, "{}", found.steps);
     assert!(!nut.shares_equally(&Support::free(6340.0)));
     let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -457,7 +457,8 @@ fn oversize_balls_cause_a_drag_torque() {
     // contacts is proportional to the friction coefficient.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // In a pair with the same preload, the balls roll instead of sliding, and K_p is only 0.033.
+    // In a nut pair with the same preload as this nut with oversize balls, the balls roll instead
+    // of sliding, and K_p is only 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
@@ -501,8 +502,8 @@ proptest! {
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// A nut whose balls can be loaded on both flanks can carry any load, and the solver balances
-    /// the forces to 1e-12.
+    /// A nut whose balls can be loaded on both flanks can carry any load. The solver balances the
+    /// forces to 1e-12.
     #[test]
     fn nut_with_contact_on_both_flanks_carries_any_load(
         load in prop::array::uniform5(-1.0..1.0_f64),

@@ -337,8 +337,9 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         for i in 0..FLANKS {
             // The residuals of both solutions are below 1e-10 of the friction force, but the loads
             // are less accurate. The elastic approach is calculated from the groove radius, which
-            // is much larger, so its rounding error is 1e-16 of the groove radius. The relative
-            // error of a load is 3/2 times the relative error of its approach.
+            // is much larger than the approach, so the rounding error of the approach is 1e-16 of
+            // the groove radius. The relative error of a load is 3/2 times the relative error of
+            // its approach.
             assert_near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }

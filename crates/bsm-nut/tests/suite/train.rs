@@ -277,7 +277,8 @@ fn friction_matches_single_balls_if_the_gap_is_sufficient() {
     reference.inputs.gaps = vec![1.001 * needed];
     let train = solve_train(&reference);
     assert_eq!((train.touching, train.largest_push), (0, 0.0));
-    // Both calculations solve the same equations for the same balls, with residuals of 1e-10.
+    // The ball-train calculation and the calculation for single balls solve the same equations for
+    // the same balls, with residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
@@ -579,9 +580,9 @@ struct Track<'a> {
     length: f64,
     touch: f64,
     /// Precession rates for each section of the track, in the direction of travel. The track is
-    /// divided into equal sections. The list for a section contains the rate of a ball in the
-    /// middle of the section for several push forces from behind, and its middle element belongs to
-    /// a push force of 0.
+    /// divided into equal sections. The list for a section contains the rates of a ball in the
+    /// middle of the section for several push forces from behind. The middle element of the list is
+    /// the rate for a push force of 0.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
     positions: Vec<f64>,

@@ -411,8 +411,8 @@ fn two_states_exist_below_a_fold_and_none_above() {
 }
 
 /// The heat that the surfaces dissipate equals the generated heat, and the mean temperature of the
-/// screw is consistent with its thermal expansion. The solver stops at 1e-10 of the heat, and the
-/// reference requires 1e-9.
+/// screw is consistent with its thermal expansion. The solver stops at a residual of 1e-10 of the
+/// heat, and the reference permits 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
     for reference in reference_cases() {
@@ -735,8 +735,9 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
 
 /// The derivatives of the node temperatures with respect to the ambient temperature are calculated
 /// from two steady states. They satisfy the linearized heat balance, whose matrix `$M - P'$`
-/// contains the derivatives of the heat. The functions are nonlinear over a temperature range of 50
-/// K, so the tolerance of 1e-5 is the square of the step divided by 50 K.
+/// contains the derivatives of the heat. The functions are nonlinear over a temperature range of
+/// about 50 K, so finite differences with a step of 0.05 K have relative errors of about (0.05/50)²
+/// = 1e-6. The tolerance is ten times as large.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = load_proportional_friction(1.0);
@@ -879,9 +880,10 @@ fn preload_change_matches_the_first_order_formula() {
     }
 }
 
-/// Each random axis has a stable state with balanced heat, a fold below its speed, or another
-/// reason why no state exists. With `CAMPAIGNS=whole`, 5000 axes are tested. The friction decreases
-/// with temperature like that of an oil, so the test does not need to solve ball models.
+/// For each random axis, the search finds a stable state with balanced heat, a fold at a lower
+/// speed, or another reason why no steady state exists. With `CAMPAIGNS=whole`, 5000 axes are
+/// tested. The friction decreases with temperature like the friction of an oil, so the test does
+/// not need to solve ball models.
 #[test]
 fn random_axes_have_a_steady_state_or_are_rejected_with_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
