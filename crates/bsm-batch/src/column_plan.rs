@@ -12,8 +12,8 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Source of the values of a kernel input. The first line of the following table whose condition is
-/// true applies.
+/// Source of the values of a kernel input. Of the rows in the following table whose condition is
+/// true, the first applies.
 ///
 /// | the input | source | value in a row |
 /// |---|---|---|

@@ -18,8 +18,8 @@ pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 /// Key under which the column metadata contain the unit of the column.
 pub(crate) const UNIT: &str = "unit";
 
-/// Returns true if a column of a table of results may have the given name, because it is a status
-/// column or an output.
+/// Returns true if the name belongs to a status column or to an output, so that a table of results
+/// may contain a column with this name.
 pub(crate) fn is_answer(name: &str) -> bool {
     ANSWERS.contains(&name) || Output::named(name).is_some()
 }

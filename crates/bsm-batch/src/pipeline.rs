@@ -77,7 +77,8 @@ impl<'a> Workers<'a> {
             };
             match started {
                 Ok(thread) => {
-                    // The next thread is started only after this thread has allocated its memory.
+                    // Each thread is started only after the previous thread has allocated its
+                    // memory.
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }

@@ -1,5 +1,5 @@
-//! Table rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and a table of
-//! both.
+//! Table rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and a table
+//! that contains rows and results.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -221,7 +221,7 @@ impl<'a> ChunkBuilder<'a> {
 /// Model and status with which a row was solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
-    /// Model that solved the row. If the row has no result, it is the requested model.
+    /// Model that solved the row, or the requested model if the row has no result.
     pub model: ModelChoice,
     /// Status with which the calculation of the row ended.
     pub status: Status,

@@ -114,8 +114,8 @@ impl<R: Read + Send> Source for CsvSource<R> {
 /// A JSON object whose keys are kept in their original order.
 type Object = Vec<(String, Value)>;
 
-/// Reads the rows of a JSON Lines table, which has one JSON object per line. The first object
-/// defines the columns; later objects may omit some of its keys.
+/// Reads the rows of a JSON Lines table, which has one JSON object per line. The keys of the first
+/// object define the columns. Later objects may omit some of these keys.
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,

@@ -343,8 +343,8 @@ fn row_message_explains_why_torque_is_missing_at_large_push_forces() {
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
 
-/// If a table has a column named `model`, its inputs must still be read. Columns after the status
-/// columns are outputs, even if one of them has the name of an input.
+/// If a table has a column named `model`, the inputs in this table must still be read. Columns
+/// after the status columns are outputs, even if one of them has the name of an input.
 #[test]
 fn columns_of_earlier_results_are_ignored() {
     let inputs = |names: &[&str]| {

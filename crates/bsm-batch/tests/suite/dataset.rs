@@ -218,7 +218,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
     assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
-    // A file that is created while its part is being solved must not be overwritten, either.
+    // A file must not be overwritten even if it is created while its part is being solved.
     fs::remove_file(parts.part_file(2)).expect("there");
     let mut appear = |_: Event<'_>| fs::write(parts.part_file(2), b"mine").expect("writable");
     let error = parts.run_parts(&task, &points, [2], false, &workers, &mut appear);
@@ -278,7 +278,7 @@ fn a_run_can_be_stopped_within_a_chunk() {
 fn skipping_parquet_rows_does_not_change_the_remaining_rows() {
     let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
-    // The table has more rows than a row group, and the number of its rows is not a multiple of the
+    // The table has more rows than a row group, and its number of rows is not a multiple of the
     // chunk size.
     let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
     let grid = Grid::new(axes).expect("a grid");

@@ -159,8 +159,8 @@ fn rigid_kernel_matches_its_model() {
     compare_kernel_with_model(&Model::Rigid.into(), campaign(20_000));
 }
 
-/// The controlling raceway is either given or determined by the model. The kernel solves five of
-/// six points; at the other points, the inertia forces are as large as the load.
+/// The controlling raceway is either given or determined by the model. The kernel solves five out
+/// of six points. At the other points, the inertia forces are as large as the load.
 #[test]
 fn raceway_control_kernel_matches_its_model() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
