@@ -89,8 +89,8 @@ impl<'a> Split<'a> {
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // The rows are sorted by series and size. If every second row is taken, both halves contain
-        // all series and sizes.
+        // The rows are sorted by series and size, so halves that consist of every second row both
+        // contain all series and sizes.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();

@@ -32,7 +32,8 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the case of Fig 5, in which the ball radius is a tenth of the pitch circle radius.
+/// Returns the case of Fig 5 of the paper, in which the ball radius is a tenth of the pitch circle
+/// radius.
 pub(crate) fn slender(lin: &Case) -> Case {
     let pitch = lin.pitch_circle_diameter_mm;
     Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }

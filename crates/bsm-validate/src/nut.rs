@@ -222,8 +222,8 @@ struct Ratios {
 }
 
 impl CatalogRow {
-    /// Calculates the stiffness of the nut from the data in the catalog, and divides the stiffness
-    /// in the catalog by the result.
+    /// Calculates the stiffness of the nut from its other catalog data. Returns the ratios of the
+    /// stiffness in the catalog to the calculated stiffness.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
         let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());

@@ -165,7 +165,7 @@ impl Tradeoff {
 pub type SettingErrors = (Setting, Vec<Errors>);
 
 /// Calculates the errors of every setting at `points` without measuring times. For each setting,
-/// the first errors are those of all points.
+/// the first entry contains the errors over all points.
 ///
 /// # Errors
 ///
