@@ -134,7 +134,7 @@ impl AutoRows<'_, '_> {
     }
 }
 
-/// A row whose ball rolls according to the raceway-control model.
+/// A row for which the raceway-control model predicts a rolling ball.
 struct RollingRow {
     row: usize,
     /// Relative speed between screw and nut, `$W$`.
