@@ -53,7 +53,7 @@ impl Equilibrium {
     /// calculation includes the raceways of all nut bodies. The life is infinite if no ball is
     /// loaded.
     ///
-    /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
+    /// Source: the rule of ISO/TS 16281 with ball loads according to ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
         let inclined = nut.inclination();
         let mut damage = 0.0;

@@ -43,7 +43,8 @@ fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
     let equal = nut.equal(6340.0).expect("load");
     let found = nut.solve(&Support::guided(6340.0)).expect("load");
     for ball in &found.balls {
-        // Both calculations balance the forces to 1e-12.
+        // The nut solver and the calculation for equal load sharing both balance the forces to
+        // 1e-12.
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);

@@ -728,7 +728,7 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
         let rise = along * network.screw.travel / matrix[1][1];
         assert_near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
-        // The specification prints these percentages as integers.
+        // The expected differences are rounded to whole percentages.
         assert_near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
     }
 }
