@@ -41,7 +41,7 @@ pub struct Columns {
     pub(crate) kept_types: Vec<DataType>,
     /// Names of all columns that are ignored.
     pub(crate) unread: Vec<String>,
-    /// Names of columns that are ignored because an output or a status column has this name.
+    /// Names of columns that are ignored because an output or a status column has the same name.
     results: Vec<String>,
 }
 

@@ -202,8 +202,8 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     assert!(has_same_bits(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
-/// In an earlier version, a nut column of a nut without balls was calculated for each row and
-/// rejected each time.
+/// In an earlier version, columns of the nut analysis were accepted for a nut without balls, and
+/// the analysis then failed in every row.
 #[test]
 fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);

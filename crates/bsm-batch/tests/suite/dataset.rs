@@ -205,7 +205,8 @@ fn every_changed_byte_of_a_part_is_detected() {
     assert_eq!(damaged(&[&good[..], b"PAR1"].concat()), 1);
 }
 
-/// In an earlier version, a part was skipped if any file with its name existed.
+/// In an earlier version, a part was skipped if a file with its name existed, even if this file was
+/// damaged.
 #[test]
 fn a_damaged_part_stops_the_run_and_is_kept() {
     let (task, points, folder) =

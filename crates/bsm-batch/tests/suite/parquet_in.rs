@@ -105,7 +105,8 @@ fn all_common_codecs_are_read() {
     }
 }
 
-/// In an earlier version, the message was "Disabled feature at compile time".
+/// In an earlier version, the error message for an unsupported codec was "Disabled feature at
+/// compile time".
 #[test]
 fn unsupported_codecs_are_rejected_with_advice() {
     let brotli =

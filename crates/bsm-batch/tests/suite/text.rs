@@ -61,7 +61,8 @@ fn error_text(rows: Result<Rows, TableError>) -> String {
     rows.expect_err("refused").to_string()
 }
 
-/// In an earlier version, three rows were read as a single row, which could be solved.
+/// In an earlier version, an unclosed quote joined three rows into a single row, which was solved
+/// without an error.
 #[test]
 fn unclosed_quote_does_not_join_rows() {
     let open = error_text(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
