@@ -137,7 +137,7 @@ impl<'a> Split<'a> {
     }
 }
 
-/// Value of `half` in the file with the rows to which the built-in prior was fitted.
+/// Value of `half` for the rows to which the built-in prior was fitted.
 const FITTED: &str = "public";
 
 /// Fits a prior to catalog rows. All manufacturers have the same total weight.

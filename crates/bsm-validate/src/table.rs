@@ -321,7 +321,7 @@ mod tests {
         assert!((found("manufacturers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
         let near = |key: &str, by_hand: f64, reason: &str| {
             let ours = found(key);
-            // The tolerance is due to the five digits of the factors in the calls below.
+            // The tolerance is due to the factors below, which have five digits.
             assert!(
                 (ours / by_hand - 1.0).abs() < 1e-4,
                 "{key}: {ours}, by hand {by_hand}: {reason}"

@@ -41,7 +41,7 @@ enum Claim {
     /// The curve decreases, and its slope before the knee is at least twice its slope after the
     /// knee.
     Flattens,
-    /// The first curve divided by the second curve is above one.
+    /// The ratio of the first curve to the second curve is above one.
     Exceeds,
     /// The first curve changes more than the second curve.
     Spreads,
