@@ -36,7 +36,7 @@ pub enum InputColumn<'a> {
 #[derive(Debug)]
 pub struct InputColumns<'a> {
     inputs: [InputColumn<'a>; INPUTS.len()],
-    /// Indices of all inputs that have a value for each point.
+    /// Indices of all inputs that are columns, which means that each point has its own value.
     columns: Vec<usize>,
     /// Lubricant (without its temperature) and method for calculating the raceway friction; `None`
     /// for a constant friction coefficient.

@@ -1,4 +1,5 @@
-//! Rigid model, vectorized over the points of a block and solved by direct sweeps.
+//! Rigid model, vectorized over the points of a block and solved by the direct iteration of
+//! `docs/theory/04-rigid.md` (section "Direct sweeps").
 //!
 //! Theory: `docs/theory/04-rigid.md`, the section on direct sweeps.
 
