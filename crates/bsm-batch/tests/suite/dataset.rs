@@ -208,7 +208,7 @@ fn every_changed_byte_of_a_part_is_detected() {
 /// In an earlier version, a part was skipped if a file with its name existed, even if this file was
 /// damaged.
 #[test]
-fn a_damaged_part_stops_the_run_and_is_kept() {
+fn a_damaged_part_is_reported_and_not_overwritten() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);

@@ -62,7 +62,7 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
 
 /// Returns the friction of balls that are lubricated with ISO VG 68 oil. As in the reference cases,
 /// the nut raceway is the controlling raceway for all balls.
-fn oiled(
+fn friction_with_oil(
     nut: &BallNut,
     found: &Equilibrium,
     drive: &Drive<f64>,
@@ -165,7 +165,8 @@ fn axis(case: &Value) -> WarmNut<'static> {
     };
     let found = nut.solve(&guided).expect("preloaded");
     let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
-    let contacts = oiled(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
+    let contacts =
+        friction_with_oil(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
     let rule = drag_torque(preload, length_in_m(case, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
@@ -179,7 +180,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         preload: Some(PreloadKind::Offset),
         support: guided,
         phases,
-        friction: &oiled,
+        friction: &friction_with_oil,
         seal: number(case, "seal_torque_Nm").unwrap_or(0.0),
         bearings: number(case, "support_bearing_torque_Nm").unwrap_or(0.0),
         motor: 0.0,
@@ -340,7 +341,7 @@ fn fold_search_needs_at_most_400_friction_calculations() {
     let (reference, count) = (reference("WS-P3"), Cell::new(0));
     let counted = |nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64, to: f64| {
         count.set(count.get() + 1);
-        oiled(nut, found, drive, oil, to)
+        friction_with_oil(nut, found, drive, oil, to)
     };
     let nut = WarmNut { friction: &counted, ..axis(&reference["case"]) };
     let state = nut.steady().expect("steady");
@@ -826,7 +827,7 @@ fn friction_is_continuous_when_balls_lose_their_load() {
         let found = warm.solve(&Support::guided(load)).expect("carried");
         let unloaded = found.unloaded();
         lifted = lifted.max(unloaded);
-        let sum = oiled(&warm, &found, &drive, 320.0, BETWEEN_LOADS).expect("friction");
+        let sum = friction_with_oil(&warm, &found, &drive, 320.0, BETWEEN_LOADS).expect("friction");
         let lubricant = oil_68(320.0).expect("an oil");
         let mut work = ModelWorkspace::default();
         let solve = |at: ElasticPoint| {
