@@ -33,7 +33,7 @@ fn grid(axes: &[&str]) -> Grid {
     Grid::new(axes).expect("a grid")
 }
 
-fn named(name: &str) -> OutputName {
+fn output_named(name: &str) -> OutputName {
     OutputName::named(name).expect("an output")
 }
 
@@ -159,7 +159,8 @@ fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
         let answers = solve(&task.expect("a task"), &grid);
         for (row, load) in [100.0, 5000.0].into_iter().enumerate() {
             let case = Case { axial_load_N: Some(load), ..base.clone() };
-            let number = AxisReport::of(&case, &settings).expect("a sheet").number(named(name));
+            let number =
+                AxisReport::of(&case, &settings).expect("a sheet").number(output_named(name));
             let number = number.expect("it falls");
             assert!(
                 has_same_bits(answers.columns[0][row], Some(number)),
@@ -194,7 +195,10 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
     {
         assert!(
-            has_same_bits(columns(&[name, "largest_load_N"])[0][0], sheet.number(named(name))),
+            has_same_bits(
+                columns(&[name, "largest_load_N"])[0][0],
+                sheet.number(output_named(name))
+            ),
             "{name}"
         );
     }

@@ -86,7 +86,7 @@ fn case(names: &[&str], chunk: &Chunk, base: &Case, row: usize) -> Case {
     case
 }
 
-fn record(case: &Case, settings: &Settings) -> Record {
+fn solve_alone(case: &Case, settings: &Settings) -> Record {
     match case.problem(settings) {
         Ok(problem) => Record::new(problem.solve(&mut ModelWorkspace::default())),
         Err(error) => Record::invalid(settings.model, &error),
@@ -131,7 +131,7 @@ fn assert_rows(
     let (mut converged, mut of_kernel) = (0, 0);
     for (row, by_kernel) in by_kernel.into_iter().enumerate() {
         let case = case(names, chunk, base, row);
-        let expected = record(&case, settings);
+        let expected = solve_alone(&case, settings);
         let what = || format!("row {row}");
         let has_root = assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
         assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
@@ -208,7 +208,7 @@ fn hard_points_have_the_same_root_in_tables_and_single_solves() {
         (Model::Traction.into(), [Output::named("efficiency").expect("known")]);
     for case in cases {
         let case = case.expect("a complete case");
-        let alone = record(&case, &settings).number(output!(efficiency)).expect("solved");
+        let alone = solve_alone(&case, &settings).number(output!(efficiency)).expect("solved");
         let given = InputKey::ALL.into_iter().filter(|key| case[*key].is_some());
         let names: Vec<_> = given.map(InputKey::name).collect();
         let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
@@ -330,7 +330,7 @@ fn count_rows_left_to_the_model(
     let (mut left, mut with_root) = (0, 0);
     for (row, done) in solved_by_kernel(settings, base, (chunk, columns)).into_iter().enumerate() {
         let case = chunk.case(columns, base, row).expect("known inputs");
-        if record(&case, settings).status() == Status::Converged {
+        if solve_alone(&case, settings).status() == Status::Converged {
             with_root += 1;
             left += usize::from(!done);
         }

@@ -197,7 +197,7 @@ fn model_choices() -> impl Iterator<Item = ModelChoice> {
 /// Returns one of a few practical values of an input. There are only a few values, so that rows
 /// often contain special combinations: equal speeds, leads that agree, drives in which both parts
 /// turn, balls that do not fit, and zero friction.
-fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
+fn practical_value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
     let values: &[f64] = match key {
@@ -250,7 +250,7 @@ fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
         0..25 => Cell::Missing,
         25 => Cell::Text("wide"),
         26..29 => Cell::Number(*WRONG.choose(rng).expect("some values")),
-        _ => Cell::Number(value(key, rng)),
+        _ => Cell::Number(practical_value(key, rng)),
     }
 }
 
@@ -290,7 +290,7 @@ fn rows_of_random_tables_match_single_solves() {
         let share = *[0.5, 0.9, 0.97].choose(rng).expect("some shares");
         for key in &keys {
             if rng.random_bool(share) {
-                base[*key] = Some(value(*key, rng));
+                base[*key] = Some(practical_value(*key, rng));
             }
         }
         // If the base case had both a random lead and a random lead angle, they would rarely agree.

@@ -591,7 +591,7 @@ struct Track<'a> {
 impl Track<'_> {
     /// Returns a function that maps the index of a push force to the rate of a ball at the given
     /// position. Rates are interpolated linearly between the sections.
-    fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
+    fn rate_law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
         let along = position.rem_euclid(self.length) / self.length * as_number(parts) - 0.5;
         let part = (1..parts - 1).take_while(|part| as_number(*part) <= along).count();
@@ -604,7 +604,7 @@ impl Track<'_> {
     /// Returns the push force from behind that makes a ball at a given position travel at a given
     /// rate.
     fn push(&self, position: f64, rate: f64) -> f64 {
-        let law = self.law(position);
+        let law = self.rate_law(position);
         let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
         let k = numbers.partition_point(|k| law(*k) <= rate);
         let step = self.pushes[k + 1] - self.pushes[k];
@@ -631,7 +631,8 @@ impl Track<'_> {
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
-            let mut pool = (self.law(self.positions[number % balls])(self.pushes.len() / 2), 1);
+            let mut pool =
+                (self.rate_law(self.positions[number % balls])(self.pushes.len() / 2), 1);
             // If the pool behind is faster, it pushes the pool in front, and the two pools are
             // merged.
             while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
