@@ -12,7 +12,7 @@ pub enum TableError {
     /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The first line of a CSV table uses a separator that is not the expected one.
+    /// The first line of a CSV table uses an unexpected separator.
     #[error(transparent)]
     Separator(#[from] OtherSeparator),
     /// The file is not a Parquet file or is incomplete.
@@ -36,7 +36,7 @@ pub enum TableError {
         /// Unknown output names, at least one.
         names: Vec<UnknownName>,
     },
-    /// A column cannot be used for any other reason.
+    /// A column cannot be used for a reason that no other variant describes.
     #[error("{message}")]
     Column {
         /// Name of the column.

@@ -1,4 +1,4 @@
-//! The calculation that is carried out for each row of a table.
+//! The calculation that a table task performs for each row.
 
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Output, Settings};
 
@@ -9,7 +9,7 @@ use crate::Columns;
 pub struct Task {
     /// Base case, which contains the values of all inputs that are not columns of the table.
     pub base: Case,
-    /// Model, and settings of the model.
+    /// Model and solver settings.
     pub settings: Settings,
     /// Outputs that are written to the table of results.
     pub outputs: Vec<&'static Output>,
@@ -24,8 +24,9 @@ pub struct Task {
     pub estimates_rows: bool,
 }
 
-/// Divides the requested outputs into two lists: outputs that are not input columns of the table,
-/// and outputs that are also input columns, such as a temperature.
+/// Divides the requested outputs into two lists. The first list contains the outputs that are not
+/// input columns of the table, and the second list contains the outputs that are also input
+/// columns, such as a temperature.
 fn besides(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
