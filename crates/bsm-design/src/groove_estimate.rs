@@ -31,7 +31,8 @@ pub const MIN_EVIDENCE: f64 = -7.0;
 /// Log evidence above which a corrected [`Reading`] of a rejected row is suggested.
 const READING_EVIDENCE: f64 = -3.0;
 
-/// Excess of the dynamic rating above which the rating is assumed to be raised for clean steel.
+/// Excess of the dynamic rating relative to the static rating (logarithm, AB1) above which the
+/// rating is assumed to be raised for clean steel.
 const CLEAN_STEEL_EXCESS: f64 = 0.15;
 
 /// Minimum total probability of the balls in [`GrooveEstimate::likely_balls`].
@@ -376,13 +377,15 @@ impl CatalogLine {
         Some((self.rated_balls(*ball_diameter)? / full).ln())
     }
 
-    /// Returns the pitch circle diameter \[m\] for a ball diameter. Without a given value, it is
-    /// the nominal diameter plus `rise` ball diameters.
+    /// Returns the pitch circle diameter \[m\] for a ball diameter. If the catalog row does not
+    /// state the pitch circle diameter, the result is the nominal diameter plus `rise` ball
+    /// diameters.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
 
-    /// Combines the given quantities with values for the quantities that catalogs do not print.
+    /// Completes a groove: quantities that the catalog row does not state are taken from
+    /// `unprinted`.
     fn complete(
         &self,
         hypothesis: &Hypothesis,
@@ -500,8 +503,8 @@ impl GrooveEstimate {
         on_all_cores(&numbered, |(place, groove)| f(*place, groove))
     }
 
-    /// Returns the ratio by which the dynamic rating exceeds the expected value (AB1), as a
-    /// weighted geometric mean over all hypotheses. Returns `None` without a static rating.
+    /// Returns the ratio of the dynamic rating to the rating expected from the static rating (AB1),
+    /// as a weighted geometric mean over all hypotheses. Returns `None` without a static rating.
     pub fn excess_factor(&self) -> Option<f64> {
         let weighted = |of: &Hypothesis| Some(of.probability * of.excess?);
         Some(self.hypotheses.iter().map(weighted).sum::<Option<f64>>()?.exp())
@@ -533,7 +536,7 @@ pub const FEW_DRAWS: usize = 32;
 /// Quasi-random points, each with the cumulative probability that selects a hypothesis and with
 /// four standard normal numbers for the quantities that catalogs do not print.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
-    // The ratio is the real root of the equation φ⁶ = φ + 1.
+    // The ratio φ is the positive root of the equation φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
     let point = |j: usize| {
         #[expect(clippy::cast_precision_loss, reason = "at most 128")]
@@ -606,7 +609,7 @@ mod tests {
             *estimate.hypotheses.iter().find(is).expect("a listed combination")
         };
         let full = of(BallReturn::FullTurn);
-        // The reference probabilities are printed with four and three digits.
+        // The reference probabilities are printed with four and three significant digits.
         assert!((full.probability - 0.3808).abs() < 5e-5, "{full:?}");
         assert!((of(BallReturn::Deflector).probability - 2.20e-4).abs() < 5e-7);
         assert_relative_eq!(full.loaded_balls, 64.07, max_relative = 1e-4);
@@ -733,8 +736,8 @@ mod tests {
         assert!(probability(raised) > 0.5 && probability(sfu()) < 0.01);
     }
 
-    /// An estimate calculates the ratings of every combination once, so the sizes of the lists
-    /// limit its cost.
+    /// The ratings of every combination are calculated once, so the lengths of the lists limit the
+    /// cost of an estimate.
     #[test]
     fn number_of_hypotheses_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {

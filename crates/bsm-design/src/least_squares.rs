@@ -44,7 +44,7 @@ pub struct LeastSquares {
 ///
 /// # Errors
 ///
-/// Returns the errors of `residuals`.
+/// Returns the first error of `residuals`.
 pub fn least_squares<E>(
     mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
     start: &[f64],
