@@ -22,7 +22,7 @@ use crate::{
     OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, Verdict, output, sheet_columns,
 };
 
-/// A result of the selection procedure and the requirement that it must meet.
+/// A result of the selection procedure, and the requirement on this result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
     /// Step of Lin's procedure, or 11 for additional results.
@@ -48,8 +48,8 @@ pub struct DesignReport {
     pub rows: Vec<DesignRow>,
     /// True if the screw meets the requirement.
     pub found: bool,
-    /// Active limits. If no screw meets the requirement: the limits that cannot be met, and by how
-    /// much they are missed.
+    /// Active limits. If no screw meets the requirement, the list contains the limits that cannot
+    /// be met, and the amount by which they are missed.
     pub reasons: Vec<String>,
     /// Assumptions that the selection made.
     pub notes: Vec<String>,
@@ -74,7 +74,7 @@ thread_local! {
 
 impl DesignReport {
     /// Searches for the best screw of any size with balls of standard diameters, by Lin's
-    /// procedure. A requirement that no screw meets is a valid result.
+    /// procedure. If no screw meets the requirement, the report states the reasons.
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
@@ -144,7 +144,7 @@ impl DesignReport {
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        // An order is always accompanied by the warnings of the `axis` command.
+        // The order data is always accompanied by the warnings of the `axis` command.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -200,7 +200,8 @@ impl DesignReport {
         Self { rows, found, reasons, notes, warnings, order, case }
     }
 
-    /// Returns the answer: whether a screw was found, the steps of the selection, and the limits.
+    /// Returns the answer, which states whether a screw was found, the steps of the selection, and
+    /// the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
             let DesignRow { step, name, label, unit, value, requirement, passes } = row;
@@ -238,7 +239,7 @@ impl RequirementFile {
     }
 
     /// Returns true if a nut meets all limits of the requirement that can be checked without the
-    /// loads of all its balls. [`sheet_of`](Self::sheet_of) checks the other limits.
+    /// loads of all balls. [`sheet_of`](Self::sheet_of) checks the other limits.
     pub fn is_met_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
@@ -267,8 +268,8 @@ impl RequirementFile {
         case(self, &Design::of(&self.problem, *nut, None))
     }
 
-    /// Returns the outputs [`sheet_columns`] for a nut in the axis of the requirement, with NaN for
-    /// missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
+    /// Returns the outputs in [`sheet_columns`] for a nut in the axis of the requirement, with NaN
+    /// for missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
         let report = self.judge(&self.case_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.into()).unwrap_or(f64::NAN);
@@ -278,8 +279,8 @@ impl RequirementFile {
 }
 
 impl RequirementFile {
-    /// Returns the requirement, completed by the default limit for the number of loaded turns in a
-    /// catalog.
+    /// Returns a copy of the requirement that also contains the default limit for the number of
+    /// loaded turns in a catalog.
     pub(crate) fn within(&self, catalog: &Catalog) -> Self {
         let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
         Self { problem, ..self.clone() }
@@ -298,7 +299,8 @@ impl RequirementFile {
         })
     }
 
-    /// Returns the verdict on a screw by the rules of its sheet and by the limits that its warnings state.
+    /// Returns the verdict on a screw, based on the rules of its axis sheet and on the selection
+    /// limits in its warnings.
     pub(crate) fn verdict(&self, sheet: &AxisReport) -> Verdict {
         match self.objections(sheet).next() {
             Some(_) => Verdict::Fails,
@@ -306,7 +308,7 @@ impl RequirementFile {
         }
     }
 
-    /// Returns the reasons why a screw is not selected: the names of the violated rules on its
+    /// Returns the reasons why a screw is not selected: the names of violated rules on its axis
     /// sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
         &'a self,
@@ -318,9 +320,9 @@ impl RequirementFile {
     }
 }
 
-/// Checks a nut against the rules of its sheet and the warnings that are selection limits. The
-/// search does not calculate all balls of a nut, so the efficiency of a preloaded nut is checked
-/// here, too.
+/// Checks a nut against the rules of its axis sheet and the warnings that are selection limits. The
+/// search itself does not calculate the loads of all balls, so the efficiency of a preloaded nut is
+/// checked here, too.
 fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = requirement.case_of(nut);
@@ -345,15 +347,15 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// Uses the model that the requirement specifies to calculate the efficiency of the whole screw at
-/// a moment of a phase. Returns `None` if the model has no solution.
+/// Calculates the efficiency of the whole screw at a moment of a phase, with the model that the
+/// requirement specifies. Returns `None` if the model has no solution.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = requirement.case_of(nut);
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
-/// Returns the case of a design in the axis of the requirement, with the load that a given torque
-/// produces and the preload of a preload class.
+/// Returns the case of a design in the axis of the requirement. The load follows from a given
+/// torque, and the preload follows from a given preload class.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
@@ -420,7 +422,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
     }
 }
 
-/// Returns the label of a quantity of the design or of its sheet.
+/// Returns the label of a design quantity or of a quantity on the axis sheet.
 fn label(name: &str) -> Option<&'static str> {
     let known = STEPS.iter().chain(AXIS).find(|quantity| quantity.name == name);
     known.map(|quantity| quantity.about)
@@ -431,8 +433,8 @@ fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }
 
-/// Returns the steps of a design together with the rules of its sheet. A rule replaces the step
-/// that has the same quantity and limit.
+/// Returns the selection steps of a design together with the rules of its axis sheet. A rule
+/// replaces the step that has the same quantity and limit.
 fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
     let mut rows: Vec<_> = design.checks.iter().map(row).collect();
     for rule in rules {
@@ -460,7 +462,7 @@ fn row(check: &Check) -> DesignRow {
     }
 }
 
-/// Converts a rule on the sheet to an additional row in the table of selection steps.
+/// Converts a rule on the axis sheet to an additional row in the table of selection steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
     DesignRow {
         step: 11,
@@ -473,7 +475,7 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     }
 }
 
-/// Returns the nominal diameter that manufacturers list for a chosen screw \[mm\], and whether a
+/// Returns the nominal diameter that manufacturers list for a chosen screw \[mm\], and true if a
 /// manufacturer publishes the ball diameter.
 fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
@@ -489,7 +491,7 @@ fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     Some((decimal(size.diameter / MM), printed))
 }
 
-/// Describes a rule of the sheet that the best screw within all other limits violates.
+/// Describes a rule of the axis sheet that is violated by the best screw within all other limits.
 fn breaks(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
     let number = |value: f64| format!("{} {}", trimmed(value), unit.text).trim_end().to_owned();
@@ -526,7 +528,8 @@ fn unit(quantity: Quantity) -> String {
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
-/// Describes an active limit and states the objective that could be reached without it.
+/// Describes an active limit, and states the value that the objective could reach without this
+/// limit.
 fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimit) -> String {
     let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();

@@ -25,9 +25,9 @@ pub struct EllipseFields {
     warnings: Vec<String>,
 }
 
-/// Columns of a contact. Coordinates are relative to the semi-axes, with the first coordinate
-/// across the groove. Friction is relative to the normal pressure. Fields are stored row by row,
-/// with rows along the groove and null outside the ellipse.
+/// Columns of a contact. Coordinates are divided by the semi-axes, and the first coordinate is
+/// across the groove. Friction is divided by the normal pressure. Each field is a list of grid rows
+/// along the groove, with null outside the ellipse.
 pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
     | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction / load \
     | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \
@@ -38,7 +38,7 @@ pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_l
 const FIELDS: [&str; 5] =
     ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
-/// Columns of the field table: the coordinates relative to the semi-axes, followed by the fields at
+/// Columns of the field table: the coordinates divided by the semi-axes, followed by the fields at
 /// nut and screw.
 const HEADS: &[Output; 12] = &[
     field("across", ""),
@@ -84,8 +84,8 @@ impl EllipseFields {
         let (accuracy, creep) = integration(settings, solution);
         let creep = creep * point.ball.radius * point.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
-        // A spin that is many orders of magnitude smaller than the rotation of the ball may be a
-        // rounding error.
+        // If the spin is many orders of magnitude smaller than the angular velocity of the ball, it
+        // may be a rounding error.
         let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
         let mut contacts = Vec::new();
         for contact in moving.contacts.iter().flatten().take(2) {
@@ -130,8 +130,8 @@ impl EllipseFields {
         Ok(Self { model: solution.model, contacts, warnings })
     }
 
-    /// Returns the answer, with the fields for programs and a table of the integrated quantities
-    /// for the terminal.
+    /// Returns the answer. It contains the fields for programs, and a table of the integrated
+    /// quantities for the terminal.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
         let warnings = self.warnings.clone();
@@ -144,7 +144,7 @@ impl EllipseFields {
         answer
     }
 
-    /// Returns the fields as a table, with one row per grid point within the ellipses.
+    /// Returns the fields as a table with one row for each grid point inside the ellipses.
     pub fn columns(&self) -> Columns {
         let Table { columns, rows: contacts, .. } = &self.contacts;
         let list = |contact: &[Value], name: &str| -> Vec<f64> {
