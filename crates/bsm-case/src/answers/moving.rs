@@ -1,4 +1,4 @@
-//! Solved motion of a ball, and the data that all analyses of the motion share.
+//! Solved motion of a ball, and the data that all analyses of the ball motion share.
 
 use bsm_dyn::{
     Control, Model, ModelWorkspace, Solution,
@@ -20,11 +20,12 @@ const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 /// Columns of the table that lists statements about the motion.
 pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string=";
 
-/// Creates the answer of an analysis of a solved motion.
+/// Creates the answer for an analysis of the ball motion.
 ///
 /// * `quantities`: quantities that the analysis can calculate.
 /// * `verdicts`: names and wordings of the true-or-false statements.
-/// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
+/// * `lacks`: sentences about parts of the analysis that are omitted for reasons other than missing
+///   inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
     case: &Case,
@@ -103,14 +104,14 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// Returns the ball that rolls at the running contact angles of the case, with the contact
-    /// ellipses of the solution, and `true`. If these angles are not given, returns the ball of the
-    /// solution and `false`.
+    /// Returns a ball and a flag. If the case gives running contact angles, this is a ball that
+    /// rolls at these angles, with the contact ellipses of the solution, and the flag is true.
+    /// Otherwise, this is the ball of the solution, and the flag is false.
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::OutOfRange`] if the angles are given although the model calculates
-    /// them.
+    /// Returns [`CaseError::OutOfRange`] if running contact angles are given although the model
+    /// calculates the contact angles.
     pub(crate) fn at_given_angles(
         mut self,
         case: &Case,
@@ -164,7 +165,7 @@ impl MovingBall {
         Ok(Self { ball, contacts })
     }
 
-    /// Returns the values of a function for all contacts.
+    /// Returns the value of `number` for each of the three contacts.
     pub(crate) fn each(&self, number: impl Fn(&MovingContact) -> f64) -> [Option<f64>; 3] {
         self.contacts.map(|contact| contact.as_ref().map(&number))
     }

@@ -1,5 +1,5 @@
-//! Comparison of two offers for a screw: rules, numbers by which screws are compared, and the
-//! inputs that differ.
+//! Comparison of two offers for a screw: the design rules, the results by which screws are
+//! compared, and the inputs that differ.
 
 use bsm_design::Band;
 use serde_json::{Map, Value, json};
@@ -8,15 +8,15 @@ use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table, Verdict};
 
-/// Columns of the tables that compare the rules, numbers and inputs of two offers.
+/// Columns of the tables that compare the rules, results and inputs of two offers.
 pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
                                 -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
                                   -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
-/// Numbers for which a smaller value is better. A larger value is better for the other numbers of
-/// [`sheet_columns`], except for the numbers in [`NEITHER`].
+/// Names of the results for which a smaller value is better. For the other results in
+/// [`sheet_columns`], a larger value is better, except for the results in [`NEITHER`].
 const SMALLER: [&str; 5] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
@@ -26,8 +26,8 @@ const SMALLER: [&str; 5] = [
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
-/// Returns `first` or `second`, depending on which value is better, or `None` if the values are
-/// equal or one is missing.
+/// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
+/// equal or a value is missing.
 ///
 /// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
@@ -108,10 +108,10 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         .with("inputs", Content::Table(Table::of(INPUTS, differing([first, second]))))
 }
 
-/// Cells of a row, and the intervals that the screen shows next to them.
+/// Cells of a table row, and the intervals that the screen shows next to the values.
 type RowOfOffers = (Vec<Value>, Vec<Option<Band>>);
 
-/// Appends the better offer and the intervals of both offers to the cells of a row.
+/// Appends the better offer and the intervals of both offers to a table row.
 fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2]) -> RowOfOffers {
     let mut shown = vec![None; cells.len() - 2];
     shown.extend(bands);
@@ -127,7 +127,7 @@ fn table(columns: &'static str, rows: impl Iterator<Item = (&'static str, RowOfO
     Table { bands, row_units, ..Table::of(columns, rows) }
 }
 
-/// Returns the inputs in which the offers differ, with the value of each offer.
+/// Returns the inputs that differ between the offers, with the value in each offer.
 fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     let inputs = |report: &AxisReport| match report.case.to_json() {
         Value::Object(inputs) => inputs,

@@ -1,4 +1,4 @@
-//! The quantities of an answer in the order in which they are shown.
+//! Quantities of a record in display order, with rounding errors replaced by zero.
 
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
@@ -36,7 +36,7 @@ impl Scales {
 }
 
 impl Record {
-    /// Returns the numbers for display, with rounding errors replaced by zero. `case` contains the
+    /// Returns the outputs for display, with rounding errors replaced by zero. `case` contains the
     /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
         // All slip speeds of a rolling ball are rounding errors, so the surface speed of the ball

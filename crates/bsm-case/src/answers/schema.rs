@@ -1,5 +1,5 @@
-//! JSON Schema of cases and results, generated from the tables with which they are checked and
-//! written.
+//! JSON schemas of cases and results, generated from the same tables that the program uses for
+//! checking and output.
 
 use schemars::JsonSchema;
 use schemars::generate::{Contract, SchemaSettings};
@@ -9,7 +9,8 @@ use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// Returns the JSON schemas of the members of a type that is read or written, as `contract` states.
+/// Returns the JSON schemas of the members of a type. `contract` states whether the schema
+/// describes values to read or values to write.
 pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.contract = contract;
