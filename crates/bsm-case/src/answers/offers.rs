@@ -148,7 +148,7 @@ mod tests {
     /// With a misspelled name in these lists, the comparison would report the worse offer as
     /// better.
     #[test]
-    fn names_of_compared_numbers_exist_on_the_sheet() {
+    fn compared_outputs_exist_on_the_axis_sheet() {
         for name in SMALLER.into_iter().chain(NEITHER) {
             assert!(sheet_columns().any(|column| column.name == name), "{name}");
         }

@@ -111,7 +111,7 @@ fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
 /// Model `rigid` has three contacts, but no contact ellipses. The report states this and contains
 /// no values that depend on the ellipses.
 #[test]
-fn rigid_reports_no_contact_ellipses() {
+fn model_rigid_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
     (case.nut_conformity, case.screw_conformity) = (None, None);
     let report = slip(&case, Model::Rigid);
@@ -128,8 +128,8 @@ fn rigid_reports_no_contact_ellipses() {
     assert!(report.number(output!(locking_ratio)).is_none());
 }
 
-/// If an input is missing, the jamming report names it in place of the part that needs it, and
-/// still calculates the other parts.
+/// If an input is missing, the jamming report names the input in place of the part that needs it.
+/// The other parts are still calculated.
 #[test]
 fn jamming_report_names_missing_inputs() {
     let names = [
@@ -162,8 +162,8 @@ fn statement(report: &Answer, name: &str) -> (bool, String) {
 }
 
 /// The verdict depends on the ball-return margin. A rolling ball has no friction along the track,
-/// so a criterion that was based on this friction reported jamming at any thrust. The friction of
-/// stopped balls is not zero.
+/// so an earlier criterion that was based on this friction reported jamming at any thrust. The
+/// friction of stopped balls is not zero.
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
@@ -232,8 +232,8 @@ const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
 /// The analysis reports jamming for a case that was designed to jam. The margin decreases with
-/// speed, return angle and step height. It increases with load and friction, because the loaded
-/// balls push with both.
+/// speed, return angle and step height. It increases with load and friction, because both increase
+/// the force with which the loaded balls push.
 #[test]
 fn jamming_is_reported_for_a_case_designed_to_jam() {
     let margin = |changes: &[(&str, f64)]| {
@@ -276,7 +276,7 @@ fn assert_no_alarm(case: &Case) {
     assert!(report.number(output!(ball_return_margin)).is_none_or(|margin| margin > 1.0));
 }
 
-/// The jamming analysis reports nothing for healthy screws. It used to report self-locking balls
+/// The jamming analysis reports no jamming for healthy screws. It used to report self-locking balls
 /// for every healthy screw.
 #[test]
 fn jamming_raises_no_alarm_for_healthy_screws() {
@@ -389,7 +389,7 @@ const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 /// the results of a dry ball with the friction coefficient of the asperities. The analysis used to
 /// reject lubricated balls.
 #[test]
-fn jamming_without_a_film_equals_dry_jamming() {
+fn jamming_results_without_a_film_equal_dry_results() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
     let oil = case(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
@@ -569,7 +569,8 @@ fn tangential_friction_moments_balance_the_gyroscopic_moment() {
         ["nut", "screw"].map(|c| number(&report, &format!("{c}_tangent_friction_moment_Nmm")));
     let gyroscopic = number(&report, "gyroscopic_moment_Nmm");
     assert!(gyroscopic.abs() > 1e-4, "{gyroscopic}");
-    // The balance is solved to 1e-10 of load times ball radius, about 500 N x 1.75 mm.
+    // The moment balance is solved to 1e-10 of the product of load and ball radius, which is about
+    // 500 N x 1.75 mm.
     assert!((nut + screw - gyroscopic).abs() < 1e-6, "{nut} {screw} {gyroscopic}");
 }
 
@@ -624,9 +625,9 @@ const OF_A_NUT: [&str; 22] = [
     "warm_preload_N",
 ];
 
-/// Column names are unambiguous: no other analysis and no input has the same name. If an analysis
-/// shares an output with a solution, or an axis with its nut, both have the same value, unit and
-/// label.
+/// A column name refers to a single output: no other analysis and no input uses the same name.
+/// Exceptions are outputs that an analysis shares with a solution, and outputs that an axis shares
+/// with its nut. These outputs have the same value, unit and label in both places.
 #[test]
 fn column_names_are_unambiguous() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();

@@ -171,9 +171,9 @@ fn violated_recommendations_of_sobolewski_are_reported() {
     }
 }
 
-/// The distance between the groove bottoms can be given instead of the contact angle. The program
-/// rejects both in one case, a distance for which no contact angle exists, a play that the arcs do
-/// not permit, and a screw that is wider than the nut bore.
+/// The distance between the groove bottoms can be given instead of the contact angle. The following
+/// inputs are rejected: both the distance and the angle, a distance for which no contact angle
+/// exists, a play that the arcs do not permit, and a screw that is wider than the nut bore.
 #[test]
 fn groove_bottom_distance_can_replace_the_contact_angle() {
     let mut case = nut(&[]);

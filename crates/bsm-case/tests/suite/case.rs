@@ -1,4 +1,4 @@
-//! Tests of cases: units, choice of model, and invalid inputs.
+//! Tests of cases: conversion of units, choice of the model, and rejection of invalid inputs.
 
 use std::path::Path;
 
@@ -302,7 +302,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
 }
 
 #[test]
-fn numbers_and_settings_override_a_case_in_the_same_way() {
+fn override_with_numbers_and_with_settings_give_the_same_case() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),
@@ -411,8 +411,9 @@ fn error_about_two_forms_of_a_quantity_states_both_names() {
     ] {
         let names: Vec<_> = names.split(" and ").map(|name| format!("`{name}`")).collect();
         let expected = format!("{} are the same input; give one of them", names.join(" and "));
-        // The same input in two units is reported as given twice. Different inputs for the same
-        // quantity are reported as two forms.
+        // If an input is given in two units, the message states that both are the same input. If
+        // different inputs define the same quantity, the message states that only one of them may
+        // be given.
         let expected = if names.iter().any(|name| name.contains("load_kN")) {
             expected
         } else {
@@ -471,9 +472,9 @@ fn schemas_contain_all_inputs_and_outputs() {
     }
 }
 
-/// A point that cannot be solved has a message and no numbers.
+/// The result for a point without a solution has a message instead of numeric outputs.
 #[test]
-fn a_failed_point_states_the_reason() {
+fn result_of_an_unsolved_point_states_the_reason() {
     let mut lin = case(LIN);
     lin.apply(&["lead_angle_deg=5"]).expect("known name");
     let problem = lin.problem(&Settings::default()).expect("complete");

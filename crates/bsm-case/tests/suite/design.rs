@@ -1,4 +1,4 @@
-//! Tests of requirements and fits.
+//! Tests of requirements for a screw, and of fits to measured values.
 
 use bsm_case::{
     AxisReport, Case, CaseError, Catalog, DesignReport, Fit, FittedInput, NutProblem,
@@ -299,7 +299,7 @@ fn error_of_a_fit_states_the_reachable_range() {
 /// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
 /// widen this range.
 #[test]
-fn a_requirement_can_widen_the_ranges_of_the_procedure() {
+fn requirement_can_widen_the_ranges_of_lins_procedure() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball radius / groove radius");

@@ -94,7 +94,7 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
 /// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
 /// thread makes the screw heavier.
 #[test]
-fn order_of_a_nut_pair_lists_both_nuts_and_the_thread() {
+fn order_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
     let single = with_inputs(&neutral_catalog_inputs(), &single);
     let mut pair = single.clone();

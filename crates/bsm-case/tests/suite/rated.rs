@@ -30,10 +30,10 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
 }
 
 /// An audit found that the catalog data "40 x 20, 52 kN, 88 kN" could not be entered. The axis
-/// sheet must contain every number that can be calculated without the groove, and list the omitted
-/// numbers once.
+/// sheet must contain every result that can be calculated without the groove, and list the omitted
+/// results once.
 #[test]
-fn four_catalog_numbers_suffice_for_an_axis_sheet() {
+fn four_catalog_values_suffice_for_an_axis_sheet() {
     let report = sheet(FOUR, &[]).expect("a sheet");
     // The life is (C_a/F)³ million revolutions, apart from rounding errors.
     let life = (52.0_f64 / 5.0).powi(3) * 1e6;

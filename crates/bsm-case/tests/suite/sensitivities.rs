@@ -165,14 +165,14 @@ fn is_homogeneous(model: ModelChoice, [efficiency, torque]: [f64; 2]) -> bool {
 /// equations amplify. The fourth-order error after Richardson extrapolation is smaller.
 const DIFFERENCE: f64 = 1e-7;
 
-/// If friction is integrated numerically, the number of nodes depends on the point. Between
-/// neighboring points, and between two solves of the same point, the integrals jump by their error.
-/// This error is 1e-8 of the loss, or 3e-6 if the ellipses are as long as the ball. Model
-/// `traction` keeps its nodes fixed in the last iterations. Raceway control needs larger steps, for
-/// which the fourth-order error is 1e-5.
+/// Returns the relative jump of the results between neighboring points, the step of the finite
+/// differences, and the tolerance for the finite differences.
 ///
-/// Returns the relative jump of the results, the step of the finite differences, and the tolerance
-/// of the finite differences.
+/// If friction is integrated numerically, the number of nodes depends on the point. Between
+/// neighboring points, and between two solutions of the same point, the integrals jump by their
+/// integration error. This error is 1e-8 of the loss, or 3e-6 if the ellipses are as long as the
+/// ball. Model `traction` keeps its nodes fixed in the last iterations. Raceway control needs
+/// larger steps, for which the fourth-order error is 1e-5.
 fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => (3e-6, 1e-3, 5e-4),
@@ -299,7 +299,7 @@ fn density_effect_is_proportional_to_speed_squared() {
 /// Inputs that the model does not use have no row. Inputs whose value is zero have no relative
 /// sensitivity.
 #[test]
-fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
+fn sensitivity_table_has_a_row_for_each_input_that_the_model_uses() {
     let names = |model: Model| {
         let rows = with_derivatives(&screw_of_lin(2000.0), &model.into()).expect("solved").1;
         let mut names: Vec<_> = rows.iter().map(|row| row.input.name).collect();
@@ -399,7 +399,7 @@ proptest! {
     }
 }
 
-/// Model `raceway-control` calculates its values with a coarser quadrature rule than its
+/// Model `raceway-control` calculates its results with a coarser quadrature rule than their
 /// derivatives. Theory 12 states the resulting deviations in percent.
 #[test]
 fn raceway_control_differences_deviate_from_derivatives_as_documented() {
@@ -431,7 +431,7 @@ fn raceway_control_differences_deviate_from_derivatives_as_documented() {
         let difference =
             (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
         let deviation = 100.0 * (difference / row.efficiency - 1.0);
-        // The table in theory chapter 12 states the deviations with one decimal place.
+        // The table in theory chapter 12 states the deviations to one decimal place.
         assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
     }
 }

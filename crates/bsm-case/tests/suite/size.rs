@@ -1,5 +1,5 @@
-//! Tests that compare the numbers of the axis sheet with a second implementation, and check its
-//! messages.
+//! Tests that compare the results on the axis sheet with a second implementation, and that check
+//! the messages of the sheet.
 
 use std::f64::consts::{PI, TAU};
 
@@ -71,8 +71,8 @@ fn rules_are_met_after_their_remedies_are_applied() {
     assert!(short.to_string().contains("the nut would run into the bearings"), "{short}");
 }
 
-/// Calculates the rules again from the sizes on the sheet, in mm, N and rpm as in catalogs. The
-/// results differ only by rounding errors of a few products.
+/// The rules on the axis sheet match a second calculation from the dimensions on the sheet, in mm,
+/// N and rpm as in catalogs. The results differ only by rounding errors of a few products.
 #[test]
 fn rules_match_a_calculation_in_catalog_units() {
     const TIGHT: f64 = 1e-9;
@@ -105,7 +105,7 @@ fn rules_match_a_calculation_in_catalog_units() {
         let springs = [
             number(&report, "screw_stiffness_N_um"),
             number(&report, "nut_stiffness_at_largest_load_N_um"),
-            // Two fixed bearings share the load.
+            // Two fixed bearings share the load equally.
             if support == "fixed-fixed" { 2000.0 } else { 1000.0 },
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
@@ -477,7 +477,7 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
 /// `axis`, which used another model.
 #[test]
-fn select_axis_nut_and_solve_agree() {
+fn select_axis_nut_and_solve_give_equal_results() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {

@@ -44,7 +44,8 @@ fn ball_train_matches_reference_cases() {
         let needed = circuits.iter().filter_map(|circuit| circuit["needed_gap_mm"].as_f64());
         for (ours, want, allowed) in [
             ("advance_spread", expected("advance_spread"), rates),
-            // A gap is the sum of one hundred differences between the precession speeds of balls.
+            // The needed gap is a sum of one hundred differences between the precession speeds of
+            // balls.
             ("needed_gap_mm", needed.fold(0.0, f64::max), 600.0 * rates),
             ("contact_torque_free_Nm", expected("contact_torque_free_Nm"), torques * friction),
             ("contact_torque_Nm", expected("contact_torque_Nm"), torques * friction),

@@ -430,7 +430,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
 /// of states of an X pair ends at a fold, with dry friction and with a lubricant, and then returns
 /// to lower speeds at higher preloads. The branch of an O pair has no fold.
 #[test]
-fn x_pair_has_a_fold_and_o_pair_has_none() {
+fn warm_states_have_a_fold_for_x_pairs_but_not_for_o_pairs() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
