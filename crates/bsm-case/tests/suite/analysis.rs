@@ -156,7 +156,7 @@ fn jamming_report_names_missing_inputs() {
     }
 }
 
-fn statement(report: &Answer, name: &str) -> (bool, String) {
+fn verdict_on(report: &Answer, name: &str) -> (bool, String) {
     let verdict = &report.to_json()["verdicts"][name];
     (verdict["answer"].as_bool().expect("a statement"), verdict["words"].to_string())
 }
@@ -168,10 +168,10 @@ fn statement(report: &Answer, name: &str) -> (bool, String) {
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
         let report = jam(&case(DONG, &[]), model);
-        let (jams, words) = statement(&report, "jams");
+        let (jams, words) = verdict_on(&report, "jams");
         assert!(!jams && number(&report, "ball_return_margin") > 1.0, "{words}");
         let report = jam(&case(DONG, &[("step_normal_force_N", 1e5)]), model);
-        let (jams, words) = statement(&report, "jams");
+        let (jams, words) = verdict_on(&report, "jams");
         assert!(jams && number(&report, "ball_return_margin") < 1.0, "{words}");
     }
     let rolls = jam(&case(DONG, &[]), Model::RacewayControl);
@@ -204,7 +204,7 @@ fn ball_in_steady_motion_meets_the_wedge_criterion() {
             assert!(
                 number(&report, "wedge_angle_deg").abs() <= number(&report, "widest_wedge_deg")
             );
-            assert!(!statement(&report, "self_locking_under_load").0);
+            assert!(!verdict_on(&report, "self_locking_under_load").0);
         }
     }
 }
@@ -215,7 +215,7 @@ fn ball_in_steady_motion_meets_the_wedge_criterion() {
 fn self_locking_margin_depends_on_friction_and_load() {
     let at = |changes: &[(&str, f64)]| {
         let report = jam(&case(DONG, changes), Model::RacewayControl);
-        (number(&report, "locking_margin"), statement(&report, "self_locking_under_load").0)
+        (number(&report, "locking_margin"), verdict_on(&report, "self_locking_under_load").0)
     };
     let (healthy, locks) = at(&[]);
     assert!(healthy > 10.0 && !locks, "{healthy}");
@@ -238,7 +238,7 @@ const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 fn jamming_is_reported_for_a_case_designed_to_jam() {
     let margin = |changes: &[(&str, f64)]| {
         let report = jam(&case(JAMMING, changes), Model::RacewayControl);
-        let (jams, words) = statement(&report, "jams");
+        let (jams, words) = verdict_on(&report, "jams");
         let margin = number(&report, "ball_return_margin");
         assert_eq!(jams, margin <= 1.0, "{words}");
         margin
@@ -256,7 +256,7 @@ fn jamming_is_reported_for_a_case_designed_to_jam() {
         &case(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
         Model::RacewayControl,
     );
-    let (jams, words) = statement(&high, "jams");
+    let (jams, words) = verdict_on(&high, "jams");
     assert!(jams && words.contains("No thrust lifts"), "{words}");
 }
 
@@ -582,7 +582,7 @@ fn jamming_report_uses_the_closed_form_self_locking_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
     for model in [Model::RacewayControl, Model::Traction] {
         let report = jam(&case(DONG, &steep), model);
-        let (locks, words) = statement(&report, "self_locking_under_load");
+        let (locks, words) = verdict_on(&report, "self_locking_under_load");
         let angle = 0.5
             * (number(&report, "nut_angle_with_permanent_set_deg")
                 + number(&report, "screw_angle_with_permanent_set_deg"));

@@ -59,7 +59,7 @@ fn number(report: &AxisReport, name: &str) -> f64 {
 
 /// Compares all expected numbers within the relative tolerance of the reference. If the expected
 /// number is zero, the output must be missing or below 1e-9.
-fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
+fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
         let expected = expected.as_f64().expect("a number");
@@ -87,7 +87,7 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
         // speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
-        compare(&report, &reference, &[]);
+        assert_matches_reference(&report, &reference, &[]);
     }
 }
 
@@ -138,7 +138,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         inputs.insert("driven_part".into(), json!("nut"));
         let report = sheet(&inputs).expect("a sheet");
-        compare(&report, &reference, &["screw_speed_rpm"]);
+        assert_matches_reference(&report, &reference, &["screw_speed_rpm"]);
         for absent in ["critical_speed_ratio", "inertia_of_screw_kg_m2"] {
             assert_eq!(report.number(named(absent)), None, "{absent}");
         }
@@ -153,7 +153,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         inputs.remove("feed_m_min");
         inputs.insert("nut_speed_rpm".into(), json!(-speed));
         let by_speed = sheet(&inputs).expect("a sheet");
-        compare(&by_speed, &reference, &["screw_speed_rpm"]);
+        assert_matches_reference(&by_speed, &reference, &["screw_speed_rpm"]);
         inputs.insert("screw_speed_rpm".into(), json!(1));
         let why = sheet(&inputs).expect_err("both turn").to_string();
         assert!(why.contains("one driven part"), "{why}");
@@ -188,7 +188,7 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
     for reference in reference_cases("thermal") {
         let inputs = reference["inputs"].as_object().expect("inputs");
         let report = sheet(inputs).expect("a sheet");
-        compare(&report, &reference, &["balance_W"]);
+        assert_matches_reference(&report, &reference, &["balance_W"]);
         let named = report.answer.texts("not_modeled");
         assert!(named.iter().all(|text| !text.starts_with("temperatures")), "{named:?}");
     }
