@@ -46,7 +46,7 @@ impl Mount {
         self.overrun.unwrap_or(OVERRUN_LEADS * lead)
     }
 
-    /// Returns the length of the thread \[m\], which is the sum of stroke, nut length and the
+    /// Returns the length of the thread \[m\]: the sum of the stroke, the nut length and the
     /// overruns at both ends.
     ///
     /// * `lead`, `nut_length`, `stroke`: lead, nut length and stroke \[m\].
@@ -189,9 +189,9 @@ impl Axis {
         self.phases.iter().flat_map(|phase| phase.duty(self.preload)).collect()
     }
 
-    /// Returns the largest speed number \[m·rad/s\] (Z15), which is a measure of the loads on the
-    /// ball return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the type of ball
-    /// return.
+    /// Returns the largest speed number \[m·rad/s\] (Z15). The speed number is a measure of the
+    /// loads on the ball return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the
+    /// type of ball return.
     ///
     /// Source: ISO 3408-1; catalogs of manufacturers such as HIWIN BS-08-2, F 3.29, which use the
     /// nominal diameter.

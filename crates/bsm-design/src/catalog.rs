@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::nut::turn_length;
 use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
 
-/// Number of unloaded balls per turn, which are in the ball return.
+/// Number of balls per turn that carry no load because they are in the ball return.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
 
 /// Increment of pitch circle diameters \[m\].

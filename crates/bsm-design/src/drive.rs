@@ -195,7 +195,8 @@ pub struct DriveTrain {
     /// Moment of inertia of the driven part (screw or nut) and of everything that rotates with it
     /// \[kg·m²\].
     pub driven_inertia: f64,
-    /// Mass moved by one screw \[kg\], which is its share of the moving mass and the counterweight.
+    /// Mass moved by one screw \[kg\]: the share of this screw in the moving mass and the
+    /// counterweight.
     pub mass: f64,
     /// Ratio of motor speed to screw speed, positive.
     pub gear_ratio: f64,

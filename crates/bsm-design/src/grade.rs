@@ -66,7 +66,7 @@ impl Grade {
     }
 
     /// Returns the permitted travel deviation `$e_p$` over a useful travel \[m\] (Z34), or `None`
-    /// if the table does not cover the travel.
+    /// if the travel is outside the range of the table.
     pub fn deviation(&self, travel: f64) -> Option<f64> {
         /// Travel to which the permitted variation `$v_{300p}$` refers \[m\].
         const STATED: f64 = 0.3;
@@ -78,7 +78,7 @@ impl Grade {
     }
 
     /// Returns the permitted travel variation within the useful travel, `$v_{up}$` \[m\]. Returns
-    /// `None` if the table does not cover the travel, or if the deviation of the grade is
+    /// `None` if the travel is outside the range of the table, or if the deviation of the grade is
     /// proportional to the travel.
     pub fn variation_of_travel(&self, travel: f64) -> Option<f64> {
         self.row(travel).and_then(|(.., variation)| *variation)
@@ -89,8 +89,8 @@ impl Grade {
         self.travels.iter().find(|(longest, ..)| travel <= longest * (1.0 + 1e-12))
     }
 
-    /// Returns the largest possible travel error \[m\] (Z35), or `None` if the table does not cover
-    /// the travel.
+    /// Returns the largest possible travel error \[m\] (Z35), or `None` if the travel is outside
+    /// the range of the table.
     pub fn worst_error(&self, travel: f64) -> Option<f64> {
         let deviation = self.deviation(travel)?;
         if self.travels.is_empty() {

@@ -142,7 +142,7 @@ impl EstimatedGroove {
 pub struct GrooveEstimate {
     /// Catalog row from which the groove is estimated.
     pub line: CatalogLine,
-    /// Log evidence, which is the logarithm of the probability density of this row under the prior.
+    /// Log evidence: the logarithm of the probability density of this row under the prior.
     pub ln_evidence: f64,
     /// All hypotheses, sorted by ball diameter and then by number of loaded balls.
     pub hypotheses: Vec<Hypothesis>,
@@ -367,8 +367,7 @@ impl CatalogLine {
         Some(self.static_rating? / one_ball)
     }
 
-    /// Returns the logarithm of the loaded share of a turn for a known groove, which is `$r_0$` of
-    /// (AB1).
+    /// Returns the logarithm of the loaded share of a turn for a known groove (`$r_0$` in (AB1)).
     fn ln_loaded_share(
         &self,
         KnownGroove { ball_diameter, turns, .. }: &KnownGroove,
@@ -462,8 +461,8 @@ impl GrooveEstimate {
         at.map_or(f64::NAN, |hypothesis| hypothesis.loaded_balls)
     }
 
-    /// Returns the probability that the dynamic rating is raised for clean steel, which is zero
-    /// without a static rating.
+    /// Returns the probability that the dynamic rating is raised for clean steel. Without a static
+    /// rating, the probability is zero.
     pub fn clean_steel_probability(&self) -> f64 {
         let raised = |hypothesis: &&Hypothesis| {
             hypothesis.excess.is_some_and(|excess| excess > CLEAN_STEEL_EXCESS)
@@ -720,7 +719,7 @@ mod tests {
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
     }
 
-    /// The first draws are the same for any total number of draws.
+    /// The first draws do not depend on the total number of draws.
     #[test]
     fn first_draws_do_not_depend_on_the_number_of_draws() {
         let estimate = sfu().estimate().expect("usual ratings");

@@ -66,7 +66,7 @@ impl EndFixity {
         match self {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
-            // The value is (x/π)² with the smallest positive root of tan x = x.
+            // The value is (x/π)², where x is the smallest positive root of tan x = x.
             Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }

@@ -342,7 +342,7 @@ impl Screw<'_> {
 /// Report on an axis: results, design rules and the phases of the duty cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// Case for which the sheet was calculated.
+    /// Case for which the axis sheet was calculated.
     pub case: Case,
     /// Settings used to calculate friction.
     pub settings: Settings,
@@ -781,7 +781,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
-    // These inputs have an effect even without the thermal network.
+    // The inputs in this list have an effect even without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -800,8 +800,8 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// Returns the case at the largest load and speed of the axis, which is used to calculate the
-/// ratings.
+/// Returns the case at the largest load and speed of the axis. The ratings are calculated for this
+/// case.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
     // The load already includes the forces on the moving mass, and a separate rule checks the warm
     // preload.

@@ -24,7 +24,7 @@ quantities! { pub(crate) QUANTITIES, read(&LossInterval) of Band;
     }
 }
 
-/// Inputs that are required to calculate the intervals, which are the inputs of a lubricated ball.
+/// Inputs of a lubricated ball, which are required to calculate the intervals.
 pub(crate) const NEEDS: Needs = Needs::LUBRICATED;
 
 /// Note that explains why a lubricated point has no interval.

@@ -104,9 +104,9 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// Returns a ball and a flag. If the case gives running contact angles, this is a ball that
-    /// rolls at these angles, with the contact ellipses of the solution, and the flag is true.
-    /// Otherwise, this is the ball of the solution, and the flag is false.
+    /// Returns the ball of the solution, and `false`. If the case contains running contact angles,
+    /// the ball rolls at these angles instead, with the contact ellipses of the solution, and the
+    /// second value is `true`.
     ///
     /// # Errors
     ///

@@ -577,8 +577,8 @@ impl NutReport {
     fn secant(&self) -> Option<f64> {
         let axial = self.problem.axial();
         // The reference is the displacement without axial load if preload, misalignment or side
-        // loads press the balls. Otherwise it is the position at which the first ball touches the
-        // grooves.
+        // loads press the balls against the grooves. Otherwise, the reference is the position at
+        // which the first ball touches the grooves.
         let without = self.made.nut.solve(&self.problem.support.with_axial(0.0)).ok();
         let pressed = without.filter(|found| found.max_load() > 0.0);
         let from = pressed.map_or(0.0, |found| found.displacement[0]);

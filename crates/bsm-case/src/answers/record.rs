@@ -575,8 +575,8 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// Returns the message for the reason why a model has no solution, with numbers in the units of the
-/// outputs.
+/// Returns the message for the reason why a model has no solution. Numbers in the message have the
+/// units of the outputs.
 #[expect(clippy::too_many_lines, reason = "the match has one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {

@@ -26,8 +26,8 @@ impl Scales {
         Self(scales)
     }
 
-    /// Returns the number, or zero if the number is a rounding error. A number without a unit has
-    /// no scale and is returned unchanged.
+    /// Returns the number, or zero if it is only a rounding error at the scale of its unit. A
+    /// number without a unit has no scale and is returned unchanged.
     pub fn clean(&self, unit: &str, value: f64) -> f64 {
         let scale = self.0.iter().find(|(known, _)| !unit.is_empty() && *known == unit);
         let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);

@@ -17,7 +17,8 @@ const AT_A_TIME: usize = 8;
 pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
     | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
 
-/// A number with its derivatives with respect to several inputs, in the units of these inputs.
+/// A number together with its derivatives with respect to several inputs, in the units of these
+/// inputs.
 type Jets = Jet<AT_A_TIME>;
 
 /// A case that is prepared for derivatives with respect to several inputs.
@@ -67,8 +68,8 @@ impl Sensitivities {
     ///
     /// Returns the errors of [`Case::problem`].
     pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
-        // The derivatives are calculated at the temperatures of the warm state, which are held
-        // constant.
+        // The derivatives are calculated for constant temperatures, which are the temperatures of
+        // the warm state.
         let case = &case.in_warm_state(settings)?;
         let model = case.ask(settings)?;
         let used = Cell::new(InputSet::default());

@@ -341,7 +341,7 @@ fn lacking<'a>(
     let mut missing = Vec::new();
     for Quantity { words, forms } in quantities {
         let begun = forms.iter().filter(|form| given.contains(form.key));
-        // Inputs in `self.all` are reported separately below.
+        // Inputs in `all` are reported separately below.
         let lacks = |form: &Form| form.with.without(given).without(all);
         match begun.min_by_key(|form| lacks(form).iter().count()) {
             None => missing.push((*words).to_owned()),

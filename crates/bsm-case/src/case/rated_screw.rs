@@ -15,7 +15,7 @@ use crate::{Case, CaseError, InputKey, InputSet};
 /// Inputs for the catalog ratings. Results for an axis need at least one of them.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
-/// Results that are omitted from the sheet of a screw with only catalog data.
+/// Results that are omitted from the axis sheet if only catalog data of the screw are given.
 pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life from the loads of all \
     balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
     from a ball model, and lubricant film; ball return, and jamming.";

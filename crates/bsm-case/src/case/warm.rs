@@ -48,7 +48,7 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
-    /// The results that decide whether an axis is suitable.
+    /// Selects the results that decide whether an axis is suitable.
     pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
 }
 

@@ -88,7 +88,7 @@ pub struct Table {
 /// A column of a result table.
 #[derive(Debug, Clone)]
 pub struct Column {
-    /// Name in JSON. A column with an empty name is only shown on the screen.
+    /// Name of the column in JSON. A column with an empty name is shown only on the screen.
     pub name: &'static str,
     /// Type of the cells, as named in the schema of answers. Defaults to `number`.
     pub kind: &'static str,
@@ -350,7 +350,7 @@ impl Answer {
         }
     }
 
-    /// Returns the numbers of all sections that have a JSON member name.
+    /// Returns the quantities of all sections that have a JSON member name.
     pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
         self.sections.iter().filter_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
@@ -358,7 +358,8 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the last section of numbers that is shown only on the screen.
+    /// Returns the quantities of the last section that consists of quantities and is shown only on
+    /// the screen.
     pub fn shown_numbers(&self) -> Option<&Numbers> {
         self.sections.iter().rev().find_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_none() => Some(numbers),
@@ -366,7 +367,7 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the first section of numbers.
+    /// Returns the quantities of the first section that consists of quantities.
     pub(crate) fn into_numbers(self) -> Numbers {
         let numbers = self.sections.into_iter().find_map(|section| match section.content {
             Content::Numbers { numbers, .. } => Some(numbers),

@@ -1,5 +1,5 @@
-//! Inputs of a case that are not numbers: lists, objects, strings and flags of its nut, axis and
-//! lubricant.
+//! Inputs of a case that are not single numbers: lists, objects, strings and flags for nut, axis
+//! and lubricant.
 
 use std::borrow::Cow;
 

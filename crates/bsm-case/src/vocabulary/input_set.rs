@@ -307,7 +307,7 @@ impl InputSet {
     /// Lubricant inputs that must be constant in a table in which only the temperature of the
     /// lubricant varies.
     pub(crate) const OF_ONE_LUBRICANT: Self = {
-        // These inputs are also valid for a dry ball.
+        // Lubricant inputs that are also valid for a dry ball.
         let more = inputs! {
             lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
         };

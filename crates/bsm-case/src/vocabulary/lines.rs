@@ -36,8 +36,8 @@ impl OtherSeparator {
     }
 }
 
-/// Lines of a text, numbered as in an editor. A line ends with LF, CRLF or CR. Blank lines are only
-/// permitted at the end.
+/// Lines of a text, numbered as in an editor. A line ends with LF, CRLF or CR. Blank lines are
+/// permitted only at the end.
 pub struct Lines<R> {
     reader: BufReader<R>,
     line: Vec<u8>,

@@ -86,7 +86,7 @@ fn slip_powers_add_up_to_the_dissipated_power() {
 }
 
 /// The printed formula for each contact uses the contact angle of the other contact. If both angles
-/// are equal, the printed and the corrected results are equal. Otherwise the printed results equal
+/// are equal, the printed and the corrected results are equal. Otherwise, the printed results equal
 /// the corrected spin slip with the contacts exchanged. There is no formula for the unloaded flank.
 #[test]
 fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
@@ -306,7 +306,7 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
             // permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
-            // These yield strengths correspond to steel with a hardness of 60 HRC.
+            // The yield strengths correspond to steel with a hardness of 60 HRC.
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
@@ -644,7 +644,7 @@ fn column_names_are_unambiguous() {
     assert_eq!(twice, shared);
     let inputs: Vec<_> =
         INPUTS.iter().map(|input| input.name).filter(|name| names.contains(name)).collect();
-    // These outputs have the names of inputs. They contain values that are calculated if the inputs
+    // The listed outputs have the names of inputs. They contain calculated values for inputs that
     // are not given.
     let same = [
         "pressure_viscosity_1_GPa",

@@ -26,8 +26,8 @@ fn error_text(json: &str) -> String {
     result.expect_err(json).to_string()
 }
 
-/// The name of an output is recognized as such. The program used to suggest `seal_torque_Nm`, which
-/// is spelled similarly but has another meaning.
+/// The error message recognizes the name of an output. The program used to suggest `seal_torque_Nm`
+/// instead, which is spelled similarly but has another meaning.
 #[test]
 fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
@@ -214,7 +214,7 @@ fn errors_state_key_value_and_permitted_range() {
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
-/// A review found that inputs outside the range of a model were only rejected after the
+/// A review found that inputs outside the range of a model were rejected only after the
 /// calculation.
 #[test]
 fn values_outside_the_model_range_are_rejected_before_solving() {
@@ -247,7 +247,7 @@ fn auto_states_error_bound_and_reason_of_its_choice() {
         let bound = record.number(output!(efficiency_error_bound)).expect("a bound");
         assert!(bound <= tolerance, "{bound} {tolerance}");
         let why = record.choice().expect("a reason");
-        // An audit found that some numbers were printed with five digits next to an error bound
+        // An audit found that some outputs were printed with five digits next to an error bound
         // that did not apply to them.
         let json = record.to_json();
         let marked = json["without_error_bound"].as_array().map_or(0, |names| {

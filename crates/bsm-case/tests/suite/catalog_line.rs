@@ -363,7 +363,7 @@ fn life_does_not_depend_on_the_estimated_groove() {
 
 /// The groove of each table row is estimated separately. If no groove has the ratings of a row, or
 /// if the given groove has other ratings, the row is kept, and a message states both sets of
-/// numbers.
+/// values.
 #[test]
 fn table_rows_get_estimated_grooves_and_contradictions_are_reported() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N

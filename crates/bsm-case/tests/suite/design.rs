@@ -52,7 +52,7 @@ fn case_of_the_selected_screw_meets_the_requirement() {
     let same = |a: Option<f64>, b: Option<f64>| {
         let (a, b) = (a.expect("a number"), b.expect("a number"));
         // The conformity is rounded to 5e-7. The life depends on the third power of the difference
-        // between conformity and 1/2, which is 0.02.
+        // between conformity and 1/2, and this difference is 0.02.
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));

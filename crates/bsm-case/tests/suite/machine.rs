@@ -10,7 +10,7 @@ use crate::named;
 const CASES: &str = include_str!("machine.json");
 
 /// Returns catalog inputs that are missing in the reference cases and do not affect the compared
-/// numbers.
+/// outputs.
 fn neutral_catalog_inputs() -> Value {
     json!({
         "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,
@@ -57,8 +57,8 @@ fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(named(name)).or(screw).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Compares all expected numbers within the relative tolerance of the reference. If the expected
-/// number is zero, the output must be missing or below 1e-9.
+/// Compares all outputs with the expected values, within the relative tolerance of the reference.
+/// If the expected value is zero, the output must be missing or below 1e-9.
 fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
@@ -399,7 +399,7 @@ fn sheet_and_warm_state_use_the_same_thermal_network() {
 }
 
 /// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
-/// sheet of the selected screw contains the same numbers.
+/// sheet of the selected screw contains the same values.
 #[test]
 fn select_and_axis_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");

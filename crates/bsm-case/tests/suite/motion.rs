@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::named;
 
 /// Adds a catalog screw without inertia to inputs that contain no screw. None of the compared
-/// numbers depends on the screw.
+/// outputs depends on the screw.
 fn with_catalog_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
     let screw = [
@@ -55,7 +55,7 @@ fn axis(more: &Value) -> Value {
     all
 }
 
-/// The expected values were calculated independently of the program. All numbers agree to 1e-6.
+/// The expected values were calculated independently of the program. All outputs agree to 1e-6.
 #[test]
 fn motion_stop_motor_and_life_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");

@@ -25,7 +25,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The specification and the program use different names for this input.
+    // The bearing stiffness has one name in the specification and another name in the program.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
@@ -294,7 +294,7 @@ fn outputs_of_the_warm_state_are_equal_in_all_commands() {
         .expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
-    // The same nut is solved with the calculated temperatures as given inputs.
+    // The nut of the warm state is solved again with the calculated temperatures as given inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");

@@ -55,7 +55,7 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
-        // This call fails if the thread that stroke and nut require is longer than the unsupported
+        // `travel` fails if the thread that stroke and nut require is longer than the unsupported
         // length.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());

@@ -228,8 +228,8 @@ pub(crate) struct Preload {
     pub(super) cold: f64,
     /// Preload including the effect of temperature rises \[N\].
     pub(super) warm: f64,
-    /// Drag torque according to the manufacturers' rule, which is the expected result of a
-    /// measurement.
+    /// Drag torque according to the manufacturers' rule. A measurement is expected to give this
+    /// torque.
     pub(super) by_rule: f64,
     /// Drag torque of the ball contacts only; `None` if friction is not known.
     pub(super) of_contacts: Option<f64>,

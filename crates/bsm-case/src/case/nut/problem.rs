@@ -463,8 +463,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// If neither load nor preload is given, returns the case of a nut pair with a typical preload,
-/// which is a fixed fraction of the dynamic load rating. Returns `None` otherwise.
+/// If neither load nor preload is given, returns the case of a nut pair whose preload is a typical
+/// fraction of the dynamic load rating. Returns `None` otherwise.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
