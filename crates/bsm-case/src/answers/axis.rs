@@ -350,7 +350,7 @@ pub struct AxisReport {
     pub phases: Vec<ScrewTorque>,
     /// Order data of the screw.
     pub order: Order,
-    /// Warnings in the answer, each with the selection limit that it concerns, if any.
+    /// Warnings in the answer, each with the corresponding selection limit, if there is one.
     pub warnings: Vec<Warning>,
     /// Answer with results, rules, notes and tables.
     pub answer: Answer,

@@ -293,7 +293,7 @@ impl Fit {
         Self::with(case, input, measurement.target()?)
     }
 
-    /// Works like [`new`](Self::new), but takes strings in the forms of [`FittedInput::parse`] and
+    /// Works like [`new`](Self::new), but parses strings with [`FittedInput::parse`] and
     /// [`Measurement::parse`].
     ///
     /// # Errors

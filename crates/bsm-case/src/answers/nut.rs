@@ -572,8 +572,8 @@ impl NutReport {
             .then(|| nut.load_bound(axial).ok())?
     }
 
-    /// Returns the secant stiffness: the ratio of the axial load to the displacement that it causes
-    /// \[N/m\].
+    /// Returns the secant stiffness \[N/m\]: the axial load divided by the displacement due to this
+    /// load.
     fn secant(&self) -> Option<f64> {
         let axial = self.problem.axial();
         // The reference is the displacement without axial load if preload, misalignment or side

@@ -238,8 +238,8 @@ fn is_without_friction(why: &NoSteadyState) -> bool {
 
 impl Case {
     /// Returns the case with the temperature rises, the screw tension and the lubricant temperature
-    /// of the warm steady state that it requests. If no warm state is requested, the case is
-    /// returned unchanged.
+    /// of its warm steady state. If the case does not request a warm state, it is returned
+    /// unchanged.
     ///
     /// # Errors
     ///

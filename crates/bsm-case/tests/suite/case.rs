@@ -100,7 +100,8 @@ fn auto_chooses_the_most_complete_model() {
     let rigid = Model::Rigid;
     let [closed, quasi, gross_skid] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
-    // If both conformities are given, the error of each model is bounded, so `auto` is kept.
+    // If both conformities are given, the error of each model is bounded, so the choice remains
+    // `auto`.
     let auto = Some(ModelChoice::Auto);
     assert_eq!(
         chosen,

@@ -384,8 +384,8 @@ fn a_new_load_or_speed_replaces_the_cycle() {
     assert!(report.answer.notes.iter().any(|own| own.contains(note)), "{:?}", report.answer.notes);
 }
 
-/// Process forces of a jack or a lift also act at rest, but the program cannot know this from
-/// `axial_load_N`, so it must say what it assumes.
+/// Process forces of a jack or a lift also act at rest. The program cannot know this from
+/// `axial_load_N`, so a note must state which assumption is made.
 #[test]
 fn axial_load_acts_at_rest_only_if_given_as_hold_force() {
     let jack = |hold: Option<f64>| {

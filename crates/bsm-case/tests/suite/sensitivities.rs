@@ -378,8 +378,8 @@ proptest! {
         }
     }
 
-    /// The derivatives with `auto` equal the derivatives with the model that it chose, with the
-    /// same settings.
+    /// The derivatives with `auto` equal the derivatives with the model that `auto` chose, if the
+    /// other settings are the same.
     #[test]
     fn auto_derivatives_match_the_chosen_model(case in random_cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };

@@ -25,7 +25,6 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The bearing stiffness has one name in the specification and another name in the program.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
@@ -122,7 +121,7 @@ fn conductances_are_listed_with_their_origin() {
     }
 }
 
-/// Without a given air temperature, the program used to take the temperature at which the preload
+/// If no air temperature is given, the program used to assume the temperature at which the preload
 /// is set.
 #[test]
 fn air_temperature_defaults_to_20_degrees() {
@@ -513,8 +512,9 @@ fn axis_at_rest_has_the_temperature_of_its_surroundings() {
     assert!(nut.number(output!(max_contact_load_N)).is_some_and(|load| load > 0.0));
 }
 
-/// The warm state affects the selection. The lightest screw that is selected without it violates a
-/// rule when warm, while the screw that is selected with it meets all rules.
+/// The warm state affects the selection. If the selection neglects the warm state, the lightest
+/// screw violates a rule when warm. If the selection considers the warm state, the selected screw
+/// meets all rules.
 #[test]
 fn selection_takes_the_warm_state_into_account() {
     let catalog = Catalog::standard().expect("compiled in");

@@ -260,7 +260,7 @@ impl NutProblem {
                 self.nut.preloaded(by, displacement)
             }
         };
-        // The preload is set cold, and the offset or oversize is kept             (U19)
+        // The preload is set cold, and warming keeps the offset or oversize      (U19)
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),
