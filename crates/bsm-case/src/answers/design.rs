@@ -268,8 +268,8 @@ impl RequirementFile {
         case(self, &Design::of(&self.problem, *nut, None))
     }
 
-    /// Returns the outputs in [`sheet_columns`] for a nut in the axis of the requirement, with NaN
-    /// for missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
+    /// Returns the outputs [`sheet_columns`] for a nut in the axis of the requirement, with NaN for
+    /// missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
         let report = self.judge(&self.case_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.into()).unwrap_or(f64::NAN);
@@ -308,7 +308,7 @@ impl RequirementFile {
         }
     }
 
-    /// Returns the reasons why a screw is not selected: the names of violated rules on its axis
+    /// Returns the reasons why a screw is not selected: the names of the violated rules on its
     /// sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
         &'a self,
@@ -320,9 +320,9 @@ impl RequirementFile {
     }
 }
 
-/// Checks a nut against the rules of its axis sheet and the warnings that are selection limits. The
-/// search itself does not calculate the loads of all balls, so the efficiency of a preloaded nut is
-/// checked here, too.
+/// Checks a nut against the rules of its sheet and the warnings that are selection limits. The
+/// search does not calculate all balls of a nut, so the efficiency of a preloaded nut is checked
+/// here, too.
 fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = requirement.case_of(nut);
@@ -354,8 +354,8 @@ fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> O
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
-/// Returns the case of a design in the axis of the requirement. The load follows from a given
-/// torque, and the preload follows from a given preload class.
+/// Returns the case of a design in the axis of the requirement, with the load that a given torque
+/// produces and the preload of a preload class.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
@@ -475,7 +475,7 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     }
 }
 
-/// Returns the nominal diameter that manufacturers list for a chosen screw \[mm\], and true if a
+/// Returns the nominal diameter that manufacturers list for a chosen screw \[mm\], and whether a
 /// manufacturer publishes the ball diameter.
 fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
@@ -491,7 +491,7 @@ fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     Some((decimal(size.diameter / MM), printed))
 }
 
-/// Describes a rule of the axis sheet that is violated by the best screw within all other limits.
+/// Describes a rule of the sheet that the best screw within all other limits violates.
 fn breaks(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
     let number = |value: f64| format!("{} {}", trimmed(value), unit.text).trim_end().to_owned();

@@ -206,7 +206,7 @@ pub struct ManufacturerRow {
     pub numbers: Vec<ListNumber>,
     /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
     pub verdict: Option<Verdict>,
-    /// Warnings from the axis sheet of the nut.
+    /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
     /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
     /// groove is given.
@@ -230,7 +230,7 @@ const MIN_ROWS_OF_MEDIAN: usize = 5;
 /// Plausible range of a row's rating ratio, relative to the median of its table.
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 
-/// A value in a list of nuts.
+/// A number of a nut in a list.
 #[derive(Debug, Clone, Copy)]
 pub struct ListNumber {
     /// Output of the column, with name, unit and meaning.
@@ -435,8 +435,8 @@ impl ManufacturerRow {
         bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
     }
 
-    /// Returns the columns of a table with the given rows. If any value in a column depends on an
-    /// estimated groove, two columns with the ends of the 90 % intervals follow.
+    /// Returns the columns of a table of rows. If any number in a column depends on an estimated
+    /// groove, two columns with the ends of the 90 % intervals follow.
     pub fn table(rows: &[&Self]) -> Vec<TableColumn> {
         let Some(first) = rows.first() else { return Vec::new() };
         let text = |name: &str, cell: &dyn Fn(&Self) -> Option<String>| -> TableColumn {

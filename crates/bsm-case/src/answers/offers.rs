@@ -15,8 +15,8 @@ pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second
                                   -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
-/// Names of the results for which a smaller value is better. For the other results in
-/// [`sheet_columns`], a larger value is better, except for the results in [`NEITHER`].
+/// Numbers for which a smaller value is better. A larger value is better for the other numbers of
+/// [`sheet_columns`], except for the numbers in [`NEITHER`].
 const SMALLER: [&str; 5] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",

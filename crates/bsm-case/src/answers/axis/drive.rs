@@ -34,7 +34,7 @@ pub(super) struct Stop {
 }
 
 impl AxisState<'_> {
-    /// Returns the largest magnitude of a quantity among the starts and ends of all phases.
+    /// Returns the largest magnitude of a quantity at the starts and ends of all phases.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
         let ends = self.torques.iter().flat_map(|torques| &torques.ends);
         let all: Option<Vec<f64>> = ends.map(|torques| number(self, torques)).collect();

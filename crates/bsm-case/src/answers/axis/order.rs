@@ -53,7 +53,7 @@ impl AxisState<'_> {
         let (in_mm, force, torque_unit) = (units.of("mm"), units.of("N"), units.of("N m"));
         let mm = |meters: f64| trimmed(in_mm.value(meters / MM));
         let length = |meters: f64| units.length(meters / MM);
-        // A calculated land diameter must not be printed as the nominal diameter.
+        // A calculated land diameter must not be stated as the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, |nominal| trimmed(in_mm.value(nominal)));

@@ -123,8 +123,7 @@ impl Torques {
         Some(self.ideal + self.point.direction() * self.friction()?)
     }
 
-    /// Returns a sentence that states which percentage of the input power each contribution to the
-    /// torque dissipates.
+    /// Describes which percentage of the input power each part dissipates.
     pub(super) fn costs(&self) -> Option<String> {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
