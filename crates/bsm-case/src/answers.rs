@@ -28,7 +28,7 @@ pub(crate) mod slip;
 pub(crate) mod warm;
 pub(crate) mod warnings;
 
-/// Names of all result tables in the JSON schema, each with the definition of its columns.
+/// Names of all result tables in the schema, each with the definition of its columns.
 pub const TABLES: [(&str, &str); 14] = [
     ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),

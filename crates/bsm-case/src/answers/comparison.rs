@@ -24,9 +24,9 @@ const SHOWN: [(&str, &str); 9] = [
     ("", "time us"),
 ];
 
-/// Solves a case with all models whose inputs are given, and measures the time of one solver run
-/// \[µs\]. The models are ordered by the number of inputs that they need. The answer states why
-/// other models are omitted. If the groove is estimated, the results have 90 % intervals.
+/// Solves a case with all models whose inputs are given, ordered by the number of inputs, and
+/// measures the time of one solver run \[µs\]. The answer states why other models are omitted. If
+/// the groove is estimated, the numbers have 90 % intervals.
 ///
 /// # Errors
 ///

@@ -25,9 +25,9 @@ pub struct EllipseFields {
     warnings: Vec<String>,
 }
 
-/// Columns of a contact. Coordinates are divided by the semi-axes, and the first coordinate is
-/// across the groove. Friction is divided by the normal pressure. Each field is a list of grid rows
-/// along the groove, with null outside the ellipse.
+/// Columns of a contact. Coordinates are relative to the semi-axes, with the first coordinate
+/// across the groove. Friction is relative to the normal pressure. Fields are stored row by row,
+/// with rows along the groove and null outside the ellipse.
 pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
     | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction / load \
     | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \

@@ -24,8 +24,7 @@ pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string="
 ///
 /// * `quantities`: quantities that the analysis can calculate.
 /// * `verdicts`: names and wordings of the true-or-false statements.
-/// * `lacks`: sentences about parts of the analysis that are omitted for reasons other than missing
-///   inputs.
+/// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
     case: &Case,

@@ -440,8 +440,7 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     }
 }
 
-/// Range of those ball columns that the JSON output of a nut contains as lists: loads and contact
-/// angles.
+/// Range of the ball columns that the JSON of a nut contains as lists: loads and contact angles.
 pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
 
 /// A ball in a nut under load.
@@ -468,7 +467,7 @@ impl OneBall<'_> {
     }
 }
 
-/// Columns of the load-displacement curve after the first column, which contains the load.
+/// Columns of the load-displacement curve that follow the column of the load.
 const CURVE: [OutputName; 6] = [
     output!(nut_displacement_um),
     output!(nut_stiffness_N_um),

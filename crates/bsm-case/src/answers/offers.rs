@@ -8,7 +8,7 @@ use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table, Verdict};
 
-/// Columns of the tables that compare the rules, results and inputs of two offers.
+/// Columns of the tables that compare the rules, numbers and inputs of two offers.
 pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
                                 -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
@@ -108,10 +108,10 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         .with("inputs", Content::Table(Table::of(INPUTS, differing([first, second]))))
 }
 
-/// Cells of a table row, and the intervals that the screen shows next to the values.
+/// Cells of a row, and the intervals that the screen shows next to them.
 type RowOfOffers = (Vec<Value>, Vec<Option<Band>>);
 
-/// Appends the better offer and the intervals of both offers to a table row.
+/// Appends the better offer and the intervals of both offers to the cells of a row.
 fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2]) -> RowOfOffers {
     let mut shown = vec![None; cells.len() - 2];
     shown.extend(bands);
@@ -127,7 +127,7 @@ fn table(columns: &'static str, rows: impl Iterator<Item = (&'static str, RowOfO
     Table { bands, row_units, ..Table::of(columns, rows) }
 }
 
-/// Returns the inputs that differ between the offers, with the value in each offer.
+/// Returns the inputs in which the offers differ, with the value of each offer.
 fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     let inputs = |report: &AxisReport| match report.case.to_json() {
         Value::Object(inputs) => inputs,

@@ -9,8 +9,7 @@ use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// Returns the JSON schemas of the members of a type. `contract` states whether the schema
-/// describes values to read or values to write.
+/// Returns the JSON schemas of the members of a type that is read or written, as `contract` states.
 pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.contract = contract;

@@ -90,7 +90,7 @@ pub struct Table {
 pub struct Column {
     /// Name of the column in JSON. A column with an empty name is shown only on the screen.
     pub name: &'static str,
-    /// Type of the cells, as named in the schema of answers. Defaults to `number`.
+    /// Kind of the cells, with the name used in the schema of answers. Defaults to `number`.
     pub kind: &'static str,
     /// Unit of the column as text.
     pub unit: &'static str,
@@ -116,7 +116,7 @@ impl Column {
     }
 }
 
-/// A rule that limits a quantity.
+/// A rule that limits a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
     /// Title of the rule.
@@ -318,7 +318,7 @@ impl Answer {
         }
     }
 
-    /// Adds a section that is shown only on the screen.
+    /// Adds a section that is only shown on the screen.
     #[must_use]
     pub fn with_shown(mut self, content: Content) -> Self {
         self.sections.push(Section { member: None, content });

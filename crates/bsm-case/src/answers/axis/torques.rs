@@ -33,8 +33,8 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     }
 }
 
-/// The screw torque and its contributions. For a phase of a cycle, `numbers` also includes the
-/// results that follow from the torque.
+/// The screw torque and its parts. For a phase of a cycle, the numbers also include the results
+/// that follow from the torque.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
     /// Screw torque, its contributions, and results derived from the torque.
