@@ -22,7 +22,7 @@ const CENTER: [&str; 8] = [
 /// result.
 const RIGID: &str = "support_bearing_stiffness_N_um=1e12";
 
-fn machining_center(more: &[&str]) -> AxisReport {
+fn center(more: &[&str]) -> AxisReport {
     axis(&[&CENTER[..], &["support=fixed-fixed", "feed_m_min=20"], more].concat())
 }
 
@@ -39,7 +39,7 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
 /// noticeably.
 #[test]
 fn pretension_force_is_calculated_and_checked_by_a_rule() {
-    let report = machining_center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
+    let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),
         ("critical_speed_ratio", 0.446_75),
@@ -55,12 +55,12 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
         near(number(&report, name), value, 2e-5, name);
     }
     assert!(rule(&report, "pretension left").passes());
-    let soft = machining_center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
+    let soft = center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
     near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
     near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
     // At 8 K above the bed, the screw has lost its tension, and its compression reduces the
     // buckling safety.
-    let warm = machining_center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
+    let warm = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
     let slack = rule(&warm, "pretension left");
     let help = slack.remedy.as_deref().expect("it fails");
@@ -70,9 +70,9 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
     // A pretension that is given as a force has the same effect as the equivalent temperature
     // difference.
-    let by_force = machining_center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
+    let by_force = center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
     near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
-    let bearings = machining_center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
+    let bearings = center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
     assert!(!rule(&bearings, "support bearings").passes());
     for (more, words) in [
         (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
