@@ -134,8 +134,8 @@ fn phases(machine: &Machine) -> Vec<(f64, f64)> {
     samples.map(|(time, point)| (time, point.speed.abs())).collect()
 }
 
-/// Returns the conductances of the thermal network and its temperature rises, or `None` if the
-/// network equations are singular.
+/// Returns the thermal network and its temperature rises, or `None` if the network equations are
+/// singular.
 fn rises(
     axis: &ThermalAxis,
     phases: &[(f64, f64)],
