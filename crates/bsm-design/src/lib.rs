@@ -1,6 +1,6 @@
 //! Design of ball screws, in SI units. The crate calculates ratings, stiffness, mass and life of a
-//! nut, lists the catalog of all nuts of standard sizes, selects a screw that meets a requirement,
-//! checks the design rules of an axis, and estimates the groove from a catalog row.
+//! nut, generates a catalog of all nuts with standard sizes, selects a screw that meets a
+//! requirement, checks the design rules of an axis, and estimates the groove from a catalog row.
 //!
 //! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
 //! `21-groove-from-ratings.md`.

@@ -13,7 +13,7 @@ use crate::{
 /// Load on the screw, specified by the duty cycle of the machine or by a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadCase {
-    /// Forces and speeds of the phases, at least one of which is in motion.
+    /// Forces and speeds of the phases. The axis must move in at least one phase.
     Cycle(Vec<ProfileSegment>),
     /// Torque on the screw \[N·m\] and speed of the screw.
     Torque(f64, DutySpeed),
@@ -223,7 +223,7 @@ pub struct Requirement {
     pub stock: Vec<f64>,
 }
 
-/// Quantities that a design must satisfy, in the order of the steps of Lin's procedure.
+/// Quantities of a design that may have limits, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say what the values are; SI units")]
 pub enum Quantity {
@@ -334,8 +334,8 @@ impl Requirement {
     /// Returns the requirement with an upper limit of the number of loaded turns. If the limit is
     /// missing, the default limit is used.
     ///
-    /// * `listed`: limit that a list of sizes specifies, or infinity. It may raise the default
-    ///   limit.
+    /// * `listed`: limit from a list of sizes, or infinity. It replaces the default limit if it is
+    ///   larger.
     #[must_use]
     pub fn with_usual_turns(&self, listed: f64) -> Self {
         let usual = self.searched_turns();

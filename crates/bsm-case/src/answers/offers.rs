@@ -1,5 +1,5 @@
-//! Comparison of two offers for a screw: rules, numbers by which screws are compared, and the
-//! inputs that differ.
+//! Comparison of two offers for a screw: the design rules, the results by which screws are
+//! compared, and the inputs that differ.
 
 use serde_json::{Map, Value};
 
@@ -80,8 +80,8 @@ const SMALLER: [&str; 6] = [
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
-/// Returns `first` or `second`, depending on which value is better, or `None` if the values are
-/// equal or one is missing.
+/// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
+/// equal or a value is missing.
 ///
 /// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
@@ -208,7 +208,7 @@ mod tests {
     /// With a misspelled name in these lists, the comparison would report the worse offer as
     /// better.
     #[test]
-    fn names_of_compared_numbers_exist_on_the_sheet() {
+    fn compared_outputs_exist_on_the_axis_sheet() {
         for name in SMALLER.into_iter().chain(NEITHER) {
             assert!(sheet_columns().any(|column| column.name == name), "{name}");
         }

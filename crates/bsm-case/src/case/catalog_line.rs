@@ -1,5 +1,5 @@
-//! A case that contains only catalog data: nominal diameter, lead and load ratings. The groove is
-//! estimated before a problem is built, so that every command can use the case.
+//! Cases that contain only catalog data: nominal diameter, lead and load ratings. The groove is
+//! estimated before a problem is built, so every command can use such a case.
 
 use bsm_design::{
     CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
@@ -36,8 +36,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns these inputs. If they contain diameter, lead and dynamic load rating, the result
-    /// also contains the inputs of the groove that is estimated from them.
+    /// Returns this set of inputs. If the set contains diameter, lead and dynamic load rating, the
+    /// result also contains the inputs of the groove that is estimated from these inputs.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
@@ -50,7 +50,7 @@ impl InputSet {
         }
     }
 
-    /// Returns true if the estimate of a groove depends on at least one of these inputs.
+    /// Returns true if the estimate of a groove depends on at least one input of this set.
     pub fn changes_groove(self) -> bool {
         self.meets(READ)
     }
@@ -67,7 +67,7 @@ impl Case {
         if estimates { given.with_groove() } else { given }
     }
 
-    /// Returns true if inputs of the groove are estimated.
+    /// Returns true if the groove of the case is estimated, at least in part.
     pub fn has_estimated_groove(&self) -> bool {
         self.nut.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
     }
@@ -88,13 +88,13 @@ impl Case {
         case
     }
 
-    /// Returns the case with a complete groove. If the groove is not fully given, it is estimated
+    /// Returns the case with a complete groove. If the given groove is incomplete, it is estimated
     /// from nominal diameter, lead and load ratings. The case is returned unchanged if the groove
-    /// is complete or if these inputs are missing.
+    /// is already complete or if these inputs are missing.
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::NoGroove`] if no typical groove has these ratings, unless
+    /// Returns [`CaseError::NoGroove`] if no typical groove has the given ratings, unless
     /// `keep_ratings` is true. Returns [`CaseError::OutOfRange`] if an input violates its rule.
     pub fn with_groove(&self) -> Result<Self, CaseError> {
         let line = self.without_estimates();
@@ -152,7 +152,7 @@ impl Case {
         }))
     }
 
-    /// Returns the case with its missing inputs taken from an estimated groove.
+    /// Returns the case in which missing inputs are taken from an estimated groove.
     fn with(&self, groove: &EstimatedGroove) -> Self {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
@@ -182,7 +182,7 @@ impl Case {
         case
     }
 
-    /// Returns the case with one of the possible grooves, whose results show the uncertainty of the
+    /// Returns the case with one of the possible grooves, which represent the uncertainty of the
     /// estimate. If friction is not given, a possible catalog efficiency is added.
     ///
     /// * `draw`: index of the possible groove.
@@ -197,8 +197,8 @@ impl Case {
         case
     }
 
-    /// Returns the message that explains why no groove can be estimated. It states the given
-    /// numbers, the nearest groove with its numbers, and possible mistakes.
+    /// Returns a message that explains why no groove can be estimated. The message states the given
+    /// values, the nearest groove with its ratings, and possible mistakes in the data.
     fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {

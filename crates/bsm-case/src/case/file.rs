@@ -158,7 +158,7 @@ impl Case {
         Ok(())
     }
 
-    /// Checks every given value against its rule, and the relations between the values.
+    /// Checks each given value against its rule, and the rules that relate several values.
     ///
     /// # Errors
     ///
@@ -167,7 +167,7 @@ impl Case {
         self.check_but(InputSet::default())
     }
 
-    /// Checks all inputs and relations that do not depend on the inputs in `open`.
+    /// Checks all rules that do not depend on the inputs in `open`.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
         let given = self.given().without(open);
         for key in given.iter() {
@@ -184,8 +184,8 @@ impl Case {
         Ok(())
     }
 
-    /// Returns the speeds of screw and nut, or `None` if the screw speed is missing. The nut speed
-    /// defaults to 0.
+    /// Returns the speeds of screw and nut \[rpm\], or `None` if the screw speed is missing. The
+    /// nut speed defaults to 0.
     pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
         let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
         Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
@@ -248,9 +248,9 @@ impl Case {
     /// Returns a warning if the mass or the moment of inertia per length of the screw exceeds the
     /// value of a solid steel rod with its outer diameter.
     fn too_heavy(&self) -> Option<String> {
-        /// Permitted ratio to the rod with the nominal diameter. Outer diameters exceed nominal
-        /// diameters by up to 2 %, and the moment of inertia increases with the fourth power of the
-        /// diameter.
+        /// Permitted ratio to the value of a rod with the nominal diameter. Outer diameters exceed
+        /// nominal diameters by up to 2 %, and the moment of inertia increases with the fourth
+        /// power of the diameter.
         const SLACK: f64 = 1.08;
         let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
         let mass = rod_mass_per_length(outer_mm * MM);
@@ -270,8 +270,8 @@ impl Case {
     }
 }
 
-/// Returns the key to which a value is assigned. The word `auto` as a preload is a preload class,
-/// not a force.
+/// Returns the key to which a value is assigned. If the value of the preload is the word `auto`,
+/// this is the key of the preload class instead of the preload force.
 fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     let is_least = word == Some("auto") && key == InputKey::preload_N.name();
     if is_least { "preload_class" } else { key }
@@ -285,7 +285,8 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that no model of the ball uses, and the results that include them.
+/// Inputs that no ball model uses, and the names of the results that take these inputs into
+/// account.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [
@@ -311,13 +312,13 @@ impl InputSet {
     }
 }
 
-/// Inputs that a warm state calculates for the nut.
+/// Inputs whose values a warm state calculates for the nut.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;
     [nut, screw, balls, InputKey::screw_tension_N]
 };
 
-/// Temperature rises of nut, screw and balls.
+/// Inputs for the temperature rises of nut, screw and balls.
 pub(crate) const RISES: [InputKey; 3] = [
     InputKey::nut_temperature_rise_K,
     InputKey::screw_temperature_rise_K,
@@ -325,7 +326,7 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Case {
-    /// Returns a warning if a moved mass is given, but the axial load does not include its forces.
+    /// Returns a warning if a moving mass is given, but the axial load does not include its forces.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {
@@ -363,7 +364,7 @@ impl Case {
     }
 
     /// Returns the speed inputs that need not be checked because the screw is at standstill. The
-    /// balls of a nut also carry their load at standstill.
+    /// nut analysis is also valid at standstill, because the balls still carry the load.
     pub(crate) fn speeds_at_rest(&self) -> InputSet {
         let is_at_rest = self.speeds_rpm().is_some_and(|(screw, nut)| screw - nut == 0.0);
         if is_at_rest {
@@ -378,7 +379,7 @@ impl Case {
         self.nut.warm_state == Some(true)
     }
 
-    /// Returns the case as it was when the preload was set: without temperature rises, screw
+    /// Returns the case in the state in which the preload is set: without temperature rises, screw
     /// tension and warm state.
     pub(crate) fn cold(&self) -> Self {
         let mut cold = self.clone();

@@ -16,7 +16,7 @@ pub(super) struct Lubrication {
 }
 
 impl Lubrication {
-    /// Returns the lubrication of a case, or `None` if contamination, viscosity or lubricant
+    /// Returns the lubrication data of a case, or `None` if contamination, viscosity or lubricant
     /// temperature is missing.
     pub(super) fn of(case: &Case, machine: &Machine) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;

@@ -1,5 +1,4 @@
-//! Notes and warnings on the sheet of an axis: assumptions, recommendations from practice, and
-//! uncertainties.
+//! Notes and warnings on the axis sheet: assumptions, practical recommendations, and uncertainties.
 
 use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
@@ -32,12 +31,12 @@ const HOT: f64 = 40.0;
 /// screw (common recommendation).
 const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Ratio between the viscosity ratio from the film thickness and the viscosity ratio from the
-/// viscosity. Above this limit, a note states both viscosity ratios.
+/// Upper limit of the ratio between the two viscosity ratios that follow from the film thickness
+/// and from the viscosity. Above this limit, a note states both viscosity ratios.
 const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
-    /// Returns notes on the assumptions and defaults that the sheet uses.
+    /// Returns notes on the assumptions and default values of the axis sheet.
     pub(super) fn notes(&self) -> Vec<String> {
         let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
         let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
@@ -105,8 +104,8 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns warnings about a high temperature rise and about a screw that is longer than
-    /// manufacturers offer.
+    /// Returns warnings about a high temperature rise and about a screw that is longer than the
+    /// screws that manufacturers offer.
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
@@ -264,7 +263,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns the results that are incomplete because inputs are not given.
+    /// Returns a description of each result that is incomplete because an input is not given.
     pub(super) fn not_given(&self) -> Vec<NotGiven> {
         let mut all = Vec::new();
         let mut lack = |numbers: &[&'static str], text: String| {
@@ -328,8 +327,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a warning if the screw is safe against buckling only with the default end
-    /// conditions.
+    /// Returns a warning if the screw is safe against buckling only with the default end conditions
+    /// of the section that may buckle.
     fn buckles_by_support(&self) -> Option<String> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
@@ -373,8 +372,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns notes on the results that a sheet without groove data omits, and on the uncertainty
-    /// of its torque.
+    /// Returns notes on the results that the axis sheet omits without groove data, and on the
+    /// uncertainty of the torque.
     pub(super) fn by_catalog(&self) -> Vec<String> {
         let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
@@ -411,7 +410,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a note on the torque that verifies the preload and on the tolerance of this torque.
+    /// Returns a note that states the torque to measure when the preload is verified, and the
+    /// tolerance of this torque.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
         let seal = self.case.seal_torque_Nm.unwrap_or(0.0);

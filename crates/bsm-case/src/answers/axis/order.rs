@@ -24,8 +24,8 @@ struct OrderEntry {
 pub struct Order(Vec<OrderEntry>);
 
 impl Order {
-    /// Returns pairs of quantity and text, followed by the data that the customer still has to
-    /// specify.
+    /// Returns each quantity of the order data with its text, followed by the data that the
+    /// customer still has to specify.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
         const OTHERS: [(&str, &str); 2] =
             [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];

@@ -13,7 +13,7 @@ use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, Rule};
 
-/// Inputs that define the circuits if no circuits are listed.
+/// Inputs that define all circuits together if the circuits are not listed individually.
 pub(super) const SHORT: [InputKey; 5] = [
     InputKey::circuits_count,
     InputKey::loaded_turns,
@@ -40,8 +40,8 @@ pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     (Some(count(balls) / turns), Some(turns))
 }
 
-/// Returns the design, with the number of balls per turn and the number of turns taken from the
-/// circuits of one nut body.
+/// Returns the nut design in which the number of balls per turn and the number of turns are taken
+/// from the circuits of one nut body.
 pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
@@ -49,7 +49,7 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
 }
 
-/// Returns the flank that a body of a preloaded nut pair loads.
+/// Returns the flank of a nut body that the preload of the pair loads.
 fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
     let first = body.is_multiple_of(2);
     if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }

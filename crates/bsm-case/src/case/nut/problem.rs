@@ -1,4 +1,4 @@
-//! Converts the inputs of a case to a nut in SI units.
+//! Conversion of the inputs of a case to a nut in SI units.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -65,13 +65,13 @@ pub struct NutProblem {
     pub(crate) ratings: TurnRatings,
     /// Friction data of the balls, together with the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
-    /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
+    /// Friction coefficient at the far flanks; `None` if it is the same as at the loaded flanks.
     far_friction: Option<f64>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
-    /// Tolerance of the friction torque of the preload.
+    /// Data that determine the tolerance of the friction torque due to preload.
     pub(crate) tolerance: TorqueTolerance,
     pub(crate) settings: Settings,
     /// Warm steady state of the nut, if it was requested.
@@ -91,7 +91,7 @@ pub(crate) struct NutAtRest {
     pub(crate) found: Equilibrium,
 }
 
-/// Preload of a nut and its setting.
+/// Preload of a nut, and the displacement with which it is set.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NutPreload {
     pub(crate) by: PreloadKind,
@@ -139,7 +139,7 @@ impl NutProblem {
         let design = rated_nut::nut(case)?;
         let thread = rated_nut::thread(case, &design)?;
         let body = rated_nut::body(case, &design, &thread)?;
-        // The inputs can give a fractional number of balls, but a circuit has an integer number of
+        // The inputs may give a fractional number of balls, but each circuit has a whole number of
         // balls.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = rated_nut::load_ratings(case, &design)?;
@@ -260,7 +260,7 @@ impl NutProblem {
                 self.nut.preloaded(by, displacement)
             }
         };
-        // The preload is set cold, and the offset or oversize is kept             (U19)
+        // The preload is set cold, and warming keeps the offset or oversize      (U19)
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),
@@ -318,7 +318,7 @@ impl Case {
         case
     }
 
-    /// Returns the case without moved mass, guide force, counterweight and counterbalance, because
+    /// Returns the case without moving mass, guide force, counterweight and counterbalance, because
     /// the axial load already includes their forces.
     pub(crate) fn without_carriage(&self) -> Self {
         let mut case = self.clone();
@@ -328,9 +328,8 @@ impl Case {
     }
 
     /// Returns the case under the largest load of its axis, and a note that states load and speed.
-    /// The load is the largest load in the cycle or, without a cycle, the axial load plus the
-    /// forces of mass, guides and counterbalance. Returns `None` if the axial load is the only
-    /// load.
+    /// This is the largest load in the cycle or, without a cycle, the axial load plus the forces of
+    /// moving mass, guides and counterbalance. Returns `None` if the axial load is the only load.
     ///
     /// # Errors
     ///
@@ -383,7 +382,8 @@ impl Case {
     }
 }
 
-/// Returns the nut without its elastic bodies, and the kind of preload that it can have.
+/// Returns the nut without the elasticity of its bodies, and the kind of preload that the nut can
+/// have.
 fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     let words = &case.nut;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
@@ -463,8 +463,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// If neither load nor preload is given, returns the case of a nut pair with a typical preload,
-/// which is a fixed fraction of the dynamic load rating. Returns `None` otherwise.
+/// If neither load nor preload is given, returns the case of a nut pair whose preload is a typical
+/// fraction of the dynamic load rating. Returns `None` otherwise.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -516,7 +516,8 @@ fn notes(
     notes
 }
 
-/// Inputs that only the nut model uses. Other commands print a note that they ignore these inputs.
+/// Inputs that only the nut analysis uses. Other commands print a note that they ignore these
+/// inputs.
 pub(crate) const OF_A_NUT: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um

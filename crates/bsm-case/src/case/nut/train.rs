@@ -1,4 +1,4 @@
-//! Converts the inputs of a ball train to SI units.
+//! Conversion of the inputs for a ball train to SI units.
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
