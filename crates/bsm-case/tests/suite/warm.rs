@@ -25,9 +25,6 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
-        entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
-    }
     change(&mut case);
     (Case::from_json(case.to_string().as_bytes()).expect("case"), reference)
 }
