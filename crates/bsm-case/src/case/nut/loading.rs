@@ -46,6 +46,9 @@ pub(super) fn is_preloaded(case: &Case) -> bool {
     case.preload_N.is_some() || case.preload_offset_um.is_some()
 }
 
+/// Arrangement of a nut pair if neither an input nor the flanks of the circuits determine it.
+pub(super) const DEFAULT_ARRANGEMENT: Arrangement = Arrangement::O;
+
 /// Returns the arrangement of a nut pair, either given by name or derived from the sign of the
 /// offset.
 pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError> {
@@ -72,7 +75,7 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
         (Some(word), Some(flanks)) if word != flanks => {
             Err(bad("preload_arrangement", "contradicts the flanks of circuits"))
         }
-        (word, flanks) => Ok(word.or(flanks).unwrap_or(Arrangement::X)),
+        (word, flanks) => Ok(word.or(flanks).unwrap_or(DEFAULT_ARRANGEMENT)),
     }
 }
 
