@@ -103,16 +103,19 @@ impl Solution {
     }
 
     /// Returns a number by the index of its output, or NaN if it is missing.
+    #[pyo3(name = "_number")]
     fn number(&self, place: usize) -> f64 {
         self.value(place).unwrap_or(f64::NAN)
     }
 
     /// Returns a boolean output by its index.
+    #[pyo3(name = "_flag")]
     fn flag(&self, place: usize) -> Option<bool> {
         self.value(place).map(|flag| flag > 0.5)
     }
 
     /// Returns a text output by its index.
+    #[pyo3(name = "_word")]
     fn word(&self, place: usize) -> Option<&'static str> {
         OUTPUTS.get(place)?.word(self.number(place))
     }
