@@ -17,7 +17,7 @@ use crate::{Answers, Columns, Heading, TableError, Task, Workers};
 
 /// Revision number of the results. It is incremented whenever a calculated number changes, so that
 /// parts with different results are never mixed.
-pub const RESULTS: u32 = 92;
+pub const RESULTS: u32 = 93;
 
 /// Revision number of the file format of the plan and the parts. The plan must determine every byte
 /// of the parts.
