@@ -400,7 +400,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.case.axial_load_N },
         preload_N: design.preload(),
-        nut: CaseEntries { preload_class: None, ..requirement.case.nut.clone() },
+        entries: CaseEntries { preload_class: None, ..requirement.case.entries.clone() },
         ..requirement.case.clone()
     }
 }

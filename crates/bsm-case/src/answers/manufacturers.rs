@@ -84,7 +84,7 @@ impl ManufacturerNut {
                     continue;
                 }
                 if CaseEntries::KEYS.contains(&word) && !TEXT_COLUMNS.contains(&word) {
-                    nut.case.nut.set_cell(word, text)?;
+                    nut.case.entries.set_cell(word, text)?;
                     continue;
                 }
                 let value = Some(change.value(cells.number(text)?));
@@ -111,7 +111,7 @@ impl ManufacturerNut {
         case.lead_angle_deg = None;
         case.override_with(&self.case);
         case.description = Some(self.name.clone());
-        case.nut.order_code.get_or_insert_with(|| self.name.clone());
+        case.entries.order_code.get_or_insert_with(|| self.name.clone());
         case
     }
 

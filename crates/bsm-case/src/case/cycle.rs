@@ -35,7 +35,7 @@ impl Cycle {
     /// standstill if no speed is given.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         let load_factor = case.number(InputKey::load_factor);
-        let Some(entries) = &case.nut.cycle else {
+        let Some(entries) = &case.entries.cycle else {
             if case.cycles_per_hour.is_some() {
                 return Err(bad("cycles_per_hour", "needs a cycle"));
             }

@@ -57,7 +57,7 @@ impl AxisState<'_> {
 
     /// Returns the number of speed jumps in the cycle, or `None` if no cycle is given.
     pub(super) fn speed_jumps(&self) -> Option<usize> {
-        self.case.nut.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
+        self.case.entries.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
     }
 
     pub(super) fn inertia_at_motor(&self) -> Option<f64> {

@@ -48,7 +48,7 @@ impl RuleInputs<'_> {
     /// the manufacturer.
     fn needed_rating(&self, margin: f64) -> String {
         let needed = self.axis.dynamic_rating / margin.cbrt();
-        let basis = self.case.nut.rating_basis.map(|Named(basis)| basis);
+        let basis = self.case.entries.rating_basis.map(|Named(basis)| basis);
         match basis.filter(|basis| *basis != RatingBasis::Revolutions) {
             Some(basis) => format!(
                 "a dynamic load rating of {} N for {}",
@@ -85,7 +85,7 @@ impl RuleInputs<'_> {
 
     /// Returns the largest permitted utilization of the motor, if a torque-speed curve is given.
     fn utilization_limit(&self) -> Option<f64> {
-        self.case.nut.motor_curve.as_ref().map(|_| 1.0)
+        self.case.entries.motor_curve.as_ref().map(|_| 1.0)
     }
 
     /// Returns true if the screw moves. The life of a screw at standstill is not checked.
@@ -97,7 +97,8 @@ impl RuleInputs<'_> {
     /// and the safety factor with the end conditions of `support`.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
-        let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
+        let by_default =
+            if self.case.entries.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
             "Euler (Z2); end conditions {}{by_default}; with the end conditions of support, {}: {}",
@@ -132,7 +133,7 @@ impl RuleInputs<'_> {
 
     /// Returns the coarsest accuracy grade that meets the required travel error.
     fn grade_to_take(&self) -> Option<&'static str> {
-        let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
+        let (word, travel) = (self.case.entries.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
         word.grade.coarsest_within(required, travel).map(|grade| grade.name)
     }

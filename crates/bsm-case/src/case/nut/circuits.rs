@@ -31,7 +31,7 @@ const MAX_BALLS: usize = 100_000;
 /// Returns the number of loaded balls per turn and the number of loaded turns of one nut body, from
 /// the listed circuits or from the inputs [`SHORT`].
 pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
-    let Some(circuits) = &case.nut.circuits else {
+    let Some(circuits) = &case.entries.circuits else {
         return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
     };
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
