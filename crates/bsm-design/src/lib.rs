@@ -31,6 +31,7 @@
 
 mod axis;
 mod body;
+mod bounds;
 mod catalog;
 mod drive;
 mod grade;
@@ -55,6 +56,7 @@ mod thread;
 
 pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
+pub use bounds::Bounds;
 pub use catalog::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, MotorCurve, MotorPoint, drag_torque,

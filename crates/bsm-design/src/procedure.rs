@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
+use crate::bounds::ROUNDING;
 use crate::catalog::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
-use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimize};
 use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
@@ -513,8 +513,10 @@ impl Search<'_> {
             // The logarithmic distance from the limit is a suitable measure even if the value is
             // many times the limit.
             let far = |c: &Check| {
-                let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
-                below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
+                let below =
+                    c.bounds.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
+                let most = c.bounds.most;
+                below.max(most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
             };
             Value { objective: own.map_or(f64::NAN, far), violations }
         };

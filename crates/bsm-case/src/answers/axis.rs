@@ -661,7 +661,7 @@ pub(crate) fn numbers(
     let case = &case.with_preload()?;
     let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // The torque at a single operating point can be calculated without the rest of the axis.
-    if case.nut.cycle.is_none()
+    if case.entries.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
         // On a sheet, the sign of the torque refers to the load.
@@ -819,11 +819,11 @@ impl AxisState<'_> {
 /// which the grade applies.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     let travels = case.useful_travel_mm.is_some() || stroke(case)?.is_some();
-    if case.nut.accuracy_grade.is_some() && !travels {
+    if case.entries.accuracy_grade.is_some() && !travels {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
-    if case.fold_search_factor.is_some() && case.nut.warm_state.is_none() {
+    if case.fold_search_factor.is_some() && case.entries.warm_state.is_none() {
         let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }

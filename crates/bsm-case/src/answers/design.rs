@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, BindingLimit, Candidate, Check, Design, Infeasibility, LoadCase, Nut, Outcome,
-    PhasePoint, Pitch, Quantity, Requirement,
+    ActiveLimit, BindingLimit, Bounds, Candidate, Check, Design, Infeasibility, LoadCase, Nut,
+    Outcome, PhasePoint, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 
@@ -13,6 +13,7 @@ use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::axis::quick_efficiency;
 use crate::answers::optimum::hard_to_make;
 use crate::answers::schema::CaseJson;
+use crate::vocabulary::answer::limits_in_words;
 use crate::vocabulary::members::{Data, Label, Rows, Sentences, answer, row};
 use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
@@ -406,7 +407,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.case.axial_load_N },
         preload_N: design.preload(),
-        nut: CaseEntries { preload_class: None, ..requirement.case.nut.clone() },
+        entries: CaseEntries { preload_class: None, ..requirement.case.entries.clone() },
         ..requirement.case.clone()
     }
 }
@@ -465,13 +466,17 @@ fn step(quantity: Quantity) -> &'static crate::Quantity {
 /// Returns the selection steps of a design together with the rules of its axis sheet. A rule
 /// replaces the step that has the same quantity and limit.
 fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
+    /// Largest relative difference between equal limits. The case of a design has rounded inputs.
+    const SAME: f64 = 1e-6;
     let mut rows: Vec<_> = design.checks.iter().map(row).collect();
     for rule in rules {
         let row = of_rule(rule);
-        let is_same =
-            |old: &&mut DesignRow| old.name == row.name && old.requirement == row.requirement;
-        match rows.iter_mut().find(is_same) {
-            Some(old) => *old = DesignRow { step: old.step, ..row },
+        let is_same = |check: &Check| {
+            step(check.quantity).name == rule.name
+                && bounds(check).are_close_to(rule.bounds(), SAME)
+        };
+        match design.checks.iter().position(is_same) {
+            Some(place) => rows[place] = DesignRow { step: rows[place].step, ..row },
             None => rows.push(row),
         }
     }
@@ -525,14 +530,13 @@ fn in_unit(check: &Check, value: f64) -> f64 {
     numbers.entries().next().map_or(f64::NAN, |(_, value)| value)
 }
 
+/// Returns the limits of a check in the unit of its quantity.
+fn bounds(check: &Check) -> Bounds {
+    check.bounds.map(|limit| in_unit(check, limit))
+}
+
 fn required(check: &Check) -> Option<String> {
-    let text = |sign: &str, limit: Option<f64>| {
-        limit.map(|limit| format!("{sign} {}", trimmed(in_unit(check, limit))))
-    };
-    match (text(">=", check.least), text("<=", check.most)) {
-        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
-        (one, other) => one.or(other),
-    }
+    limits_in_words(bounds(check))
 }
 
 /// Returns the unit of a design quantity, with a leading space.

@@ -618,7 +618,9 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     });
     let stiffness = || {
         let stated = line.rated_rigidity_N_um?;
-        let Some(Named(StiffnessAt::Load(part))) = line.nut.rated_rigidity_at else { return None };
+        let Some(Named(StiffnessAt::Load(part))) = line.entries.rated_rigidity_at else {
+            return None;
+        };
         let nut = estimate.best().nut(estimate.line.lead, line.reader().materials());
         let contacts = nut.elasticity(&NutBody::usual(&nut, NutSet::Single)).ok()?;
         let ours = contacts.secant(part * estimate.line.dynamic_rating) * UM;
@@ -635,7 +637,7 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
 /// Returns the table of the groove estimate for the screen, which lists each quantity with its
 /// value and uncertainty.
 fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
-    let estimated = case.nut.estimated_inputs.iter().flatten();
+    let estimated = case.entries.estimated_inputs.iter().flatten();
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
     let is_estimated = |key| estimated.contains(&key);
     let draws = estimate.draws(bsm_design::DRAWS);

@@ -83,7 +83,7 @@ impl ManufacturerNut {
                     continue;
                 }
                 if CaseEntries::KEYS.contains(&word) && !TEXT_COLUMNS.contains(&word) {
-                    nut.case.nut.set_cell(word, text)?;
+                    nut.case.entries.set_cell(word, text)?;
                     continue;
                 }
                 let value = Some(change.value(cells.number(text)?));
@@ -97,7 +97,7 @@ impl ManufacturerNut {
             if let Some(stiffness) = stiffness {
                 nut.case.rated_rigidity_N_um.get_or_insert(stiffness);
                 let at = Named(StiffnessAt::Load(STIFFNESS_AT));
-                nut.case.nut.rated_rigidity_at.get_or_insert(at);
+                nut.case.entries.rated_rigidity_at.get_or_insert(at);
             }
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
@@ -115,7 +115,7 @@ impl ManufacturerNut {
         case.lead_angle_deg = None;
         case.override_with(&self.case);
         case.description = Some(self.name.clone());
-        case.nut.order_code.get_or_insert_with(|| self.name.clone());
+        case.entries.order_code.get_or_insert_with(|| self.name.clone());
         case
     }
 
@@ -123,7 +123,7 @@ impl ManufacturerNut {
     /// stated stiffness is that of a preloaded nut.
     fn stiffness(&self) -> Option<f64> {
         let is_of_one =
-            matches!(self.case.nut.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
+            matches!(self.case.entries.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
         self.case.rated_rigidity_N_um.filter(|_| is_of_one)
     }
 

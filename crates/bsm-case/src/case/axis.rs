@@ -153,7 +153,7 @@ fn drive_train(
         motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
         gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
         screws: screws_per_motor(case)?,
-        brake_at_rest: case.nut.brake_at_rest == Some(true),
+        brake_at_rest: case.entries.brake_at_rest == Some(true),
     })
 }
 
@@ -402,7 +402,7 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     // Differences below a millionth of the stroke are rounding errors.
     const ROUNDING: f64 = 1e-6;
     let given = case.stroke_mm.map(|mm| mm * MM);
-    if case.nut.cycle.is_none() {
+    if case.entries.cycle.is_none() {
         return Ok(given);
     }
     let cycle = Cycle::of(case)?;
@@ -463,7 +463,7 @@ pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
 pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
     let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
-    let given = case.nut.driven_part.map(|Named(part)| part);
+    let given = case.entries.driven_part.map(|Named(part)| part);
     match (given, screw, nut) {
         (_, true, true) => {
             let what = "and screw_speed_rpm are both given, but an axis has one driven part. Give \
@@ -486,11 +486,11 @@ pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
 /// Returns the nut set. If circuits are listed, the nut set follows from their nut bodies;
 /// otherwise, it follows from the preload method.
 pub(crate) fn nut_set(case: &Case) -> NutSet {
-    let method = match &case.nut.circuits {
+    let method = match &case.entries.circuits {
         Some(circuits) if circuits.iter().any(|circuit| circuit.body > 0) => {
             Some(PreloadMethod::DoubleNut)
         }
-        Some(_) => case.nut.preload_by.map(|Named(method)| method),
+        Some(_) => case.entries.preload_by.map(|Named(method)| method),
         None => case.is_preloaded().then(|| preload_method(case)),
     };
     NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
@@ -509,7 +509,7 @@ pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f
 /// Returns the end conditions and the length of the screw.
 pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
-        support: case.nut.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
+        support: case.entries.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
         length: case.unsupported_length_mm.map(|mm| mm * MM),
         overrun: case.overrun_mm.map(|mm| mm * MM),
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
@@ -518,7 +518,7 @@ pub(crate) fn mount(case: &Case) -> Mount {
             case.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
         ),
         buckling: (
-            case.nut.buckling_support.map(|Named(support)| support),
+            case.entries.buckling_support.map(|Named(support)| support),
             case.buckling_length_mm.map(|mm| mm * MM),
         ),
     }
@@ -532,7 +532,9 @@ pub(crate) fn mount(case: &Case) -> Mount {
 /// Returns [`CaseError`] if the rating basis is given without a rating, or if the basis is a travel
 /// and the lead is missing.
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
-    let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
+    let Some(Named(basis)) = case.entries.rating_basis else {
+        return Ok(case.rated_dynamic_load_N);
+    };
     let Some(stated) = case.rated_dynamic_load_N else {
         return Err(bad(
             "rating_basis",
@@ -602,7 +604,7 @@ pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
 /// curve do not increase, or if the motor turns faster than the last point of the curve.
 fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
     const NAME: &str = "motor_curve";
-    let Some(rows) = &case.nut.motor_curve else { return Ok(None) };
+    let Some(rows) = &case.entries.motor_curve else { return Ok(None) };
     for key in [InputKey::motor_peak_torque_Nm, InputKey::motor_rated_torque_Nm] {
         if case[key].is_some() {
             return Err(CaseError::given_twice([NAME, key.name()]));
@@ -638,11 +640,11 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
 /// grade of the product.
 pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
     let own = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_none();
-    let grade = case.nut.accuracy_grade.filter(|_| own);
+    let grade = case.entries.accuracy_grade.filter(|_| own);
     let by_grade = grade.map_or(1.0, |word| word.grade.rating_factor());
     let hardness = case.hardness_HRC.map(Hardness::Rockwell);
     let hardness = hardness.or(case.hardness_HV10.map(Hardness::Vickers));
-    let steel = case.nut.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
+    let steel = case.entries.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
     RatingFactors::of(hardness, case.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
@@ -664,14 +666,14 @@ pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
     let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
     let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };
-    case.nut.preload_by.map_or(usual, |Named(method)| method)
+    case.entries.preload_by.map_or(usual, |Named(method)| method)
 }
 
 /// Returns the preload of a case. If the preload class permits play instead of a preload, also
 /// returns the axial play \[m\].
 pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>), CaseError> {
     let force = case.preload_N.map(PreloadSize::Force);
-    let Some(word) = case.nut.preload_class else { return Ok((force, None)) };
+    let Some(word) = case.entries.preload_class else { return Ok((force, None)) };
     let others = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
     if let Some(other) = others.into_iter().find(|key| case[*key].is_some()) {
         return Err(CaseError::given_twice(["preload_class", other.name()]));
@@ -686,7 +688,7 @@ impl Case {
     /// Returns the case in which the preload class is replaced by a preload force or an axial play.
     pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
         let mut case = self.clone();
-        if case.nut.preload_class.take().is_none() {
+        if case.entries.preload_class.take().is_none() {
             return Ok(case);
         }
         let (preload, play) = preload(self)?;
@@ -702,7 +704,7 @@ impl Case {
 
 /// Returns the manufacturing method of the screw.
 pub(crate) fn make(case: &Case) -> Make {
-    case.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
+    case.entries.screw_make.map_or(Make::Ground, |Named(make)| make)
 }
 
 /// Returns the ratio of the life at the given reliability to the life at a reliability of 90 %.

@@ -63,18 +63,18 @@ impl Case {
         let given = self.stated().overridden_by(columns);
         // If circuits are given, they determine the numbers of turns and balls.
         let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
-        let estimates = lacks_groove && self.nut.estimate_groove != Some(false);
+        let estimates = lacks_groove && self.entries.estimate_groove != Some(false);
         if estimates { given.with_groove() } else { given }
     }
 
     /// Returns true if the groove of the case is estimated, at least in part.
     pub fn has_estimated_groove(&self) -> bool {
-        self.nut.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
+        self.entries.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
     }
 
     /// Returns true if the input with this name is estimated.
     pub fn estimates(&self, name: &str) -> bool {
-        let mut names = self.nut.estimated_inputs.iter().flatten();
+        let mut names = self.entries.estimated_inputs.iter().flatten();
         names.any(|InputName(key)| key.name() == name)
     }
 
@@ -82,7 +82,7 @@ impl Case {
     #[must_use]
     pub fn without_estimates(&self) -> Self {
         let mut case = self.clone();
-        for InputName(key) in case.nut.estimated_inputs.take().into_iter().flatten() {
+        for InputName(key) in case.entries.estimated_inputs.take().into_iter().flatten() {
             case[key] = None;
         }
         case
@@ -105,7 +105,7 @@ impl Case {
     /// Returns the estimate of the groove for a case without estimated inputs, or `None` if no
     /// estimate is necessary or possible.
     pub(crate) fn groove_estimate(&self) -> Result<Option<GrooveEstimate>, CaseError> {
-        let wanted = self.nut.estimate_groove != Some(false) && self.lacks_groove();
+        let wanted = self.entries.estimate_groove != Some(false) && self.lacks_groove();
         if !wanted {
             return Ok(None);
         }
@@ -121,7 +121,7 @@ impl Case {
         match line.estimate() {
             Ok(estimate) => Ok(Some(estimate)),
             Err(RefusedLine { nearest: Some(nearest), .. })
-                if self.nut.keep_ratings == Some(true) =>
+                if self.entries.keep_ratings == Some(true) =>
             {
                 Ok(Some(*nearest))
             }
@@ -168,7 +168,7 @@ impl Case {
             (InputKey::contact_angle_deg, angle, self.groove_bottom_distance_mm.is_none()),
             (InputKey::nut_conformity, groove.conformity.0, true),
             (InputKey::screw_conformity, groove.conformity.1, true),
-            (InputKey::loaded_balls_per_turn, per_turn, self.nut.circuits.is_none()),
+            (InputKey::loaded_balls_per_turn, per_turn, self.entries.circuits.is_none()),
             (InputKey::loaded_turns, turns, given_turns.is_none()),
         ];
         let mut estimated = Vec::new();
@@ -178,7 +178,7 @@ impl Case {
                 estimated.push(InputName(key));
             }
         }
-        case.nut.estimated_inputs = Some(estimated);
+        case.entries.estimated_inputs = Some(estimated);
         case
     }
 

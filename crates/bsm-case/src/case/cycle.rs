@@ -36,7 +36,7 @@ impl Cycle {
     /// which is at standstill if no speed is given.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         let load_factor = case.number(InputKey::load_factor);
-        let Some(entries) = &case.nut.cycle else {
+        let Some(entries) = &case.entries.cycle else {
             if case.cycles_per_hour.is_some() {
                 return Err(bad("cycles_per_hour", "needs a cycle"));
             }
@@ -145,7 +145,7 @@ impl Case {
     /// Returns a note on a given load or speed that has no effect on an axis, because its cycle
     /// states the loads and speeds of all phases.
     pub(crate) fn unused_with_cycle(&self) -> Option<String> {
-        self.nut.cycle.as_ref()?;
+        self.entries.cycle.as_ref()?;
         let unused = self.given().iter().filter(|key| InputSet::LOAD_AND_SPEED.contains(*key));
         let names: Vec<_> = unused.map(InputKey::name).collect();
         (!names.is_empty()).then(|| {

@@ -65,7 +65,7 @@ impl Case {
         let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
         let number = |key: InputKey| Some((key.name().to_owned(), json!(self[key]?)));
         let numbers = InputKey::ALL.into_iter().filter_map(number);
-        Value::Object(text.chain(numbers).chain(self.nut.to_map()).collect())
+        Value::Object(text.chain(numbers).chain(self.entries.to_map()).collect())
     }
 
     pub(crate) fn assign_json(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
@@ -81,7 +81,7 @@ impl Case {
         }
         let key = key_of(key, value.as_str());
         if CaseEntries::have(key) {
-            return self.nut.set(key.to_owned(), value.clone());
+            return self.entries.set(key.to_owned(), value.clone());
         }
         // The name is checked first, so that an unknown name is reported instead of a wrong type.
         let (input, change) = InputKey::in_unit(key)?;
@@ -102,7 +102,7 @@ impl Case {
     pub fn remove(&mut self, name: &str) -> Result<(), CaseError> {
         if name == DESCRIPTION {
             self.description = None;
-        } else if !self.nut.remove(name) {
+        } else if !self.entries.remove(name) {
             let (key, _) = InputKey::in_unit(name)?;
             self[key] = None;
         }
@@ -376,14 +376,14 @@ impl Case {
 
     /// Returns true if the case requests its warm steady state.
     pub fn asks_warm(&self) -> bool {
-        self.nut.warm_state == Some(true)
+        self.entries.warm_state == Some(true)
     }
 
     /// Returns the case in the state in which the preload is set: without temperature rises, screw
     /// tension and warm state.
     pub(crate) fn cold(&self) -> Self {
         let mut cold = self.clone();
-        cold.nut.warm_state = None;
+        cold.entries.warm_state = None;
         for key in WARM {
             cold[key] = None;
         }

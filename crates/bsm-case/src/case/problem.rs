@@ -497,7 +497,7 @@ impl Case {
     /// with the inputs `given`.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
-        let listed = self.nut.circuits.is_some();
+        let listed = self.entries.circuits.is_some();
         let by_gap = given.contains_all(inputs! { gap_deg circuits_count });
         let of_balls = [
             (K::loaded_balls_per_turn, given.contains(K::loaded_balls_per_turn)),
@@ -579,7 +579,7 @@ impl Case {
     /// Returns [`CaseError`] if a value or a setting violates a rule, if an input of the model is
     /// missing, or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
-        if self.nut.preload_class.is_some() {
+        if self.entries.preload_class.is_some() {
             return Err(bad(
                 "preload_class",
                 "applies to `axis` and `nut`, but not to the models of one ball",

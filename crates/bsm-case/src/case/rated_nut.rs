@@ -165,7 +165,7 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
         };
         let Some(stated) = stated else { continue };
         let ratio = calculated / stated;
-        if !within(OTHER, ratio) && case.nut.keep_ratings != Some(true) {
+        if !within(OTHER, ratio) && case.entries.keep_ratings != Some(true) {
             return Err(CaseError::Invalid(format!(
                 "`{}` = {stated} N, but the rating of the groove is {calculated:.0} N, so the geometry belongs to another nut; correct the \
                  geometry, omit it, or set keep_ratings=true",

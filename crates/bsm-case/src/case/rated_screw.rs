@@ -67,7 +67,7 @@ impl RatedScrew {
     ///
     /// * `estimated_turns`: loaded turns of an estimated groove.
     pub(crate) fn of(case: &Case, estimated_turns: Option<f64>) -> Result<Self, CaseError> {
-        if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
+        if case.rated_rigidity_N_um.is_some() && case.entries.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
         }

@@ -26,7 +26,7 @@ pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 impl Case {
     /// Returns the base oil of the lubricant.
     pub(crate) fn base_oil(&self) -> BaseOil {
-        self.nut.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
+        self.entries.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
     }
 
     /// Returns the lubricant that all rows of a table share, except for its temperature. Returns

@@ -270,7 +270,7 @@ impl RequirementKeys {
         // permitted.
         let loads = [
             ("axial_load_N", case.axial_load_N.is_some()),
-            ("cycle", case.nut.cycle.is_some()),
+            ("cycle", case.entries.cycle.is_some()),
             ("moved_mass_kg", case.moved_mass_kg.is_some_and(|mass| mass != 0.0)),
         ];
         if let Some((key, _)) = loads.into_iter().find(|(_, given)| *given) {
@@ -345,7 +345,7 @@ impl RequirementKeys {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
         let moves = case.screw_speed_rpm.is_some() || case.feed_m_min.is_some();
-        if !moves && case.nut.cycle.is_none() {
+        if !moves && case.entries.cycle.is_none() {
             let missing = ["screw_speed_rpm (or feed_m_min)".to_owned()];
             return Err(CaseError::missing(&missing, "for a design"));
         }
@@ -427,7 +427,7 @@ impl RequirementKeys {
             pressure: limit("pressure_limit_MPa") * MPA,
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&case),
-            grade: case.nut.accuracy_grade.map(|word| word.grade),
+            grade: case.entries.accuracy_grade.map(|word| word.grade),
             motor: (case.number(InputKey::gear_ratio), motor_speed(&case).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,

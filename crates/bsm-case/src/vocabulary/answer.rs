@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use bsm_design::Band;
+use bsm_design::{Band, Bounds};
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::members::row;
@@ -163,14 +163,21 @@ impl Verdict {
 impl Criterion {
     /// Returns the verdict on the rule.
     pub fn verdict(&self) -> Verdict {
-        // The tolerance allows for rounding errors of limits that are entered as decimal numbers.
-        let meets = |margin: f64| margin >= 1.0 - 1e-9;
-        match (self.margin(), self.margins) {
-            (Some(_), Some(Band { low, high })) if !meets(low) && meets(high) => Verdict::Undecided,
-            (Some(margin), _) if !meets(margin) => Verdict::Fails,
-            _ if self.margin_without_default.is_some_and(|m| !meets(m)) => Verdict::Undecided,
+        match (self.margins, self.margin_without_default) {
+            (Some(Band { low, high }), _)
+                if !Bounds::is_sufficient(low) && Bounds::is_sufficient(high) =>
+            {
+                Verdict::Undecided
+            }
+            _ if !self.bounds().are_met_by(self.value) => Verdict::Fails,
+            (_, Some(margin)) if !Bounds::is_sufficient(margin) => Verdict::Undecided,
             _ => Verdict::Passes,
         }
+    }
+
+    /// Returns the limits of the number.
+    pub(crate) fn bounds(&self) -> Bounds {
+        if self.at_least { Bounds::at_least(self.limit) } else { Bounds::at_most(self.limit) }
     }
 
     /// Returns true if the rule is met or there is no requirement.
@@ -185,8 +192,7 @@ impl Criterion {
 
     /// Returns the margin of the rule. The rule is met if the margin is at least 1.
     pub fn margin(&self) -> Option<f64> {
-        let limit = self.limit?;
-        Some(if self.at_least { self.value / limit } else { limit / self.value })
+        self.bounds().margin(self.value)
     }
 
     fn sign(&self) -> &'static str {
@@ -195,7 +201,7 @@ impl Criterion {
 
     /// Returns the requirement as text, or `None` if there is no requirement.
     pub fn must_be(&self) -> Option<String> {
-        Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
+        limits_in_words(self.bounds())
     }
 
     /// Returns the rule as a row of the table of rules.
@@ -213,6 +219,16 @@ impl Criterion {
             source: self.source.clone(),
             remedy: self.remedy.clone(),
         }
+    }
+}
+
+/// Returns limits as text, or `None` if there are none.
+pub(crate) fn limits_in_words(Bounds { least, most }: Bounds) -> Option<String> {
+    let least = least.map(|least| format!(">= {}", trimmed(least)));
+    let most = most.map(|most| format!("<= {}", trimmed(most)));
+    match (least, most) {
+        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
+        (one, other) => one.or(other),
     }
 }
 

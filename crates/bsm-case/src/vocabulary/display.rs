@@ -114,7 +114,7 @@ impl DisplayUnit {
 impl Case {
     /// Returns the units in which the answers about the case are displayed.
     pub fn display_units(&self) -> DisplayUnits {
-        self.nut.display_units.map(|Named(units)| units).unwrap_or_default()
+        self.entries.display_units.map(|Named(units)| units).unwrap_or_default()
     }
 }
 

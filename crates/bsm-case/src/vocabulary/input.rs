@@ -113,7 +113,7 @@ macro_rules! inputs {
             /// Description of the case as free text.
             pub description: Option<String>,
             /// Inputs other than single numbers.
-            pub nut: CaseEntries,
+            pub entries: CaseEntries,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
 

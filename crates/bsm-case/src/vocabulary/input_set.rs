@@ -366,10 +366,10 @@ impl Case {
     /// entries, and inputs that the warm state determines.
     pub fn stated(&self) -> InputSet {
         let given = self.given();
-        let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
+        let listed = self.entries.circuits.as_ref().map(|_| InputKey::loaded_balls);
         let warm = self.asks_warm() && given.is_lubricated();
         let found = warm.then_some(InputKey::lubricant_temperature_C);
-        let class = self.nut.contamination.as_ref().map(|_| InputKey::contamination_factor);
+        let class = self.entries.contamination.as_ref().map(|_| InputKey::contamination_factor);
         given.and(listed.into_iter().chain(found).chain(class).collect())
     }
 
@@ -377,7 +377,7 @@ impl Case {
     /// circuits of the nut or from the manufacturing method of the screw.
     #[inline(never)]
     pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
-        match (key, &self.nut) {
+        match (key, &self.entries) {
             (InputKey::loaded_balls, CaseEntries { circuits: Some(circuits), .. }) => {
                 let first = circuits.iter().filter(|circuit| circuit.body == 0);
                 Some(count(first.map(|circuit| circuit.balls).sum()))
@@ -401,10 +401,10 @@ impl Case {
             self[key] = settings[key];
         }
         // A new preload class replaces a preload.
-        if settings.nut.preload_class.is_some() && settings.preload_N.is_none() {
+        if settings.entries.preload_class.is_some() && settings.preload_N.is_none() {
             self.preload_N = None;
         }
-        self.nut.override_with(&settings.nut);
+        self.entries.override_with(&settings.entries);
     }
 
     /// Applies several numbers at once, in the same way as [`override_with`](Self::override_with).
@@ -422,16 +422,16 @@ impl Case {
             self[key] = None;
         }
         // An input that the user gives is no longer an estimate.
-        if let Some(estimated) = &mut self.nut.estimated_inputs {
+        if let Some(estimated) = &mut self.entries.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }
         // A new load or speed replaces the cycle, which states the loads and speeds of all phases.
         if given.meets(InputSet::LOAD_AND_SPEED) {
-            self.nut.cycle = None;
+            self.entries.cycle = None;
         }
         // A new preload replaces a preload class.
         if given.contains(InputKey::preload_N) {
-            self.nut.preload_class = None;
+            self.entries.preload_class = None;
         }
     }
 }

@@ -89,7 +89,7 @@ fn groove_is_estimated_from_catalog_ratings() {
     let others = [found.nut_conformity, found.screw_conformity, found.contact_angle_deg];
     assert_eq!(others, [Some(0.52), Some(0.52), Some(45.0)]);
     assert_eq!([found.loaded_turns, found.loaded_balls_per_turn], [Some(4.0), Some(16.0)]);
-    assert_eq!(found.nut.estimated_inputs.as_ref().map(Vec::len), Some(7));
+    assert_eq!(found.entries.estimated_inputs.as_ref().map(Vec::len), Some(7));
     assert_eq!(found.without_estimates(), line);
     let again = Case::from_json(found.to_json().to_string().as_bytes()).expect("a case");
     assert_eq!(again.with_groove().expect("a groove"), found);
@@ -577,7 +577,7 @@ fn rule_is_undecided_if_the_interval_for_an_estimated_groove_contains_the_limit(
     }
     // If the groove is given, the rule is decided.
     let mut given = sheet(band.low * margin).case.with_groove().expect("a groove");
-    given.nut.estimated_inputs = None;
+    given.entries.estimated_inputs = None;
     given.axial_load_N = Some(band.low * margin);
     let decided = AxisReport::of(&given, &Settings::default()).expect("a sheet");
     assert_ne!(edge(&decided).verdict(), Verdict::Undecided);

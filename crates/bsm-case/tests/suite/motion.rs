@@ -377,7 +377,7 @@ fn a_new_load_or_speed_replaces_the_cycle() {
     assert_relative_eq!(load(&case), 2000.0, max_relative = 1e-12);
     case.apply(&["axial_load_N=500", "screw_speed_rpm=100"]).expect("settings");
     assert_relative_eq!(load(&case), 500.0, max_relative = 1e-12);
-    assert!(case.nut.cycle.is_none());
+    assert!(case.entries.cycle.is_none());
     case.apply(&[&format!("cycle={}", inputs["cycle"])]).expect("a cycle");
     let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
     let note = "These inputs have no effect: screw_speed_rpm, axial_load_N.";

@@ -95,7 +95,7 @@ impl AxisState<'_> {
 
     /// Returns the number of speed jumps in the cycle, or `None` if no cycle is given.
     pub(super) fn speed_jumps(&self) -> Option<usize> {
-        self.case.nut.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
+        self.case.entries.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
     }
 
     pub(super) fn inertia_at_motor(&self) -> Option<f64> {
@@ -302,7 +302,7 @@ impl AxisState<'_> {
     /// Returns a sentence about the process force that is assumed to act only during motion, or an
     /// empty string if there is no such force.
     fn force_during_motion(&self) -> String {
-        let is_at_rest = self.case.hold_force_N.is_some() || self.case.nut.cycle.is_some();
+        let is_at_rest = self.case.hold_force_N.is_some() || self.case.entries.cycle.is_some();
         match self.case.axial_load_N.filter(|load| *load != 0.0 && !is_at_rest) {
             Some(load) => format!(
                 " axial_load_N is assumed to act only during motion; if the {} N also act at rest, give hold_force_N.",

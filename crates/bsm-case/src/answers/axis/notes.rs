@@ -58,7 +58,7 @@ impl AxisState<'_> {
         notes.extend(self.to_measure());
         notes.extend(self.about_heat());
         let mut note = |text: &str| notes.push(text.to_owned());
-        if let Some(word) = self.case.nut.accuracy_grade {
+        if let Some(word) = self.case.entries.accuracy_grade {
             note(&word.describe());
             let Grade { name, .. } = word.grade;
             match self.travel() {
@@ -93,7 +93,7 @@ impl AxisState<'_> {
                  is 1.15 to 1.87 times the value that corresponds to their mass per meter.",
             );
         }
-        if self.case.nut.support.is_none() {
+        if self.case.entries.support.is_none() {
             note("support is not given, so fixed-supported is assumed.");
         }
         if self.case.unsupported_length_mm.is_none() {
@@ -245,7 +245,8 @@ impl AxisState<'_> {
             notes
                 .push(format!("rated_dynamic_load_N is used without an accuracy factor, because it is assumed to be the catalog value for grade {}.", grade.name));
         }
-        let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
+        let contaminated =
+            case.contamination_factor.is_some() || case.entries.contamination.is_some();
         let lubricated = case.given().is_lubricated();
         notes.extend(match (&self.lubrication, self.modified_life(0)) {
             (Some(_), None) => {
@@ -304,7 +305,7 @@ impl AxisState<'_> {
     /// recommend.
     fn undecided_load_factor(&self) -> Option<String> {
         let (axis, case) = (self.axis(), self.case);
-        let mut phases = case.nut.cycle.iter().flatten();
+        let mut phases = case.entries.cycle.iter().flatten();
         let is_given =
             case.load_factor.is_some() || phases.any(|phase| phase.load_factor.is_some());
         let [low, high] = axis.advised_load_factors();
@@ -333,7 +334,7 @@ impl AxisState<'_> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
             (self.axis().buckling_safety()?, self.axis().buckling_safety_of_support()?);
-        let by_default = self.case.nut.buckling_support.is_none();
+        let by_default = self.case.entries.buckling_support.is_none();
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
                 "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \

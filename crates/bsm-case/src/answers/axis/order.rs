@@ -61,8 +61,8 @@ impl AxisState<'_> {
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, |nominal| trimmed(in_mm.value(nominal)));
         let mut order = Order::default();
-        order.add("manufacturer", "", self.case.nut.manufacturer.clone());
-        order.add("code", "", self.case.nut.order_code.clone());
+        order.add("manufacturer", "", self.case.entries.manufacturer.clone());
+        order.add("code", "", self.case.entries.order_code.clone());
         order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
         // The order omits the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());

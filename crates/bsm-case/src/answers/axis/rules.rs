@@ -51,7 +51,7 @@ impl RuleInputs<'_> {
     /// the manufacturer.
     fn needed_rating(&self, margin: f64) -> String {
         let needed = self.axis.dynamic_rating / margin.cbrt();
-        let basis = self.case.nut.rating_basis.map(|Named(basis)| basis);
+        let basis = self.case.entries.rating_basis.map(|Named(basis)| basis);
         match basis.filter(|basis| *basis != RatingBasis::Revolutions) {
             Some(basis) => format!(
                 "a dynamic load rating of {} N for {}",
@@ -89,7 +89,7 @@ impl RuleInputs<'_> {
     /// Returns the largest permitted utilization of the motor if its torque-speed curve is given,
     /// and `None` otherwise.
     fn utilization_limit(&self) -> Option<f64> {
-        self.case.nut.motor_curve.as_ref().map(|_| 1.0)
+        self.case.entries.motor_curve.as_ref().map(|_| 1.0)
     }
 
     /// Returns true if the screw moves. For a screw at standstill, life is not checked.
@@ -101,7 +101,8 @@ impl RuleInputs<'_> {
     /// are the default, and contains the safety factor for the end conditions in `support`.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
-        let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
+        let by_default =
+            if self.case.entries.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
             "Euler (Z2); end conditions {}{by_default}; for the end conditions that the input support implies, {}: {}",
@@ -164,7 +165,7 @@ impl RuleInputs<'_> {
     ///
     /// * `margin`: permitted torque / torque.
     fn remedies_of_rms(&self, margin: f64) -> String {
-        let has_cycle = self.case.nut.cycle.is_some();
+        let has_cycle = self.case.entries.cycle.is_some();
         let peak = self.motor_peaks[0].as_ref().filter(|_| !has_cycle);
         remedies_of_motor(peak, margin, has_cycle.then_some("longer dwells"))
     }
@@ -183,7 +184,7 @@ impl RuleInputs<'_> {
 
     /// Returns the coarsest accuracy grade that meets the required travel error.
     fn grade_to_take(&self) -> Option<&'static str> {
-        let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
+        let (word, travel) = (self.case.entries.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
         word.grade.coarsest_within(required, travel).map(|grade| grade.name)
     }

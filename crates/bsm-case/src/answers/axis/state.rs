@@ -80,7 +80,7 @@ impl<'a> AxisState<'a> {
         // The case is copied for every moment of the cycle. The copies do not need the cycle, so it
         // is removed first.
         let mut of_a_moment = case.clone();
-        of_a_moment.nut.cycle = None;
+        of_a_moment.entries.cycle = None;
         // Contact friction depends only on load and speed, so it is calculated only once for
         // moments with equal load and speed.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
@@ -218,7 +218,7 @@ impl<'a> AxisState<'a> {
     fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
         let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
         let by_viscosity = Some(self.axis().viscosity_ratio(viscosity, speed));
-        if self.case.nut.kappa_by == Some(Named(KappaBy::Viscosity)) {
+        if self.case.entries.kappa_by == Some(Named(KappaBy::Viscosity)) {
             return [None, by_viscosity];
         }
         let by_film = || {
@@ -242,7 +242,7 @@ impl<'a> AxisState<'a> {
     }
 
     pub(super) fn grade(&self) -> Option<&'static Grade> {
-        Some(self.case.nut.accuracy_grade?.grade)
+        Some(self.case.entries.accuracy_grade?.grade)
     }
 
     /// Returns the useful travel, over which the accuracy grade limits the travel error \[m\].
@@ -305,7 +305,7 @@ impl<'a> AxisState<'a> {
         let axis = self.axis();
         let by_catalog = || {
             let stated = self.case.rated_rigidity_N_um?;
-            let Named(at) = self.case.nut.rated_rigidity_at?;
+            let Named(at) = self.case.entries.rated_rigidity_at?;
             at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
         // A catalog stiffness is more accurate than the stiffness of an estimated groove.
@@ -361,7 +361,7 @@ impl<'a> AxisState<'a> {
     /// Returns the required dynamic load rating in the form in which manufacturers state it \[N\]:
     /// for the travel of `rating_basis`, and without modifying factors.
     pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
-        let Named(basis) = self.case.nut.rating_basis?;
+        let Named(basis) = self.case.entries.rating_basis?;
         let factors = self.axis().dynamic_rating / self.machine.ratings[0];
         Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }

@@ -58,7 +58,7 @@ impl Need {
         if has_groove && ![Load, Speed, Length].contains(&self) {
             return true;
         }
-        let cycles = case.nut.cycle.is_some();
+        let cycles = case.entries.cycle.is_some();
         let nominal = case.nominal_diameter_mm.or(case.screw_outer_diameter_mm).is_some();
         match self {
             Lead => case.lead().is_some(),

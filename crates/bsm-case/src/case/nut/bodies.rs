@@ -12,7 +12,7 @@ use crate::{Case, CaseError, InputKey};
 /// also treated as a ring.
 pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<BallNut, CaseError> {
     use InputKey as K;
-    let entries = &case.nut;
+    let entries = &case.entries;
     let ends = ends(&nut);
     let made = nut.nut_stiffness(body.outer);
     let keys = [K::nut_EA_N, K::nut_anchor_z_mm];

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use bsm_design::Nut;
 use bsm_nut::{Circuit, Flanks, LeadError, PreloadKind};
 
-use super::loading::{arrangement, is_preloaded};
+use super::loading::{DEFAULT_ARRANGEMENT, arrangement, is_preloaded};
 use crate::vocabulary::entries::{Arrangement, CaseEntries, CircuitEntry, LeadErrorEntry, Named};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::loaded_turns;
@@ -31,7 +31,7 @@ const MAX_BALLS: usize = 100_000;
 /// Returns the number of loaded balls per turn and the number of loaded turns of one nut body, from
 /// the listed circuits or from the inputs [`SHORT`].
 pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
-    let Some(circuits) = &case.nut.circuits else {
+    let Some(circuits) = &case.entries.circuits else {
         return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
     };
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
@@ -90,7 +90,7 @@ pub(super) fn listed_circuits(
             flanks: match entry.flank {
                 Some(Named(flanks)) => flanks,
                 None if bodies == 1 => Flanks::Both,
-                None => flank_of(entry.body, arrangement.unwrap_or(Arrangement::X)),
+                None => flank_of(entry.body, arrangement.unwrap_or(DEFAULT_ARRANGEMENT)),
             },
             offset: Rule::Any.checked(&path("offset_um"), entry.offset_um)? * UM,
         });
@@ -143,7 +143,7 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
     let gap = case.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
     let (step, phase) = (arc + gap, case.number(InputKey::phase_deg));
     let pair = way == PreloadKind::Offset && is_preloaded(case);
-    let arranged = arrangement(case)?.unwrap_or(Arrangement::O);
+    let arranged = arrangement(case)?.unwrap_or(DEFAULT_ARRANGEMENT);
     let circuit = |body: usize, from: f64| {
         move |i: usize| Circuit {
             start: (from + (count(i) / starts).floor() * step + count(i) * phase) * DEG,

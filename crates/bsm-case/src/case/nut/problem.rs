@@ -172,7 +172,7 @@ impl NutProblem {
         let friction = FrictionSource::of(case)?;
         let gaps = BallGaps::of(case, friction, &nut)?;
         let tolerance = TorqueTolerance {
-            grade: case.nut.accuracy_grade.map(|name| name.grade),
+            grade: case.entries.accuracy_grade.map(|name| name.grade),
             length: thread_length(case, design.lead, body.length),
             diameter: thread.screw.land,
         };
@@ -304,7 +304,7 @@ impl Case {
     /// * `speed`: speed of the screw relative to the nut \[rad/s\].
     pub(crate) fn at_point(&self, load: f64, speed: f64) -> Self {
         let ratio = || self.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
-        let turning = match self.nut.driven_part {
+        let turning = match self.entries.driven_part {
             Some(Named(DrivenPart::Nut)) => Some(-1.0),
             Some(Named(DrivenPart::Screw)) => None,
             None => ratio(),
@@ -312,7 +312,7 @@ impl Case {
         let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
         let nut = nut.map(|share| share * speed / RPM);
         let mut case = self.without_carriage();
-        (case.axial_load_N, case.feed_m_min, case.nut.cycle) = (Some(load), None, None);
+        (case.axial_load_N, case.feed_m_min, case.entries.cycle) = (Some(load), None, None);
         case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
         case.nut_speed_rpm = nut;
         case
@@ -336,7 +336,7 @@ impl Case {
     /// Returns [`CaseError`] if an input of the axis is missing, or if the nut is loaded neither by
     /// the axis nor by a preload.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
-        let cycles = self.nut.cycle.is_some();
+        let cycles = self.entries.cycle.is_some();
         if !cycles && !carriage(self)?.is_loaded() {
             return Ok(None);
         }
@@ -385,7 +385,7 @@ impl Case {
 /// Returns the nut without the elasticity of its bodies, and the kind of preload that the nut can
 /// have.
 fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
-    let words = &case.nut;
+    let words = &case.entries;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
     let (circuits, way) = if let Some(listed) = &words.circuits {
         if let Some(key) = SHORT.into_iter().find(|key| case[*key].is_some()) {
@@ -485,7 +485,7 @@ fn notes(
     let mut notes: Vec<_> = usual.map(assumed_preload).into_iter().collect();
     let by = preload.map(|(by, _)| by);
     if let (Some((PreloadKind::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
-        (preload, &case.nut.circuits)
+        (preload, &case.entries.circuits)
     {
         let arranged = if force < 0.0 {
             "pushed apart (O arrangement)"

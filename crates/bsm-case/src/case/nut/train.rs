@@ -39,7 +39,7 @@ impl BallGaps {
         nut: &BallNut,
     ) -> Result<Self, CaseError> {
         use InputKey as K;
-        let listed = case.nut.circuits.as_deref().unwrap_or_default();
+        let listed = case.entries.circuits.as_deref().unwrap_or_default();
         let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
         let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
         let circuits = nut.circuits.len();

@@ -41,7 +41,7 @@ impl ColdNut {
     ) -> Result<Self, CaseError> {
         let mut cold = case.cold().without_carriage();
         let celsius = case.number(InputKey::preload_temperature_C);
-        (cold.feed_m_min, cold.seal_torque_Nm, cold.nut.cycle) = (None, None, None);
+        (cold.feed_m_min, cold.seal_torque_Nm, cold.entries.cycle) = (None, None, None);
         (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
         let heaviest = machine.axis.heaviest().map_or(0.0, |phase| phase.load);
         cold.axial_load_N = Some(if case.is_preloaded() { 0.0 } else { heaviest });
@@ -74,7 +74,7 @@ impl ColdNut {
         if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
         }
-        let by_rule = case.nut.drag_rule != Some(false);
+        let by_rule = case.entries.drag_rule != Some(false);
         let preloaded = self.preload.zip(self.unloaded.as_ref()).filter(|_| by_rule);
         let Some((preload, found)) = preloaded else { return 0.0 };
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
