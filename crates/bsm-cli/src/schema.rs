@@ -3,28 +3,34 @@
 
 use bsm_case::units::units_by_quantity;
 use bsm_case::{AnswerSchema, ObjectSchema, input_schema, output_schema};
+#[cfg(feature = "validate")]
 use bsm_validate::ReportJson;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
+#[cfg(feature = "parquet")]
 use crate::parts::PartsJson;
+#[cfg(feature = "validate")]
 use crate::tradeoff::TradeoffJson;
 
 /// Answers that do not follow from a case.
-const OTHERS: [AnswerSchema; 3] = [
+const OTHERS: &[AnswerSchema] = &[
+    #[cfg(feature = "parquet")]
     AnswerSchema::of("parts", "parts check", || vec![ObjectSchema::answer::<PartsJson>().json()]),
+    #[cfg(feature = "validate")]
     AnswerSchema::of("validate", "validate", || {
         vec![ObjectSchema::answer::<ReportJson<'_>>().json()]
     }),
+    #[cfg(feature = "validate")]
     AnswerSchema::of("tradeoff", "tradeoff", || {
         vec![ObjectSchema::answer::<TradeoffJson<'_>>().json()]
     }),
 ];
 
 /// Returns the schemas of all answers.
-fn answers() -> impl Iterator<Item = AnswerSchema> {
-    AnswerSchema::ALL.into_iter().chain(OTHERS)
+fn answers() -> impl Iterator<Item = &'static AnswerSchema> {
+    AnswerSchema::ALL.iter().chain(OTHERS)
 }
 
 /// Returns the names of all JSON Schemas.

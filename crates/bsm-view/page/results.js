@@ -1,6 +1,7 @@
 // The numbers: the most important numbers at the top of the page, and all numbers at its end.
 
-import { html, number, interval, brief, table, row, none, unitOf } from "bsm/draw";
+import { html, number, interval, brief, table, row, none, unitOf, shown, shownAll, shownUnit } from "bsm/draw";
+import { start } from "bsm/source";
 
 const KEYS = [
   ["efficiency", "Efficiency"],
@@ -10,6 +11,9 @@ const KEYS = [
   ["axial_displacement_um", "Displacement"],
   ["ball_precession_rad_s", "Orbital speed of the balls"],
 ];
+
+/** Units of the outputs without conversion to displayed units. */
+const UNIT = new Map(start.schema.outputs.map(({ name, unit }) => [name, unit]));
 
 export function showKey(host, result) {
   if (result.status !== "converged") {
@@ -22,7 +26,7 @@ export function showKey(host, result) {
     const [value, unit] = result.shown.keys[name] ?? [];
     return value == null ? [] : [html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words),
       html("dd", { "data-output": name }, number(value), html("small", {}, unit ? ` ${unitOf(unit)}` : ""),
-        ends[name] ? html("div", { class: "small faint" }, interval(ends[name])) : null))];
+        ends[name] ? html("div", { class: "small faint" }, interval(shownAll(ends[name], UNIT.get(name)))) : null))];
   });
   const band = result.band;
   host.replaceChildren(
@@ -33,7 +37,7 @@ export function showKey(host, result) {
         result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_raceway ? `The ${result.controlling_raceway} raceway controls.` : ""),
     ...(band ? [html("p", { class: "small" },
-      `90 % interval of the torque for the uncertain oil properties: ${number(band.ball_torque_Nm.low)} to ${number(band.ball_torque_Nm.high)} N m.`)]
+      `90 % interval of the torque for the uncertain oil properties: ${number(shown(band.ball_torque_Nm.low, "N m"))} to ${number(shown(band.ball_torque_Nm.high, "N m"))} ${shownUnit("N m")}.`)]
       : []),
     // The first note is the estimate.
     ...(result.groove_estimate ? [html("p", { class: "small" }, `${result.notes[0]} Pictures and maps show the best groove only.`)] : []),

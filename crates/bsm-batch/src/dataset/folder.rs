@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::DatasetError;
-use super::part::kind;
+use super::error::kind;
 
 /// Name of the file that contains the plan of a dataset.
 const PLAN: &str = "plan.json";

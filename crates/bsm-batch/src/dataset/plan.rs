@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
+#[cfg(feature = "parquet")]
 use super::part::PartRange;
 use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
@@ -268,6 +269,7 @@ impl Plan {
 
     /// Returns the rows that belong to a part, or an error if the plan has no part with this
     /// number.
+    #[cfg(feature = "parquet")]
     pub(super) fn range(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
@@ -277,6 +279,7 @@ impl Plan {
         })
     }
 
+    #[cfg(feature = "parquet")]
     pub(super) fn range_of(&self, number: u64) -> PartRange<'_> {
         let first_row = number * self.rows_per_part();
         let rows = self.rows_per_part().min(self.rows() - first_row);
