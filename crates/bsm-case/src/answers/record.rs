@@ -37,20 +37,22 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     };
     let why = match choice.basis {
         Basis::Rolling { onset_number } if bound > choice.tolerance => format!(
-            "no more accurate model has a result here; raceway control has a skid onset number of {onset_number:.2e}"
+            "; no more accurate model has a result here, and raceway control has a skid onset number of {onset_number:.2e}"
         ),
-        Basis::Rolling { onset_number } => format!("rolling, skid onset number {onset_number:.2e}"),
+        Basis::Rolling { onset_number } => {
+            format!(", because the ball rolls (skid onset number {onset_number:.2e})")
+        }
         Basis::GrossSkid { onset_number } => {
-            format!("gross skid, skid onset number {onset_number:.1}")
+            format!(", because the ball is in gross skid (skid onset number {onset_number:.1})")
         }
         Basis::Integrated { accuracy } => {
             format!(
-                "no faster model is accurate enough here; friction is integrated with an accuracy of {accuracy:.0e}"
+                ", because friction is integrated with an accuracy of {accuracy:.0e}; no faster model is accurate enough here"
             )
         }
-        other => format!("{other:?}"),
+        other => format!(": {other:?}"),
     };
-    format!("efficiency error at most {bound:.1e}: {why}")
+    format!("efficiency error at most {bound:.1e}{why}")
 }
 
 /// Result at one operating point: model, status and numbers, or the reason why there are no

@@ -343,7 +343,7 @@ outputs! {
             "temperature rise of the hotter film due to sliding; not included in the viscosity";
         "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.error.as_ref()?.efficiency),
             "upper bound of the efficiency error. With model traction, it covers the integration over the contact ellipses; with model auto, it covers the difference from model traction at 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and its contacts have no bound if auto chooses a model other than traction";
-        "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
+        "relative error bound of the loss" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
             "upper bound of the error of the power loss, relative to the power loss of this result; null if above 0.5";
         "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.ball.axial_displacement? / UM),
             "axial displacement of the nut";

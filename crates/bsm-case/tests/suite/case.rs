@@ -259,9 +259,9 @@ fn auto_states_error_bound_and_reason_of_its_choice() {
         (record.model().name(), why)
     };
     for (tolerance, load, model, part) in [
-        (0.02, "axial_load_N=2113", "raceway-control", "rolling, skid onset"),
+        (0.02, "axial_load_N=2113", "raceway-control", "the ball rolls (skid onset"),
         (1e-4, "axial_load_N=2113", "traction", "integrated with"),
-        (0.02, "axial_load_N=1", "elastic", "gross skid, skid onset"),
+        (0.02, "axial_load_N=1", "elastic", "gross skid (skid onset"),
     ] {
         let (name, why) = solve(tolerance, load);
         assert_eq!(name, model, "{why}");
