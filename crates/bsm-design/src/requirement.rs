@@ -373,7 +373,7 @@ impl Requirement {
         ];
         let preload = axis.preload;
         let most = self.method.share() * rating;
-        // F_pr ≤ φ C_a                                                    (AA6)
+        // F_pr ≤ q C_a                                                    (AA6)
         rules.extend(preload.map(|x| (Quantity::Preload, x, None, Some(most))));
         let ratio = axis.critical_speed_ratio();
         rules

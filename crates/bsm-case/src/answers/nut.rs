@@ -896,7 +896,7 @@ impl NutReport {
                 }
                 notes.push(format!(
                     "The torque {not_in_it}. Measured drag coefficients K_p of catalogs are 0.1 to 0.3 in \
-                     T = K_p F_p lead/(2 pi). Two contacts per ball cause about a quarter of this torque; with little play \
+                     T = K_p F_p lead/(2 pi). Two contacts per ball cause a sixth to two fifths of this torque; with little play \
                      (axial_play_um), a third contact causes most of the rest."
                 ));
             }
