@@ -218,7 +218,7 @@ impl DesignReport {
         };
         let row_units = self.rows.iter().map(|row| row.unit).collect();
         let steps = Table { row_units, ..Table::of(STEP_COLUMNS, self.rows.iter().map(row)) };
-        let label = if self.found { "active limit" } else { "limit that cannot be met" };
+        let label = if self.found { "active limit" } else { "no screw found" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
         Answer { notes, warnings, fails: !self.found, ..Answer::default() }
             .with("found", Content::Json(self.found.into()))
@@ -383,7 +383,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
 quantities! { pub(crate) STEPS, in_units(&f64);
     "steps of a design" {
         lead_angle_deg = INPUTS Scalar(|x| x / DEG);
-        optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "optimum contact angle, with the best efficiency";
+        optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "contact angle with the highest efficiency in gross skid; for comparison only";
         contact_angle_deg = INPUTS Scalar(|x| x / DEG);
         screw_length_mm = REQUIREMENT_INPUTS Scalar(|x| x / MM);
         pitch_radius_over_length [""] Scalar(|x| *x), "pitch circle radius / length of the screw";
@@ -538,7 +538,10 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
         check(holds.quantity).and_then(required).unwrap_or_default() + &unit(holds.quantity);
     let [without, with] =
         [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)) + &unit(quantity));
-    format!("{name} {limit}: without this limit {} {without}, with it {with}", step(quantity).about)
+    format!(
+        "{name} {limit}. Without this limit, the best screw would have {} = {without} instead of {with}",
+        step(quantity).about
+    )
 }
 
 /// Describes a limit that cannot be met, with the best possible value and the cause.
@@ -549,18 +552,18 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     match cause {
         Infeasibility::SingleLimit(best) => {
             format!(
-                "{rule}: if all other limits are met, the best possible value is {}",
+                "{rule}, but if all other limits are met, the best possible value is {}",
                 number(*best)
             )
         }
         Infeasibility::SeveralLimits => {
             format!(
-                "{rule}: the nearest compromise has {} and also violates other limits",
+                "{rule}, but the nearest compromise has {} and also violates other limits",
                 number(check.value)
             )
         }
         Infeasibility::WholeBalls => format!(
-            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number of balls would meet the limit",
+            "{rule}, but the nearest screw with an integer number of standard balls has {}; only a fractional number of balls would meet the limit",
             number(check.value)
         ),
     }
