@@ -416,8 +416,9 @@ pub(crate) struct ViewArgs {
     /// Open the page in the browser.
     #[arg(long)]
     pub(crate) open: bool,
-    /// PAGE.html: write the page as one file that needs neither a server nor a network. CASE.json:
-    /// file to which the button "Save case" writes. By default, the browser saves the case.
+    /// PAGE.html: write the page as one file that contains the solver and needs neither a server
+    /// nor a network. CASE.json: file to which the button "Save case" writes. By default, the
+    /// browser saves the case.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]

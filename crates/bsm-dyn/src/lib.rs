@@ -2,12 +2,12 @@
 //!
 //! The crate uses SI units and radians throughout. It does not use files, threads or random
 //! numbers. A [`Problem`] is one operating point with the inputs of one model. [`Problem::solve`]
-//! returns a [`Solution`] even if the operating point has no solution; the [`Solution`] then
+//! returns a [`Solution`] even if the operating point has no solution; the returned value then
 //! contains the reason.
 //!
 //! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!
-//! The feed drive in `examples/feed_drive.json` has rolling balls and an efficiency of 98.6 %:
+//! In the feed drive of `examples/feed_drive.json`, the balls roll, and the efficiency is 98.6 %:
 //!
 //! ```
 //! use std::f64::consts::PI;

@@ -10,14 +10,19 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::answers::axis::TorqueParts;
 use crate::answers::band::{NO_INTERVAL, high, low};
+use crate::answers::schema::{CaseJson, RecordJson};
 use crate::answers::section::{GrooveSection, beyond_the_flank};
+use crate::answers::sensitivity::SensitivityRow;
+use crate::case::problem::SettingsJson;
 use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::members::{Data, Keyed, Label, Maybe, Word, answer, row};
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
     Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, OutputName,
-    Section, Sensitivity, Settings, Table, exact, output, torque_parts,
+    Section, Sensitivity, Settings, exact, output, torque_parts,
 };
 
 /// Hertz pressure between ball and groove above which permanent indentations are expected \[Pa\].
@@ -470,11 +475,6 @@ impl Record {
                     .to_owned(),
             );
         }
-        let mut map = self.to_json();
-        map.insert("program".to_owned(), json!(program));
-        map.insert("inputs".to_owned(), case.to_json());
-        map.insert("settings".to_owned(), settings.to_json());
-        map.insert("regime".to_owned(), json!(self.regime()));
         let cold = case.cold_lubricant().filter(|_| parts.is_some());
         let not_given = cold.into_iter().map(|text| NotGiven { number: "screw_torque_Nm", text });
         let mut answer = Answer {
@@ -490,21 +490,41 @@ impl Record {
                 .with_shown(Content::Text("contacts by model", Some(parts.contacts.clone())));
         }
         answer.sections.extend(self.shown(case));
-        answer = answer.with("", Content::Json(Value::Object(map)));
-        let json = parts.as_ref().map(|parts| Content::Json(parts.to_json()));
-        answer = answer.with_some("torque_parts", json);
-        if let Some(band) = band {
-            answer = answer
-                .with("band", Content::Table(of_band(&band)))
-                .with(
-                    "band_model",
-                    Content::Text("drawn by model", Some(band.model.name().to_owned())),
-                )
-                .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
-        }
-        let rows =
-            beside.sensitivities.as_ref().map(|rows| Content::Table(Sensitivity::table(rows)));
-        answer.with_some("sensitivities", rows)
+        let of_model = |band: &LossInterval| Word("drawn by model", band.model.name().to_owned());
+        let not_in_it = band.is_some().then(|| NOT_IN_IT.to_owned());
+        let rows = |rows: &Vec<Sensitivity>| Keyed(rows.iter().map(Sensitivity::row).collect());
+        answer.with_members(MotionResult {
+            record: Data(RecordJson(self.to_json())),
+            program: Data(program.to_owned()),
+            inputs: Data(CaseJson(case.to_json())),
+            settings: Data(settings.members()),
+            regime: Data(self.regime().map(str::to_owned)),
+            torque_parts: Maybe(parts.as_ref().map(|parts| Data(parts.members()))),
+            band: Maybe(band.as_ref().map(of_band)),
+            band_model: Maybe(band.as_ref().map(of_model)),
+            not_in_it: Label("not included:", not_in_it),
+            sensitivities: Maybe(beside.sensitivities.as_ref().map(rows)),
+        })
+    }
+}
+
+answer! {
+    /// Solution of a model at a point.
+    pub(crate) struct MotionResult {
+        [flatten] record: Data<RecordJson>;
+        /// Name and version of the program.
+        program: Data<String>;
+        inputs: Data<CaseJson>;
+        settings: Data<SettingsJson>;
+        /// Slip regime of the ball.
+        regime: Data<Option<String>>;
+        [skip_serializing_if = "Maybe::is_none"] torque_parts: Maybe<Data<TorqueParts>>;
+        /// 90 % intervals due to uncertain lubricated friction.
+        [skip_serializing_if = "Maybe::is_none"] band: Maybe<Keyed<LossRow>>;
+        /// Model by which the intervals are drawn.
+        [skip_serializing_if = "Maybe::is_none"] band_model: Maybe<Word>;
+        [skip] not_in_it: Label;
+        [skip_serializing_if = "Maybe::is_none"] sensitivities: Maybe<Keyed<SensitivityRow>>;
     }
 }
 
@@ -524,20 +544,31 @@ pub struct Supplement {
 const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Catalog rules for the torque of a preloaded nut give three times the torque of \
                          the contacts.";
 
-/// Columns of the table that lists the intervals due to uncertain lubricated friction.
-pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
+row! {
+    /// An interval due to uncertain lubricated friction.
+    pub(crate) struct LossRow {
+        [skip] name: &'static str;
+        [skip] label: &'static str = "90 % interval";
+        [skip] unit: &'static str = "";
+        low: f64 = "low";
+        high: f64 = "high";
+    }
+}
 
 /// Builds the table that lists the intervals due to uncertain lubricated friction.
-fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
-    let row = |name: &str, label: &str, unit: &str, ends: &[f64; 2]| {
-        vec![json!(name), json!(label), json!(unit), json!(low(*ends)), json!(high(*ends))]
+fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Keyed<LossRow> {
+    let row = |name, label, unit, ends: &[f64; 2]| LossRow {
+        name,
+        label,
+        unit,
+        low: low(*ends),
+        high: high(*ends),
     };
-    let rows = [
+    Keyed(vec![
         row("contact_loss_ratio", "contact loss / stated contact loss", "", loss),
         row("ball_torque_Nm", "torque of the balls", "N m", screw_torque),
         row("efficiency", "efficiency", "", efficiency),
-    ];
-    Table::of(INTERVALS, rows).keyed()
+    ])
 }
 
 /// Returns a warning if the skid onset number shows that raceway control does not apply.

@@ -10,9 +10,15 @@ use bsm_dyn::{
 use bsm_kin::Site;
 
 use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
+use crate::vocabulary::members::number_tables;
 use crate::vocabulary::quantity::{Values, quantities};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Answer, Case, CaseError, Settings};
+
+number_tables! {
+    /// Numbers of a slip analysis.
+    pub(crate) SlipNumbers = QUANTITIES.iter();
+}
 
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
@@ -101,7 +107,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
         );
     }
     let numbers = read(&slipping, |_| true).finite()?;
-    let mut answer = of_a_motion(QUANTITIES, case, solution, numbers, Vec::new(), lacks);
+    let mut answer = of_a_motion::<SlipNumbers>(case, solution, numbers, Vec::new(), lacks);
     let agree = if case.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
     if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > agree) {
         answer.warnings.push(format!(

@@ -444,7 +444,7 @@ fn select_accepts_only_nuts_that_pass_their_axis_sheet() {
         assert_agrees_with_sheet(&report, Model::RacewayControl, settings[0]);
         // Every listed nut that meets the requirement also passes all rules of its own axis sheet.
         let listed = catalog.map(&catalog.indices(), |place, nut| {
-            (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(nut.nut)
+            (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(*nut)
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
             let sheet =

@@ -349,7 +349,7 @@ fn malformed_tables_are_reported() {
     // An input that is missing in every row is reported only once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("a case or --set"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("in a case or with --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
