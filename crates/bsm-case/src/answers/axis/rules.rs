@@ -441,7 +441,7 @@ rules! {
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
         "load at which a contact ellipse reaches the end of its flank (G8)",
-        "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
+        "a larger land (a smaller nut_bore_mm or a larger screw_outer_diameter_mm), or more or larger balls";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
