@@ -3,7 +3,8 @@
 FROM rust:1-slim-bookworm AS build
 WORKDIR /source
 COPY . .
-RUN cargo build --release --locked
+# The program contains the solver of saved pages.
+RUN crates/bsm-view/page-solver && cargo build --release --locked
 
 FROM debian:bookworm-slim
 COPY --from=build /source/target/release/bsm /usr/local/bin/bsm

@@ -47,6 +47,10 @@ book:
 page *FLAGS:
     crates/bsm-view/check {{FLAGS}}
 
+# Build the solver of saved pages. Programs that are built afterwards contain it. Requires rustup.
+page-solver:
+    crates/bsm-view/page-solver
+
 # Run the Criterion benchmarks. `just bench rigid` runs the groups whose names contain "rigid".
 bench *FILTER:
     cargo bench -p bsm-benches --locked -- {{FILTER}}

@@ -42,8 +42,8 @@ fn named(names: &[&str]) -> Vec<&'static Output> {
     names.iter().map(|name| Output::named(name).expect("known name")).collect()
 }
 
-/// Measures the kernels on one thread. The time includes reading input columns and writing output
-/// columns.
+/// Measures the speed of the kernels on one thread. The time includes reading input columns and
+/// writing output columns.
 fn kernels(c: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let (count, cases) = (4096, seeded(4096));
@@ -78,8 +78,8 @@ fn kernels(c: &mut Criterion) {
     }
 }
 
-/// Measures the rigid model with two outputs on all cores. The time includes reading and writing
-/// the files.
+/// Measures the speed of the rigid model with two outputs on all cores. The time includes reading
+/// and writing the files.
 fn tables(c: &mut Criterion) {
     let rows = 100_000;
     let (points, _, base) = chunk(&seeded(rows));

@@ -1,5 +1,5 @@
-//! Measures the times of residual, linearization and solution for each model. To run this
-//! benchmark, use `just bench` or `cargo bench -p bsm-benches`.
+//! Measures how long each model takes to evaluate its residual, to linearize its equations, and to
+//! solve points. To run this benchmark, use `just bench` or `cargo bench -p bsm-benches`.
 #![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
 
 use std::hint::black_box;
@@ -18,7 +18,8 @@ fn lin_rigid() -> Rigid {
     }
 }
 
-/// Measures residual and Jacobian for Lin's case at the first-order starting point.
+/// Measures the time to evaluate residual and Jacobian for Lin's case at the first-order starting
+/// point.
 fn equations(c: &mut Criterion) {
     let system = RigidSystem::of(&lin_rigid()).expect("friction and speed");
     c.bench_function("rigid/residual", |b| {
@@ -34,7 +35,7 @@ fn equations(c: &mut Criterion) {
     });
 }
 
-/// Measures the solution of Lin's case. Each model starts from SI inputs without a previous
+/// Measures the time to solve Lin's case. Each model starts from SI inputs without a previous
 /// solution. The rigid model is also started from the root at a load that is 1 % lower, with the
 /// same tolerance.
 fn one_point(c: &mut Criterion) {
@@ -82,8 +83,8 @@ fn settings() -> Vec<(String, Settings)> {
     all
 }
 
-/// Measures a thousand random points, so that the time per element is representative of a typical
-/// point.
+/// Measures the time to solve a thousand random points, so that the time per element is
+/// representative of a typical point.
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
     eprintln!("{COUNT} seeded points: model | median cold solve, ns | median Newton steps | most");
@@ -113,8 +114,8 @@ fn many_points(c: &mut Criterion) {
     });
 }
 
-/// Prints the median time of all points and the median number of steps. The time of a point is the
-/// shortest time of several solves without a previous solution.
+/// Prints the median time per point and the median number of steps. The time of a point is the
+/// shortest of several solves without a previous solution.
 fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     let mut times: Vec<_> = problems
         .iter()

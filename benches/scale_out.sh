@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compares one `bsm sweep` on two threads with two processes of `bsm parts run` on one thread each: bytes must be identical,
-# and both times are measured. Usage: benches/scale_out.sh [LOADS]; 10 000 loads are 1e8 rows. BSM names the program.
+# Compares one `bsm sweep` on two threads with two processes of `bsm parts run` on one thread each. The results must be
+# byte-identical, and both times are measured. Usage: benches/scale_out.sh [LOADS]; 10 000 loads result in 1e8 rows.
+# The environment variable BSM contains the path of the program.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 loads=${1:-10000}
@@ -20,7 +21,7 @@ both() {
     wait "$first" && wait "$second"
     "$bsm" parts check "$folder/two"
 }
-# Both run alternately, so that they see the same load on the machine.
+# The two variants run alternately, so that other work on the machine affects both of them equally.
 for round in 1 2; do
     rm -rf "${folder:?}"/*
     one=$(seconds "$bsm" "${task[@]}" -o "$folder/one/" --threads 2 --quiet)

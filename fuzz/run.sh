@@ -7,7 +7,8 @@ seconds="${1:-60}"
 shift || true
 [ $# -gt 0 ] || set -- case nut solve words csv json-lines parquet requirement catalog
 
-# The flags of cargo-fuzz, except for the sanitizers, which need nightly. With --target the flags do not apply to build scripts.
+# These are the flags of cargo-fuzz without the sanitizers, which need a nightly toolchain. Because of --target, the
+# flags do not apply to build scripts.
 host="$(rustc -vV | sed -n 's/host: //p')"
 coverage="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table

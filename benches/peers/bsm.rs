@@ -108,7 +108,7 @@ pub(crate) fn reference(case: &Case) -> Option<Answer> {
 }
 
 /// Converts outputs to an answer. The unknowns are calculated from the ball motion and the slip at
-/// A.
+/// contact A.
 pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let [ball_mm, pitch_mm, lead_deg, _, _, density, screw_rpm, nut_rpm, axial, balls] = *point;
     let (r_b, r_m) = (0.5e-3 * ball_mm, 0.5e-3 * pitch_mm);
@@ -117,8 +117,8 @@ pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let inertia = 0.4 * (4.0 / 3.0 * PI * r_b.powi(3) * density) * r_b * r_b;
     let [efficiency, q_a, q_m, q_b, precession, omega_t, slip, spin] = *numbers;
     let (p, u) = ((precession - nut) / w, (omega_t - nut * sin_a) / w);
-    // The slip at A has the component u across the groove, and the component d p + τ along t in the
-    // direction of W.
+    // The slip at contact A has the component u across the groove, and the component d p + τ along
+    // t in the direction of W.
     let slip = slip / (r_b * w.abs());
     let along = (slip * slip - u * u).sqrt();
     let s = inertia * precession * spin / (r_b * axial / balls);

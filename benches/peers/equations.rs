@@ -1,6 +1,6 @@
-//! Independent implementation of the rigid model for the compared solvers that have their own
-//! Newton iteration. It contains the conversion from user units, the starting point, the residual,
-//! the analytic Jacobian and the outputs.
+//! Independent implementation of the rigid model for those compared solvers that run their own
+//! Newton iteration on given equations. It contains the conversion from user units, the starting
+//! point, the residual, the analytic Jacobian and the outputs.
 //!
 //! The equations are those of `docs/theory/04-rigid.md` with the unknowns `Q_A/F_a, Q_A'/F_a,
 //! Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so driving and back-driving

@@ -1,5 +1,5 @@
-//! The Gauss-Newton solver of the crate argmin, the only solver of this crate that uses a residual
-//! and a Jacobian.
+//! The Gauss-Newton solver of the crate argmin. No other solver in argmin uses both a residual and
+//! a Jacobian.
 //!
 //! For a square system, a Gauss-Newton step equals a Newton step but is calculated with the inverse
 //! of JᵀJ. The `vec` backend of argmin-math cannot invert matrices, and its nalgebra backend

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Solves nuts with 100, 1000 and 10 000 balls with this solver and with SciPy: benches/peers/nut.sh
+# Solves nuts with 100, 1000 and 10 000 balls with this project's solver and with SciPy.
+# Usage: benches/peers/nut.sh
 # Requires cargo and python3. The packages are installed from benches/peers/requirements.txt.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"

@@ -9,13 +9,13 @@ use crate::equations::Answer;
 
 /// Largest difference between two results that counts as agreement.
 ///
-/// The load of A' and the unknowns u and τ affect the balance only through terms that are as small
-/// as the inertia forces. A residual of 1e-10 therefore causes errors of 1e-10 divided by the
-/// inertia forces. For this reason, differences of these three quantities are multiplied by the
+/// The load at contact A' and the unknowns u and τ affect the balance only through terms that are
+/// as small as the inertia forces. A residual of 1e-10 therefore causes errors of 1e-10 divided by
+/// the inertia forces. For this reason, differences of these three quantities are multiplied by the
 /// inertia forces.
 const AGREEMENT: f64 = 1e-8;
 
-/// Relative difference of efficiency or loads above which two answers count as different roots.
+/// Relative difference in efficiency or in a load above which two answers count as different roots.
 const SAME_ROOT: f64 = 1e-4;
 
 /// Indices of quantities in an [`Answer`].
@@ -58,15 +58,16 @@ struct Line {
     over_batch: f64,
     over_nalgebra: f64,
     share_solved: f64,
-    /// Number of points with an answer that is not the root that the solver of this project finds.
+    /// Number of points at which the solver found a root other than the root of this project's
+    /// solver.
     other_answers: usize,
-    /// Largest relative difference of efficiency and loads of A and B, and largest difference of p
-    /// and s.
+    /// Largest relative difference in the efficiency and in the loads at contacts A and B, and
+    /// largest difference in p and s.
     worst_loaded: f64,
-    /// Largest relative difference of the load of A', and largest difference of u and τ.
+    /// Largest relative difference in the load at contact A', and largest difference in u and τ.
     worst_inertial: f64,
-    /// Largest of the differences in `worst_inertial` after the difference at each point was
-    /// multiplied by the ratio of inertia forces to load.
+    /// Largest of the differences in `worst_inertial`, each of which is multiplied by the ratio of
+    /// inertia forces to load at its point.
     worst_inertial_scaled: f64,
     agrees: bool,
 }
@@ -110,8 +111,8 @@ impl Report {
                 agrees: peer.answers.len() == reference.len()
                     && solved > 0
                     && worst.loaded <= AGREEMENT
-                    // If A' hardly slides, u and τ cannot be calculated accurately from its slip,
-                    // which is an output.
+                    // If contact A' hardly slides, u and τ cannot be calculated accurately from the
+                    // slip at A', which is an output.
                     && (may_differ
                         || worst.inertial_scaled <= AGREEMENT && worst.other_answers == 0),
             }
@@ -164,8 +165,9 @@ impl Worst {
                 }
             }
             let apart = |i: usize| (answer[i] / reference.answer[i] - 1.0).abs();
-            // The answer is another root if its efficiency or one of the loads of A and B differs.
-            // A difference that is NaN also counts as another root.
+            // The answer counts as a different root if its efficiency or its load at contact A or B
+            // differs from the reference. An answer whose difference is NaN also counts as a
+            // different root.
             if ![0, 1, 3].into_iter().all(|i| apart(i) <= SAME_ROOT) {
                 worst.other_answers += 1;
                 continue;

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
-# Solves the same points with this solver and with others: benches/peers/run.sh [--out FILE] [--count N] [--runs N]
-# Requires cargo. The Python peers also require gcc, python3 and pip; peers whose packages cannot be installed are skipped.
+# Solves the same points with this project's solver and with other solvers.
+# Usage: benches/peers/run.sh [--out FILE] [--count N] [--runs N]
+# Requires cargo. The Python solvers also require gcc, python3 and pip. A solver is skipped if its packages cannot be
+# installed.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 work="$here/../../target/peers"

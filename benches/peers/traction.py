@@ -20,7 +20,8 @@ import numpy as np
 TOLERANCE = 1e-10
 RUNS = 3
 
-# Quadrature: accuracy, number of nodes in a panel, and number in a part of a split panel or beside a spin pole.
+# Quadrature: accuracy, number of nodes in a whole panel, and number of nodes in one part of a split panel or beside a
+# spin pole.
 ACCURACY = 1e-8
 PANEL, PART = 16, 12
 MOST_INNER = 24
@@ -45,9 +46,9 @@ def chebyshev():
 
 
 INNER = chebyshev()
-# Largest permitted relative differences. For the efficiency, it is the smallest error bound that bsm states (T25). For
-# loads and angles, it is the accuracy of the quadrature, because bsm does not change the number of nodes (T19) near a
-# root.
+# Largest permitted relative differences. The limit for the efficiency is the smallest error bound that bsm states
+# (T25). The limit for loads and angles is the accuracy of the quadrature, because bsm does not change the number of
+# nodes (T19) near a root.
 AGREEMENT = 1e-9, 1e-8
 # If the relative difference is larger, the two solvers have found different roots.
 SAME_ROOT = 1e-4
@@ -95,8 +96,8 @@ class Case(NamedTuple):
 def hertz(ratio, m):
     """Return the flatness b/a and the complete integrals K and E for a ratio of curvatures, (H7) and below (H11)."""
     log_kappa = 2.0 / m.pi * m.log(ratio)
-    # Newton's method, applied to logarithms, converges one step before the last step. The arithmetic-geometric means
-    # converge in five steps up to kappa = 100.
+    # Newton's method is applied to logarithms and needs one step less than the loop takes. The arithmetic-geometric
+    # means converge in five steps up to kappa = 100.
     for _ in range(5):
         q = m.exp(-log_kappa)
         parameter = 1.0 - q * q
@@ -152,7 +153,7 @@ def larger(a, b):
 
 
 def begin(helix, jones, angle, m):
-    """Return the motion of a rolling ball without friction and inertia that spins only at the screw: (P4), (W3) to (W5)."""
+    """Return the motion of a ball that rolls without friction or inertia, spinning only at the screw: (P4), (W3)-(W5)."""
     (sin_a, cos_a, arc, nut_speed), (offset, approach, reach), (sin_b, cos_b) = helix, jones, angle
     for _ in range(4):
         q = 1.0 / (cos_a * sin_b)
@@ -240,7 +241,7 @@ def nodes(slip, layout, xp):
     count = xp.repeat(count, 8, axis=1)
     s, weight = (xp.asarray(table[:, :room])[count] for table in INNER)
     if near:
-        # (T20), with 24 nodes as well
+        # (T20), also with 24 nodes
         sinh = xp.clip(xp.sqrt(square), 1e-100, FAR)
         b_0, b_1 = across(xi)
         phi_0 = xp.arccos(xp.clip(-b_0 / xp.where(b_1 == 0.0, TINY, b_1) / xp.sqrt(1.0 + square), -1.0, 1.0))
@@ -321,7 +322,7 @@ def evaluate(c, y, layout, m, xp, fixed):
 
 
 def weights(c):
-    """Return (T3) at the starting point."""
+    """Return the weights of the equations (T3) at the starting point."""
     force = 1.0 / larger(1.0, c.mass * c.radius * c.start[3] ** 2)
     return [force] * 3 + [force / abs(c.friction)] * 3 + [force]
 
@@ -362,7 +363,7 @@ def scipy_hybr(points):
 
 
 def jax_newton(points):
-    """Solve all points in one call with small arrays and few steps, and the remaining points with more of both."""
+    """Solve all points in one call with small arrays and few steps, and the remaining points with larger arrays."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Solves random points of the traction model with this solver, SciPy and JAX: benches/peers/traction.sh [--count N] [--runs N]
+# Solves random points of the traction model with this project's solver, SciPy and JAX.
+# Usage: benches/peers/traction.sh [--count N] [--runs N]
 # Requires cargo and python3. The packages are installed from benches/peers/requirements.txt.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"

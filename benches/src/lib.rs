@@ -7,8 +7,7 @@ use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Returns the published case of Lin, to which the conformities that the elastic models need are
-/// added.
+/// Returns Lin's published case with added conformities, which the elastic models require.
 ///
 /// # Panics
 ///
@@ -69,7 +68,7 @@ pub fn seeded(count: usize) -> Vec<Case> {
 }
 
 /// Returns those points of the table `validation/golden/tradeoff/cases.csv` for which the model has
-/// a solution. The points are ordinary operating points.
+/// a solution. The table contains ordinary operating points.
 ///
 /// # Panics
 ///

@@ -3,7 +3,8 @@
 use bsm_case::{CATALOG, INPUTS, OUTPUTS, REQUIREMENT_INPUTS};
 use rand::{Rng, RngExt};
 
-/// Numbers at or beyond the limits of what can be parsed, calculated, or physically meaningful.
+/// Numbers at or beyond the limits of values that can be parsed, can be calculated with, or have a
+/// physical meaning.
 const NUMBERS: [&str; 40] = [
     "0",
     "-0",
@@ -118,7 +119,7 @@ fn mutate_binary(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     match rng.random_range(0..6) {
         0 => bytes[at] = rng.random(),
         1 => bytes[at] ^= 1 << rng.random_range(0..8),
-        // These bytes encode the largest variable-length integer of 32 bits.
+        // These bytes encode the largest 32-bit integer of variable length.
         2 => put(bytes, at, at + 1, &[0xff, 0xff, 0xff, 0xff, 0x0f]),
         3 => put(bytes, at, at + 1, &[]),
         4 => bytes.truncate(at),

@@ -5,7 +5,7 @@ use bsm_case::{
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
-/// Base cases, to which the settings of an input are applied.
+/// Base cases, to which fuzzed input settings are applied.
 pub(crate) const BASES: [(&str, &str); 5] = [
     ("feed_drive", include_str!("../../examples/feed_drive.json")),
     ("lin1994", include_str!("../../examples/lin1994.json")),

@@ -43,10 +43,10 @@ pub const TARGETS: [Target; 9] = [
     Target { name: "catalog", examples: None, run: catalog },
 ];
 
-/// Maximum time for an input. The slowest input of the corpus is a ball between axial flanks on an
-/// axial helix. It takes 2.3 s in a release build, because model traction starts twice from each of
-/// its starting points. With debug assertions on a busy machine, this input takes ten times as
-/// long.
+/// Maximum time for an input. The slowest input of the corpus has a lead angle and a contact angle
+/// of almost 90 deg. It takes 2.3 s in a release build, because model traction starts twice from
+/// each of its starting points. With debug assertions on a busy machine, this input takes ten times
+/// as long.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Maximum memory for an input \[bytes\], in addition to [`MEMORY_PER_BYTE`] for each byte of the
@@ -72,8 +72,8 @@ impl Target {
     ///
     /// Panics if the target panics, or if it takes too much time or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
-        // Panics that damaged tables cause are caught and converted to errors. As in the program,
-        // such panics print nothing.
+        // Panics caused by damaged tables are caught and converted to errors. As in the program, no
+        // message is printed for these panics.
         HOOK.call_once(silence_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;

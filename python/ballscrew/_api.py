@@ -844,7 +844,7 @@ class Nuts(Table):
 class Section(Mapping[str, Any]):
     """Mapping of names to values, with the names of the program's JSON output. The object is read-only.
 
-    Each number is also an attribute, such as `mass_kg`. Numbers that were not calculated are None.
+    Each number is also an attribute, such as `nut_mass_kg`. Numbers that were not calculated are None.
     """
 
     __slots__ = ("_entries",)
@@ -2322,7 +2322,7 @@ def select_nuts(
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nuts = bs.select_nuts(where=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="mass_kg", first=3)
+    >>> nuts = bs.select_nuts(where=["dynamic_load_rating_N>=40000", "lead_mm=10"], sort="nut_mass_kg", first=3)
     >>> nuts.case(0).lead_mm
     10.0
     """

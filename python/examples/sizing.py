@@ -26,8 +26,8 @@ screw = design.case
 print(screw)
 
 # %% List nuts of the catalog that meet all limits. The lightest nut comes first.
-nuts = bs.select_nuts(requirement=requirement, sort="mass_kg", first=5)
-print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
+nuts = bs.select_nuts(requirement=requirement, sort="nut_mass_kg", first=5)
+print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "nut_mass_kg"]])
 
 # %% Calculate the feed axis. Each rule has a value and a limit.
 axis = bs.axis(screw)

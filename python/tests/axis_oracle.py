@@ -292,6 +292,8 @@ class Axis:
         dynamic, static = float(case["rated_dynamic_load_N"]), float(case["rated_static_load_N"])
         equivalent = self.equivalent_loads()
         found["equivalent_load_N"] = max(equivalent)
+        if min(equivalent) > 0:
+            found["equivalent_load_of_other_flank_N"] = min(equivalent)
         lives = [1e6 * (dynamic / load) ** 3 for load in equivalent if load > 0]
         life = sum(life ** (-10 / 9) for life in lives) ** (-9 / 10)
         found["cycle_life_revolutions"] = life

@@ -242,13 +242,13 @@ def same_table(ours: Path, theirs: Path) -> None:
 
 def test_select_nuts_matches_the_command(tmp_path: Path) -> None:
     wanted = ["dynamic_load_rating_N>=40000", "lead_mm=10"]
-    table = bs.select_nuts(where=wanted, pareto=True, sort="mass_kg")
+    table = bs.select_nuts(where=wanted, pareto=True, sort="nut_mass_kg")
     options = [word for condition in wanted for word in ("--where", condition)]
     for ending in ("csv", "jsonl", "parquet"):
         ours, theirs = tmp_path / f"ours.{ending}", tmp_path / f"theirs.{ending}"
         table.write(ours)
         subprocess.run(
-            [program(), "select", *options, "--pareto", "--sort", "mass_kg", "-o", theirs], check=True,
+            [program(), "select", *options, "--pareto", "--sort", "nut_mass_kg", "-o", theirs], check=True,
             capture_output=True,
         )
         same_table(ours, theirs)
@@ -276,9 +276,9 @@ def picked(tmp_path: Path, *words: str | Path) -> dict[str, Any]:
 
 def test_a_nut_of_the_catalog_is_a_case(tmp_path: Path) -> None:
     of_axis = EXAMPLES / "requirements" / "axis.json"
-    lead = ["--where", "lead_mm=20", "--sort", "mass_kg"]
+    lead = ["--where", "lead_mm=20", "--sort", "nut_mass_kg"]
     for requirement, words in ((None, lead), (of_axis, [*lead, of_axis])):
-        nuts = bs.select_nuts(where=["lead_mm=20"], requirement=requirement, sort="mass_kg", first=2)
+        nuts = bs.select_nuts(where=["lead_mm=20"], requirement=requirement, sort="nut_mass_kg", first=2)
         assert nuts.case().to_dict() == bs.Case(picked(tmp_path, *words)).to_dict()
         with pytest.raises(IndexError):
             nuts.case(2)

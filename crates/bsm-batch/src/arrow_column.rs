@@ -17,7 +17,7 @@ use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
-/// Describes the type of a non-numeric column for an error message.
+/// Describes the type of a column without numbers for an error message.
 pub fn kind(cells: &DataType) -> String {
     match cells {
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".to_owned(),
@@ -36,8 +36,9 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ) -> Vec<Option<f64>> {
         values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
     }
-    /// Converts each decimal number to the nearest 64-bit floating-point number. The quotient of
-    /// two floating-point numbers would be rounded twice.
+    /// Converts each decimal number to the nearest 64-bit floating-point number. A division of the
+    /// digits by the scale factor would not always return the nearest number, because digits and
+    /// quotient would both be rounded.
     fn decimal<T: DecimalType + ArrowPrimitiveType>(
         column: &ArrayRef,
     ) -> Result<Vec<Option<f64>>, ArrowError> {

@@ -12,8 +12,8 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Source of the values of a kernel input. The first line of the following table whose condition is
-/// true applies.
+/// Source of the values of a kernel input. Of the rows in the following table whose condition is
+/// true, the first applies.
 ///
 /// | the input | source | value in a row |
 /// |---|---|---|
@@ -30,8 +30,8 @@ enum Origin {
     Absent,
 }
 
-/// Plan of how a kernel solves those rows of a table that have no empty cell. The plan is created
-/// once per table.
+/// Plan that determines how a kernel solves the rows without empty cells. The plan is created once
+/// per table.
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
     pub(crate) model: ModelChoice,

@@ -18,8 +18,8 @@ pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 /// Key under which the column metadata contain the unit of the column.
 pub(crate) const UNIT: &str = "unit";
 
-/// Returns true if a column of a table of results may have the given name, because it is a status
-/// column or an output.
+/// Returns true if the name belongs to a status column or to an output, so that a table of results
+/// may contain a column with this name.
 pub(crate) fn is_answer(name: &str) -> bool {
     ANSWERS.contains(&name) || Output::named(name).is_some()
 }
@@ -41,7 +41,7 @@ pub struct Columns {
     pub(crate) kept_types: Vec<DataType>,
     /// Names of all columns that are ignored.
     pub(crate) unread: Vec<String>,
-    /// Names of columns that are ignored because an output or a status column has this name.
+    /// Names of columns that are ignored because an output or a status column has the same name.
     results: Vec<String>,
 }
 
@@ -106,7 +106,8 @@ impl Columns {
                 columns.kept_types.push(DataType::Utf8);
             } else if ANSWERS.contains(&name) || answers.is_empty() && is_answer(name) {
                 // Some outputs have the same name as an input. In a table with results of an
-                // earlier run, the inputs precede the status columns, and the outputs follow them.
+                // earlier run, columns before the status columns are inputs, and columns after the
+                // status columns are outputs.
                 columns.unread.push(own.to_owned());
                 columns.results.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
@@ -183,8 +184,8 @@ impl Columns {
         }
     }
 
-    /// Returns the conversion from the unit of the table to the unit of the input. For a grid, no
-    /// conversion is needed.
+    /// Returns the conversion from the unit of the table to the unit of the input. The values of a
+    /// grid need no conversion.
     pub(crate) fn change(&self, index: usize) -> UnitChange {
         self.units.get(index).map_or(UnitChange::NONE, |(_, change)| *change)
     }
@@ -256,7 +257,7 @@ impl ColumnUnits {
         Self { display, selected: names.filter_map(in_other_unit).collect() }
     }
 
-    /// Returns true if all columns are displayed in the units of their inputs and outputs.
+    /// Returns true if all inputs and outputs are displayed in their default units.
     pub fn are_own(&self) -> bool {
         self.display == DisplayUnits::Metric && self.selected.is_empty()
     }

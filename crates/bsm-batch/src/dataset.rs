@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The bytes of a part file depend only on the plan. A part counts as finished only if its footer,
-//! length and hash are correct. Any other file that has the name of a part is reported, and is not
-//! overwritten.
+//! length and hash are correct. Any other file that has the name of a part is reported, and is
+//! overwritten only on request.
 
 mod digest;
 mod error;
@@ -177,7 +177,7 @@ pub fn solve_part(
     Ok((sink.schema, sink.tables))
 }
 
-/// Converts the error with which the run of a part ended to a [`DatasetError`].
+/// Converts the error that ended the calculation of a part to a [`DatasetError`].
 fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),
@@ -345,8 +345,8 @@ impl Dataset {
         Ok((numbers, survey))
     }
 
-    /// Checks that all part files in the data folder are in the plan, because programs that read
-    /// the folder would also read other part files.
+    /// Checks that the plan contains all part files in the data folder, because programs that read
+    /// the folder would also read part files that are not in the plan.
     ///
     /// # Errors
     ///

@@ -66,7 +66,8 @@ impl Draw {
     /// Assigns a probability distribution to an input.
     ///
     /// * `name`: name of the input, which may end with any supported unit.
-    /// * `distribution`: probability distribution of the value in this unit.
+    /// * `distribution`: probability distribution of the value, in the unit with which the name
+    ///   ends.
     ///
     /// # Errors
     ///

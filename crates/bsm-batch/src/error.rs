@@ -12,7 +12,7 @@ pub enum TableError {
     /// The file cannot be read or written.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The first line of a CSV table uses a separator that is not the expected one.
+    /// The first line of a CSV table uses an unexpected separator.
     #[error(transparent)]
     Separator(#[from] OtherSeparator),
     /// The file is not a Parquet file or is incomplete.
@@ -36,7 +36,7 @@ pub enum TableError {
         /// Unknown output names, at least one.
         names: Vec<UnknownName>,
     },
-    /// A column cannot be used for any other reason.
+    /// A column cannot be used for a reason that no other variant describes.
     #[error("{message}")]
     Column {
         /// Name of the column.
@@ -92,6 +92,7 @@ impl TableError {
     }
 
     /// Returns the error for a table that uses an unsupported Parquet feature.
+    #[cfg(feature = "parquet")]
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table uses {kind}, which is not supported; write it without encryption, and with \
@@ -125,6 +126,7 @@ impl From<TextError> for TableError {
     }
 }
 
+#[cfg(feature = "parquet")]
 impl From<parquet::errors::ParquetError> for TableError {
     fn from(error: parquet::errors::ParquetError) -> Self {
         use parquet::errors::ParquetError;

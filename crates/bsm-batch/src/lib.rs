@@ -42,10 +42,14 @@
 pub mod arrow_column;
 mod column_plan;
 mod columns;
+#[cfg(feature = "parquet")]
 pub mod dataset;
 mod draws;
 mod error;
+#[cfg(feature = "parquet")]
 mod pages;
+mod panics;
+#[cfg(feature = "parquet")]
 mod parquet_table;
 mod pipeline;
 mod rows;
@@ -59,7 +63,9 @@ pub use bsm_case::TableFormat;
 pub use columns::{ColumnUnits, Columns, ConvertingSink, Heading, unit_of};
 pub use draws::{Distribution, Draw, DrawSource, Draws};
 pub use error::{TableError, UnknownName};
-pub use parquet_table::{ParquetSource, catch_panic, silence_caught_panics};
+pub use panics::{catch_panic, silence_caught_panics};
+#[cfg(feature = "parquet")]
+pub use parquet_table::ParquetSource;
 pub use pipeline::{Count, ROWS, RunError, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
 pub use solve::{Buffers, RowReport};

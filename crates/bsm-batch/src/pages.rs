@@ -23,8 +23,8 @@ const INTEGER: u8 = 0x15;
 ///
 /// Before the parquet crate decompresses a page, it allocates and fills as much memory as the page
 /// header specifies, up to 2 GB. In a file of 2 kB, a damaged header caused an allocation of 291
-/// MB. Therefore, a page is rejected if its header specifies more bytes than such a file can
-/// reasonably contain.
+/// MB. Therefore, a page is rejected if its header specifies more bytes than a file of the given
+/// size can reasonably contain.
 pub(crate) struct Pages<R> {
     file: Arc<R>,
     /// Maximum number of bytes that a page header may specify.

@@ -1,8 +1,6 @@
 //! Reads and writes Parquet tables, whose column metadata contain the units.
 
-use std::cell;
 use std::io::Write;
-use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
@@ -25,40 +23,15 @@ use rayon::prelude::*;
 
 use crate::columns::Columns;
 use crate::pages::Pages;
+use crate::panics::catch_panic;
 use crate::pipeline::ROWS;
 use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
 
-thread_local! {
-    /// True while this thread runs code inside [`catch_panic`].
-    static CATCHES: cell::Cell<bool> = const { cell::Cell::new(false) };
-}
-
-/// Installs a panic hook that prints nothing for panics inside [`catch_panic`], because these
-/// panics are converted to errors. All other panics are passed to the previous hook. A program
-/// should call this function once, when it starts.
-pub fn silence_caught_panics() {
-    let print = panic::take_hook();
-    panic::set_hook(Box::new(move |panic| {
-        if !CATCHES.get() {
-            print(panic);
-        }
-    }));
-}
-
-/// Returns the result of `work`, or `None` if it panics. Use this function to call libraries that
-/// panic instead of returning an error.
-pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let outer = CATCHES.replace(true);
-    let result = catch_unwind(AssertUnwindSafe(work));
-    CATCHES.set(outer);
-    result.ok()
-}
-
 /// Returns the result of `decode`, and converts a panic to an error. Version 59.3 of the parquet
-/// crate panics at seven places in its code, for example if a page refers to a missing dictionary
-/// or if a column has a negative offset. In a test with 100 000 small tables, each with one to
-/// three damaged bytes, 0.4 % of the tables caused such a panic.
+/// crate contains seven panics that damaged tables can cause, for example if a page refers to a
+/// missing dictionary or if a column has a negative offset. In a test with 100 000 small tables,
+/// each with one to three damaged bytes, 0.4 % of the tables caused such a panic.
 pub(crate) fn catch_decoder_panic<T>(
     decode: impl FnOnce() -> Result<T, TableError>,
 ) -> Result<T, TableError> {
@@ -84,7 +57,7 @@ fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
 /// Reads the rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
-    /// Function that returns a reader, which starts at the given row.
+    /// Function that returns a reader of all rows from a given row number on.
     from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,
@@ -269,8 +242,8 @@ impl Source for ParquetSource {
     }
 }
 
-/// Number of rows per row group, a multiple of the chunk size. A larger number would need more
-/// memory per row group, and a smaller number would slow down readers.
+/// Number of rows per row group, a multiple of the chunk size. Larger row groups would need more
+/// memory, and smaller row groups would slow down readers.
 const ROW_GROUP: usize = 1 << 18;
 
 /// Returns the compression and encoding settings for the columns of a table.
@@ -355,7 +328,8 @@ impl<W: Write + Send> ParquetSink<W> {
     }
 
     /// Writes the remaining rows and the footer, and returns the underlying writer. The function
-    /// `keys` is called after everything before the footer has been written.
+    /// `keys` returns additional metadata for the footer. It is called after everything before the
+    /// footer has been written.
     pub(crate) fn finish(
         mut self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,

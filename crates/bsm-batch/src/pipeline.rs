@@ -30,7 +30,7 @@ pub struct Count {
     pub rows: u64,
     /// Number of rows without a result.
     pub failed: u64,
-    /// Number of rows whose point is known to have further solutions.
+    /// Number of rows at whose points further solutions are known to exist.
     pub several: u64,
 }
 
@@ -57,8 +57,8 @@ impl<'a> Workers<'a> {
     /// Returns [`io::Error`] if no thread can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        // The threads are started before the pool is created. If the pool started them itself, it
-        // could not be created at all if one of them failed to start.
+        // The threads are started before the pool is created. If the pool started its threads
+        // itself and one of them failed to start, the pool could not be created at all.
         let mut idle = Vec::new();
         while idle.len() < wanted {
             let (give, work) = sync_channel(1);
@@ -77,11 +77,19 @@ impl<'a> Workers<'a> {
             };
             match started {
                 Ok(thread) => {
-                    // The next thread is started only after this thread has allocated its memory.
+                    // Each thread is started only after the previous thread has allocated its
+                    // memory.
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }
-                Err(error) if idle.is_empty() => return Err(error),
+                Err(error) if idle.is_empty() => {
+                    // WebAssembly has no threads, so the calling thread does the work.
+                    if error.kind() != io::ErrorKind::Unsupported {
+                        return Err(error);
+                    }
+                    let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+                    return Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop });
+                }
                 Err(_) => {
                     // Half of the started threads are ended, so that memory and other resources are
                     // left for reading the table.
@@ -224,7 +232,7 @@ fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chu
     }
 }
 
-/// Adds the rows of a solved chunk to the counts, and writes them. If there is no chunk, nothing
+/// Writes the rows of a solved chunk and adds them to the counts. If there is no chunk, nothing
 /// happens.
 fn write<S: AnswerSink>(
     sink: &mut S,

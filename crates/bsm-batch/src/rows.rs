@@ -1,5 +1,5 @@
-//! Table rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and a table of
-//! both.
+//! Table rows in memory: a chunk of rows as Arrow columns, the results of the chunk, and a table
+//! that contains rows and results.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -53,9 +53,9 @@ impl From<Option<f64>> for Cell<'_> {
     }
 }
 
-/// Number of additional elements that are allocated at the end of each column and are not used.
-/// Without them, the distance between columns could be a power of two, and the columns would
-/// compete for the same few cache lines.
+/// Number of unused elements that are allocated at the end of each column. Without them, the
+/// distance between columns could be a power of two, and the columns would compete for the same few
+/// cache lines.
 pub(crate) const COLUMN_PADDING: usize = 40;
 
 /// Maximum size of all texts in a chunk except for its last row \[B\]. Processing a few rows with
@@ -111,7 +111,7 @@ impl Chunk {
         chunk.finish().unwrap_or_default()
     }
 
-    /// Returns a chunk that contains the numbers in the given rows, in the given order of the rows.
+    /// Returns a chunk with the numbers of the given rows, in the given order.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let of = |input: &Float64Array| {
@@ -129,8 +129,8 @@ impl Chunk {
         }
     }
 
-    /// Returns the case of a row, which is the case `base` after the cells of the row have replaced
-    /// its values. Empty cells replace nothing.
+    /// Returns the case of a row: a copy of the case `base` in which each nonempty cell of the row
+    /// replaces the value of its input.
     ///
     /// # Errors
     ///
@@ -221,9 +221,9 @@ impl<'a> ChunkBuilder<'a> {
 /// Model and status with which a row was solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
-    /// Model that solved the row. If the row has no result, it is the requested model.
+    /// Model that solved the row, or the requested model if the row has no result.
     pub model: ModelChoice,
-    /// Status of the solution.
+    /// Status with which the calculation of the row ended.
     pub status: Status,
     /// True if the operating point is known to have further solutions.
     pub has_others: bool,
@@ -361,8 +361,8 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
 
 /// Converts numbers to an Arrow column. NaN becomes null.
 pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
-    // The loop examines all values even after it has found NaN, so that the compiler can vectorize
-    // it.
+    // The loop examines all values even after it has found NaN, because the compiler can then
+    // vectorize the loop.
     let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
     let given = gaps.then(|| values.iter().map(|x| !x.is_nan()).collect::<NullBuffer>());
     Float64Array::new(values.into(), given)

@@ -26,8 +26,8 @@ const AUTO_STRIDE: usize = 256;
 /// Number of rows that a thread takes at a time if the rows are solved one by one.
 const MODEL_STRIDE: usize = 16;
 
-/// Maximum number of rows that are solved on the calling thread. Waking other threads would take as
-/// long as solving this number of rows.
+/// Maximum number of rows that are solved on the calling thread. Waking other threads would take
+/// about as long as solving this number of rows.
 const MAX_SERIAL_ROWS: usize = 256;
 
 thread_local! {
@@ -40,9 +40,10 @@ thread_local! {
 pub struct Buffers<'a> {
     /// Status of each row.
     pub verdicts: &'a mut [Verdict],
-    /// For each output of the task, a buffer with one value per row. If a buffer is `None`, values
-    /// of this output are returned in [`RowReport::values`] if there are any. Most outputs have no
-    /// values, because the model does not calculate them.
+    /// For each output of the task, a buffer with one value per row, or `None` if the caller
+    /// provides no buffer. Without a buffer, the values of the output are returned in
+    /// [`RowReport::values`]. In most cases there are no values, because the model does not
+    /// calculate the output.
     pub columns: Vec<Option<&'a mut [f64]>>,
 }
 
@@ -91,7 +92,8 @@ struct ChunkPart<'a> {
 
 impl Task {
     /// Solves all rows of a chunk, and returns their results in the order of the rows. The case of
-    /// a row is the base case, in which the values of the row replace the values of the base case.
+    /// a row is a copy of the base case in which the cells of the row replace the values of their
+    /// inputs.
     ///
     /// If a row is not a valid operating point, its status is `invalid_input`, and its message
     /// states the reason. The widest instruction set of the machine is used. The results do not
@@ -109,8 +111,8 @@ impl Task {
     /// Solves a chunk like [`solve`](Self::solve), but writes the results into buffers that the
     /// caller provides.
     ///
-    /// * `stop`: stop flag. If it becomes true, the calculation ends, and the results must not be
-    ///   used.
+    /// * `stop`: stop flag. If it becomes true, the calculation ends early, and the results must
+    ///   not be used.
     /// * `done`: number of solved rows, which is updated during the calculation.
     pub fn solve_into(
         &self,
@@ -130,7 +132,7 @@ impl Task {
     }
 }
 
-/// Solves the rows of a table. It contains the task and the data that all rows have in common.
+/// Solver for the rows of a table, with the task and the data that all rows have in common.
 pub(crate) struct Solver<'a> {
     task: &'a Task,
     columns: &'a Columns,
@@ -145,14 +147,17 @@ pub(crate) struct Solver<'a> {
 
 impl<'a> Solver<'a> {
     pub(crate) fn new(task: &'a Task, columns: &'a Columns) -> Self {
-        let outputs = task.outputs.iter().chain(&task.filled).copied().chain(task.watched);
-        let outputs: Vec<_> = outputs.collect();
+        let mut outputs = [&task.outputs[..], &task.filled].concat();
+        // An output that is also written must not be requested twice, because a kernel writes only
+        // one column for each output.
+        let only_watched = task.watched_index().is_some_and(|index| index == outputs.len());
+        outputs.extend(task.watched.filter(|_| only_watched));
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
-            // The warm-state analysis also returns some results of the nut in its warm state. If
-            // these include all requested results of the nut, the nut analysis is omitted, so that
-            // the warm state is calculated only once.
+            // The warm-state analysis also returns some results of the warm nut. If these results
+            // include all requested results of the nut, the nut analysis is omitted, so that the
+            // warm state is calculated only once.
             let has = |o: &Output| AnalysisKind::Warm.columns().any(|column| column.name == o.name);
             let of_nut = |o: &&&Output| o.analysis() == Some(AnalysisKind::Nut);
             if outputs.iter().filter(of_nut).all(|o| has(o)) {
@@ -302,7 +307,7 @@ impl ChunkSolve<'_> {
     }
 
     /// Solves a single row, and returns its status and its message. The status is `None` if a
-    /// kernel has already solved the row, and only the analyses are calculated here.
+    /// kernel has already solved the row, so that only the analyses are calculated here.
     ///
     /// * `words`: messages of the kernel about the row.
     /// * `put`: function that stores the value of the output with the given index.
@@ -330,7 +335,7 @@ impl ChunkSolve<'_> {
         }
     }
 
-    /// Returns status and message of a case that cannot be solved.
+    /// Returns the status and the message of a case that cannot be solved.
     fn invalid(&self, error: &CaseError) -> (Option<Verdict>, Option<String>) {
         let status = match error {
             CaseError::NoWarmState(_) => Status::NoSolution,

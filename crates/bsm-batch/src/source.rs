@@ -1,4 +1,4 @@
-//! Sources of table rows that are to be solved.
+//! Sources, which provide the table rows that a task solves.
 
 use std::ops::Range;
 

@@ -10,10 +10,11 @@ use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use bsm_case::{ColumnValues, Output};
 
 use crate::columns::{Columns, field};
+#[cfg(feature = "parquet")]
 use crate::parquet_table::ParquetSink;
 use crate::rows::{Answers, Chunk, numbers};
 use crate::text::TextSink;
-use crate::{AnswerSink, CsvSource, JsonSource, ParquetSource, Source, TableError, TableFormat};
+use crate::{AnswerSink, CsvSource, JsonSource, Source, TableError, TableFormat};
 
 /// Key in the metadata of a Parquet table. Its value is JSON that describes how the table was
 /// calculated.
@@ -27,6 +28,7 @@ pub enum Format {
     /// A text file with one JSON object per line.
     JsonLines,
     /// A binary file that stores the values of each column together.
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 
@@ -37,6 +39,7 @@ impl Format {
         match ending.as_str() {
             "csv" => Some(Self::Csv),
             "jsonl" | "ndjson" => Some(Self::JsonLines),
+            #[cfg(feature = "parquet")]
             "parquet" => Some(Self::Parquet),
             _ => None,
         }
@@ -64,7 +67,8 @@ impl Format {
                 Box::new(CsvSource::new(reader, keep, table_format)?)
             }
             Self::JsonLines => Box::new(JsonSource::new(BufReader::new(file), keep, table_format)?),
-            Self::Parquet => Box::new(ParquetSource::new(file, keep, table_format)?),
+            #[cfg(feature = "parquet")]
+            Self::Parquet => Box::new(crate::ParquetSource::new(file, keep, table_format)?),
         })
     }
 }
@@ -89,6 +93,7 @@ pub struct TableSink<W: Write + Send> {
 
 enum Form<W: Write + Send> {
     Text(TextSink<W>),
+    #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSink<W>>),
 }
 
@@ -152,6 +157,7 @@ impl<W: Write + Send> TableSink<W> {
         let file = match format {
             Format::Csv => Form::Text(TextSink::csv(out, &schema, table_format)?),
             Format::JsonLines => Form::Text(TextSink::json_lines(out, &schema)),
+            #[cfg(feature = "parquet")]
             Format::Parquet => Form::Parquet(Box::new(ParquetSink::new(out, schema.clone())?)),
         };
         Ok(Self { schema, outputs: Vec::new(), file })
@@ -175,6 +181,7 @@ impl<W: Write + Send> TableSink<W> {
     fn write_table(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
         match &mut self.file {
             Form::Text(sink) => sink.write(table, chunk),
+            #[cfg(feature = "parquet")]
             Form::Parquet(sink) => sink.write(table),
         }
     }
@@ -194,12 +201,17 @@ impl<W: Write + Send> TableSink<W> {
     /// Finishes a table like [`finish`](Self::finish), but writes several metadata keys to a
     /// Parquet file. The function `keys` is called after everything before the footer has been
     /// written.
+    #[cfg_attr(
+        not(feature = "parquet"),
+        expect(unused_variables, reason = "text files have no metadata")
+    )]
     pub(crate) fn finish_with(
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
     ) -> Result<W, TableError> {
         match self.file {
             Form::Text(sink) => sink.finish(),
+            #[cfg(feature = "parquet")]
             Form::Parquet(sink) => sink.finish(keys),
         }
     }
@@ -213,18 +225,21 @@ impl<W: Write + Send> AnswerSink for TableSink<W> {
 }
 
 /// A sink that stores the results in memory, as one table per chunk.
+#[cfg(feature = "parquet")]
 pub(crate) struct MemorySink {
     pub(crate) schema: SchemaRef,
     pub(crate) tables: Vec<RecordBatch>,
     outputs: Vec<&'static Output>,
 }
 
+#[cfg(feature = "parquet")]
 impl MemorySink {
     pub(crate) fn new(columns: &Columns, outputs: &[&'static Output]) -> Self {
         Self { schema: columns.schema(outputs), tables: Vec::new(), outputs: outputs.to_vec() }
     }
 }
 
+#[cfg(feature = "parquet")]
 impl AnswerSink for MemorySink {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         self.tables.push(answers.table(&chunk, &self.schema, &self.outputs)?);

@@ -1,4 +1,4 @@
-//! The calculation that is carried out for each row of a table.
+//! The calculation that a table task performs for each row.
 
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Output, Settings};
 
@@ -9,12 +9,12 @@ use crate::Columns;
 pub struct Task {
     /// Base case, which contains the values of all inputs that are not columns of the table.
     pub base: Case,
-    /// Model, and settings of the model.
+    /// Model and solver settings.
     pub settings: Settings,
     /// Outputs that are written to the table of results.
     pub outputs: Vec<&'static Output>,
-    /// An output that is calculated for display but is not written. It is the last column of the
-    /// results.
+    /// An output that is displayed while the rows are solved. If it is not written to the table, it
+    /// is the last column of the results (see [`watched_index`](Self::watched_index)).
     pub watched: Option<&'static Output>,
     /// Requested outputs that are also input columns of the table, such as a temperature. If the
     /// input is missing in a row, the calculated value is written instead.
@@ -24,8 +24,9 @@ pub struct Task {
     pub estimates_rows: bool,
 }
 
-/// Divides the requested outputs into two lists: outputs that are not input columns of the table,
-/// and outputs that are also input columns, such as a temperature.
+/// Divides the requested outputs into two lists. The first list contains the outputs that are not
+/// input columns of the table, and the second list contains the outputs that are also input
+/// columns, such as a temperature.
 fn besides(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
@@ -37,6 +38,13 @@ impl Task {
     /// Returns a task that writes the given outputs and displays no other output.
     pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None, filled: Vec::new(), estimates_rows: false }
+    }
+
+    /// Returns the index of the watched output among the columns of the results.
+    pub fn watched_index(&self) -> Option<usize> {
+        let watched = self.watched?;
+        let written = self.outputs.iter().position(|output| output.name == watched.name);
+        Some(written.unwrap_or(self.outputs.len() + self.filled.len()))
     }
 
     /// Returns true if the outputs require a solution of each row. Otherwise, they can be

@@ -88,7 +88,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
         // In a table with a single text column, a line of spaces is a row with one cell. In all
-        // other tables, a line of delimiters is a row of empty cells.
+        // other tables, a line that consists only of delimiters is a row of empty cells.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
         while chunk.len() < rows && text < MAX_TEXT_BYTES {
             let line = lines.number() + 1;
@@ -114,8 +114,8 @@ impl<R: Read + Send> Source for CsvSource<R> {
 /// A JSON object whose keys are kept in their original order.
 type Object = Vec<(String, Value)>;
 
-/// Reads the rows of a JSON Lines table, which has one JSON object per line. The first object
-/// defines the columns; later objects may omit some of its keys.
+/// Reads the rows of a JSON Lines table, which has one JSON object per line. The keys of the first
+/// object define the columns. Later objects may omit some of these keys.
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,
@@ -215,7 +215,7 @@ enum RowForm {
         decimal: u8,
     },
     JsonLines {
-        /// Text that precedes each cell: an opening brace or a comma, followed by the column name.
+        /// Text before each cell: an opening brace or a comma, followed by the column name.
         before: Vec<Vec<u8>>,
     },
 }

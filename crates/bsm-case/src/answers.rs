@@ -27,21 +27,3 @@ pub(crate) mod sensitivity;
 pub(crate) mod slip;
 pub(crate) mod warm;
 pub(crate) mod warnings;
-
-/// Names of all result tables in the schema, each with the definition of its columns.
-pub const TABLES: [(&str, &str); 14] = [
-    ("lacking", crate::vocabulary::answer::NOT_GIVEN),
-    ("rule", crate::vocabulary::answer::RULES),
-    ("interval", record::INTERVALS),
-    ("derivatives", sensitivity::SENSITIVITIES),
-    ("verdict", moving::VERDICTS),
-    ("ellipse", ellipses::CONTACT),
-    ("conductance", warm::CONDUCTANCES),
-    ("range", warm::RANGES),
-    ("step", design::STEP_COLUMNS),
-    ("value", calibration::FOUND),
-    ("point", calibration::POINTS),
-    ("offered rule", offers::RULES),
-    ("offered number", offers::NUMBERS),
-    ("offered input", offers::INPUTS),
-];

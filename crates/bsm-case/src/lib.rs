@@ -33,7 +33,6 @@ mod answers;
 mod case;
 mod vocabulary;
 
-pub use answers::TABLES;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
 pub use answers::calibration::{
@@ -54,7 +53,7 @@ pub use answers::ratings::ratings;
 pub use answers::record::{Record, Supplement, reason_of_choice};
 pub use answers::rows::Scales;
 pub use answers::samples::Samples;
-pub use answers::schema::{derived_schema, input_schema, output_schema};
+pub use answers::schema::{AnswerSchema, ObjectSchema, input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
     CATALOG, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,

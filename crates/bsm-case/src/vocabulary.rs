@@ -10,6 +10,7 @@ pub(crate) mod error;
 pub(crate) mod input;
 pub(crate) mod input_set;
 pub(crate) mod lines;
+pub(crate) mod members;
 pub(crate) mod names;
 pub(crate) mod number;
 pub(crate) mod output;

@@ -72,7 +72,7 @@ fn main() -> ExitCode {
             on_threads(threads, |workers| parts::check(&args, workers))
         }
         Command::Fit(args) => fit::run(&args),
-        Command::View(args) => on_threads(threads, |workers| view::run(&args, workers)),
+        Command::View(args) => on_threads(threads, |_| view::run(&args)),
         Command::Validate(args) => on_threads(threads, |_| validate::run(&args)),
         Command::Tradeoff(args) => on_threads(threads, |_| tradeoff::run(&args)),
         Command::Schema { name } => schema::run(name.as_deref()),

@@ -4,9 +4,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_case::{
-    Case, Catalog, ListColumn, ManufacturerRow, NutFilter, NutList, RequirementFile, ShownColumn,
-};
+use bsm_case::{Case, Catalog, ListColumn, ManufacturerRow, NutFilter, NutList, RequirementFile};
 use bsm_report::sheets::{catalog_figures, table_figures};
 use serde_json::{Value, json};
 
@@ -65,8 +63,8 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     if list.catalog().is_some() {
         warn("note", &count(&list, args));
     }
-    let columns = ShownColumn::select(&list.heads(), args.columns.as_deref(), units)
-        .map_err(|e| Failure::input("--columns", &e))?;
+    let columns =
+        list.select(args.columns.as_deref(), units).map_err(|e| Failure::input("--columns", &e))?;
     let first = |usual| args.first.map_or(usual, NonZeroUsize::get);
     let written = list.chosen.len().min(first(usize::MAX));
     let table = |path: &Path| {

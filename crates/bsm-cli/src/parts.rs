@@ -7,6 +7,8 @@ use bsm_batch::Workers;
 use bsm_batch::dataset::{Dataset, Event, PartDefect, Plan};
 use bsm_case::{Answer, Content};
 use indicatif::HumanBytes;
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::json;
 
 use crate::answer::{Pictures, Reply};
@@ -104,6 +106,39 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
 /// Maximum number of list entries to print.
 const SHOWN: usize = 20;
 
+/// State of the parts of a dataset, in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct PartsJson {
+    /// Identifier of the plan.
+    plan: String,
+    /// Number of parts of the plan.
+    parts: u64,
+    /// Number of finished parts.
+    finished: u64,
+    /// True if all parts are finished.
+    complete: bool,
+    /// True if all bytes were read.
+    deep: bool,
+    /// Ranges of missing parts.
+    missing: Vec<String>,
+    damaged: Vec<Damage>,
+    /// Files that do not belong to the dataset.
+    foreign: Vec<String>,
+    /// Number of rows in the finished parts.
+    rows: u64,
+    /// Number of rows without a result.
+    failed: u64,
+    /// Number of rows with several solutions.
+    several: u64,
+}
+
+/// A damaged part.
+#[derive(Serialize, JsonSchema)]
+struct Damage {
+    file: String,
+    reason: String,
+}
+
 /// Checks the parts of a dataset and reports missing and damaged parts.
 pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
@@ -117,34 +152,31 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     }
     let count = found.count();
     let text = |range: &Range<u64>| format!("{}:{}", range.start, range.end);
-    let ranges: Vec<_> = missing.iter().map(text).collect();
     let name = |path: &Path| path.display().to_string();
-    let reason = |(path, why): &(PathBuf, PartDefect)| (name(path), why.to_string());
-    let damaged: Vec<_> = found.damaged.iter().map(reason).collect();
-    let foreign: Vec<_> = found.unknown_files.iter().map(|path| name(path)).collect();
-    let damage = |(file, reason): &(String, String)| json!({ "file": file, "reason": reason });
-    let json = json!({
-        "plan": plan.id(),
-        "parts": plan.parts(),
-        "finished": there,
-        "complete": is_complete,
-        "deep": args.deep,
-        "missing": ranges,
-        "damaged": damaged.iter().map(damage).collect::<Vec<_>>(),
-        "foreign": foreign,
-        "rows": count.rows,
-        "failed": count.failed,
-        "several": count.several,
-    });
+    let damage =
+        |(path, why): &(PathBuf, PartDefect)| Damage { file: name(path), reason: why.to_string() };
+    let json = PartsJson {
+        plan: plan.id().to_owned(),
+        parts: plan.parts(),
+        finished: there,
+        complete: is_complete,
+        deep: args.deep,
+        missing: missing.iter().map(text).collect(),
+        damaged: found.damaged.iter().map(damage).collect(),
+        foreign: found.unknown_files.iter().map(|path| name(path)).collect(),
+        rows: count.rows,
+        failed: count.failed,
+        several: count.several,
+    };
     let what = if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
     let mut lines = vec![
         format!("{there} of {} parts ({what})", plan.parts()),
         format!("{} of {} rows, {} without a result", count.rows, plan.rows(), count.failed),
     ];
-    let damaged = damaged.iter().map(|(file, reason)| format!("{file} {reason}"));
-    list(&mut lines, "missing", ranges);
+    let damaged = json.damaged.iter().map(|Damage { file, reason }| format!("{file} {reason}"));
+    list(&mut lines, "missing", json.missing.clone());
     list(&mut lines, "damaged", damaged.collect());
-    list(&mut lines, "foreign", foreign);
+    list(&mut lines, "foreign", json.foreign.clone());
     if found.other_plan().is_some() {
         lines.push("restore the plan.json of these parts, or use another folder".to_owned());
     } else if !found.damaged.is_empty() {
@@ -153,7 +185,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
         lines.push(format!("`bsm parts run {}` solves the missing parts", folder.display()));
     }
     let answer = Answer { fails: !is_complete, ..Answer::default() }
-        .with("", Content::Json(json))
+        .with("", Content::Json(json!(json)))
         .with_shown(Content::Text("", Some(lines.join("\n"))));
     let out = OutArgs { json: args.json, ..OutArgs::default() };
     Reply::of(answer).give(&out.check(&[], InputFiles::default())?, || Ok(Pictures::default()))

@@ -81,8 +81,8 @@ impl Job<'_> {
             if let Some(changes) = &mut changes {
                 changes.add(chunk, answers);
             }
-            if let (Some(_), Some(watched)) = (self.task.watched, answers.columns.last()) {
-                each(chunk, answers, watched);
+            if let Some(index) = self.task.watched_index() {
+                each(chunk, answers, &answers.columns[index]);
             }
         };
         let folder = self.table.filter(|path| is_folder(path));

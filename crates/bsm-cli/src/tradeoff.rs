@@ -9,6 +9,8 @@ use bsm_validate::tradeoff::{
     self, Advice, Count, Errors, Group, OneCore, Points, SettingResult, Tradeoff,
 };
 use bsm_validate::tradeoff_page;
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::json;
 
 use crate::answer::{Pictures, Reply};
@@ -18,6 +20,14 @@ use crate::files::{InputFiles, make_folder};
 use crate::progress::progress;
 use crate::table;
 use crate::table_job::open;
+
+/// Measured times and errors, in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct TradeoffJson<'a> {
+    /// Name and version of the program.
+    program: &'static str,
+    tradeoff: &'a Tradeoff,
+}
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     let to = args.out.check(&["json", "html"], InputFiles::of([args.points.as_deref()]))?;
@@ -40,8 +50,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     });
     let warnings: Vec<_> = warning.into_iter().collect();
     let answer = Answer { fails: !warnings.is_empty(), warnings, ..Answer::default() }
-        .with("program", Content::Json(PROGRAM.into()))
-        .with("tradeoff", Content::Json(json!(measured)))
+        .with("", Content::Json(json!(TradeoffJson { program: PROGRAM, tradeoff: &measured })))
         .with_shown(Content::Text("", Some(describe(&measured))));
     let draw = || {
         let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));

@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use bsm_batch::Workers;
-use bsm_view::{Save, Server, saved};
+use bsm_view::{PageSolver, Save, Server, saved};
 
 use crate::args::ViewArgs;
 use crate::failure::{Failure, note_unused, warn};
 use crate::files::{InputFiles, ending_of, print, write};
 
-pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
+pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     let case = args.case.read_as_given()?;
     let in_file = args.case.failure();
     let settings = args.model.settings()?;
@@ -35,9 +34,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
     let beside_files = args.beside.iter().map(|path| Some(path.as_path()));
     InputFiles::of(beside_files.chain([own])).check(args.output.as_deref())?;
     if let Some(path) = args.output.as_deref().filter(|_| is_page) {
-        let page = saved(&case, &beside, &settings, workers)
-            .map_err(|refusal| Failure::in_case(args.case.path(), &refusal.to_string()))?;
-        return write(path, &page);
+        return write(path, &saved(&case, &beside, &settings, &page_solver()?));
     }
     let save = args.output.clone().map(saver);
     let server = Server::start(args.port, &case, &beside, &settings, save)
@@ -52,6 +49,22 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
     }
     server.serve();
     Ok(())
+}
+
+/// Returns the solver of saved pages, if it was built from the same sources as this program.
+fn page_solver() -> Result<PageSolver<'static>, Failure> {
+    const VERSION: &str = env!("BSM_VERSION");
+    const REMEDY: &str = "Run `crates/bsm-view/page-solver` in the source tree and build bsm again, or show the page without -o";
+    let text = match PageSolver::of_build() {
+        Some(solver) if solver.version == VERSION => return Ok(solver),
+        Some(PageSolver { version, .. }) => format!(
+            "cannot write a page, because its solver was built from version {version}, and bsm from {VERSION}. {REMEDY}"
+        ),
+        None => format!(
+            "cannot write a page, because bsm was built without the solver of pages. {REMEDY}"
+        ),
+    };
+    Err(Failure::Input(text))
 }
 
 /// Returns a function that saves a case to the given path.

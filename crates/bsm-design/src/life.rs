@@ -25,6 +25,9 @@ pub struct Life {
     /// Equivalent load on the more heavily loaded flank of a nut, or on the more heavily loaded nut
     /// of a pair \[N\].
     pub mean_load: f64,
+    /// Equivalent load on the other flank, or on the other nut of a pair; 0 if it carries no load
+    /// \[N\].
+    pub other_mean_load: f64,
     /// Equivalent speed \[rad/s\].
     pub mean_speed: f64,
     /// Rating life `$L_{10}$` in revolutions.
@@ -119,10 +122,11 @@ pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     let of = |load: f64| MILLION * (rating / load).powi(3);
     let flanks = |d: &Duty| pair_loads(preload.unwrap_or(0.0), d.load);
     let (one, other) = (mean(&|d| flanks(d).0), mean(&|d| flanks(d).1));
-    let mean_load = one.max(other);
+    let (mean_load, other_mean_load) = (one.max(other), one.min(other));
     let revolutions = of_flanks([one, other].map(of));
     let mean_speed = angle / time;
-    Some(Life { mean_load, mean_speed, revolutions, time: revolutions * TAU / mean_speed })
+    let time = revolutions * TAU / mean_speed;
+    Some(Life { mean_load, other_mean_load, mean_speed, revolutions, time })
 }
 
 /// Returns the life of a nut from the lives of its two flanks.
@@ -325,6 +329,7 @@ mod tests {
         let by_hand = 2.0_f64.powf(0.1) * lumped.revolutions;
         assert_relative_eq!(both.revolutions, by_hand, max_relative = 1e-12);
         assert_relative_eq!(both.mean_load, 3e3 / 2.0_f64.cbrt(), max_relative = 1e-12);
+        assert_relative_eq!(both.other_mean_load, both.mean_load, max_relative = 1e-12);
         // An unloaded flank does not reduce the life.
         let one = turned([3e3, 0.0]);
         assert_relative_eq!(one.revolutions, 2.0 * lumped.revolutions, max_relative = 1e-12);

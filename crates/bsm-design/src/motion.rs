@@ -268,14 +268,30 @@ impl PhasePoint {
         direction_of([self.friction_speed, 0.0])
     }
 
-    /// Compares the absolute loads and, if they are equal, the absolute speeds.
-    fn compare(&self, other: &Self) -> std::cmp::Ordering {
-        let by_load = self.load.abs().total_cmp(&other.load.abs());
-        by_load.then(self.speed.abs().total_cmp(&other.speed.abs()))
+    /// Returns true if the load acts against the motion, so that the motor must drive the screw.
+    fn is_driven(&self) -> bool {
+        self.load * self.direction() > 0.0
     }
 
-    /// Returns the point with the larger absolute load or, if both loads are equal, the faster
-    /// point.
+    /// Returns true if the absolute loads of both points are equal apart from rounding errors.
+    pub fn has_load_of(&self, other: &Self) -> bool {
+        let (load, other) = (self.load.abs(), other.load.abs());
+        (load - other).abs() <= 1e-12 * load.max(other)
+    }
+
+    /// Compares the absolute loads. If they are equal, a load against the motion is larger, because
+    /// it needs more torque than a load in the direction of motion. Two such loads are compared by
+    /// their absolute speeds.
+    fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        if !self.has_load_of(other) {
+            return self.load.abs().total_cmp(&other.load.abs());
+        }
+        let by_direction = self.is_driven().cmp(&other.is_driven());
+        by_direction.then(self.speed.abs().total_cmp(&other.speed.abs()))
+    }
+
+    /// Returns the point with the larger absolute load. If both loads are equal, returns the point
+    /// whose load acts against the motion, and otherwise the faster point.
     #[must_use]
     pub fn heavier(self, other: Self) -> Self {
         if self.compare(&other).is_gt() { self } else { other }

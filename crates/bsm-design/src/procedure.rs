@@ -186,7 +186,7 @@ pub(crate) fn first_accepted<'a>(
 ) -> (Option<&'a Design>, Vec<&'static str>) {
     let mut failed_rules = Vec::new();
     for part in designs.chunks(BATCH_SIZE) {
-        let verdicts: Vec<_> = part.par_iter().map(|design| accepted(&design.nut)).collect();
+        let verdicts: Vec<_> = part.par_iter().map(|design| accepted(design)).collect();
         for (design, verdict) in part.iter().zip(verdicts) {
             match verdict {
                 Ok(()) => return (Some(*design), failed_rules),

@@ -5,8 +5,9 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, DrivenPart, Material, angles::Optimum, hertz::Hertz};
 
 use crate::{
-    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase,
-    PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, RequiredLife, phases,
+    Axis, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet,
+    Phase, PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, RequiredLife,
+    Size, phases,
 };
 
 /// Load on the screw, specified by the duty cycle of the machine or by a torque.
@@ -394,6 +395,8 @@ impl Requirement {
 pub struct Design {
     /// The nut with its groove geometry.
     pub nut: Nut,
+    /// Size in the lists from which the nut was chosen; `None` in a search of continuous sizes.
+    pub size: Option<Size>,
     /// Operating point for which the efficiency is calculated. It has the largest load of all
     /// phases with motion.
     pub phase: PhasePoint,
@@ -405,9 +408,9 @@ pub struct Design {
 /// model has no solution.
 pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
-/// Function that checks a nut against the rules that depend on the loads of all balls. Its error
+/// Function that checks a design against the rules that depend on the loads of all balls. Its error
 /// contains the names of violated rules.
-pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
+pub type AcceptedBy<'a> = &'a (dyn Fn(&Design) -> Result<(), Vec<&'static str>> + Sync);
 
 impl Design {
     /// Calculates the quantities (L1) to (L10) of a nut. Without `efficiency`, efficiency and power
@@ -548,7 +551,16 @@ impl Design {
             None,
             None,
         );
-        Self { nut, phase, checks }
+        Self { nut, size: None, phase, checks }
+    }
+
+    /// Works like [`of`](Self::of) for a nut from the lists, and keeps its size.
+    pub fn of_candidate(
+        requirement: &Requirement,
+        candidate: &Candidate,
+        efficiency: Option<EfficiencyOf<'_>>,
+    ) -> Self {
+        Self { size: Some(candidate.size), ..Self::of(requirement, candidate.nut, efficiency) }
     }
 
     /// Returns true if all checks pass.

@@ -40,9 +40,12 @@ impl Requirement {
                 .fixed
                 .pitch_diameter
                 .is_none_or(|diameter| (candidate.nut.pitch_diameter - diameter).abs() <= 1e-9);
-            fits.then(|| Design::of(self, candidate.nut, None))
+            fits.then(|| Design::of_candidate(self, candidate, None))
         });
-        let complete = |design: &Design| Design::of(self, design.nut, Some(efficiency));
+        let complete = |design: &Design| Design {
+            size: design.size,
+            ..Design::of(self, design.nut, Some(efficiency))
+        };
         let known = |check: &Check| !check.value.is_nan();
         let keeps = |design: &Design| design.checks.iter().filter(|c| known(c)).all(Check::passes);
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();

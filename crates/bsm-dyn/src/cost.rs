@@ -1,4 +1,4 @@
-//! Cost of solves: how many model evaluations, quadrature nodes and searches they need.
+//! Cost of solves: numbers of model evaluations, quadrature nodes and searches.
 
 use std::array::from_fn;
 use std::cell::Cell;
@@ -12,7 +12,7 @@ thread_local! {
 /// Cost of one or more solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Number of evaluations of model equations, for all models together and including evaluations
+    /// Number of evaluations of model equations, summed over all models and including evaluations
     /// during searches.
     pub evaluations: usize,
     /// Number of quadrature nodes of contact ellipses at which friction was evaluated.
@@ -67,13 +67,13 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::cost_of;
-    use crate::extreme::practical;
+    use crate::extreme::random_practical_screw;
     use crate::{
         ElasticPoint, Model, ModelWorkspace, Problem, Status,
         model::{Elastic, RacewayControl, Rigid, Traction},
     };
 
-    fn problem(model: Model, at: ElasticPoint) -> Problem {
+    fn problem_for(model: Model, at: ElasticPoint) -> Problem {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         match model {
             Model::RacewayControl => Problem::RacewayControl(RacewayControl { at, control: None }),
@@ -91,12 +91,13 @@ mod tests {
         let mut work = ModelWorkspace::default();
         let mut counts = Vec::new();
         while counts.len() < POINTS {
-            let screw = practical(&mut rng);
+            let screw = random_practical_screw(&mut rng);
             let mut count = |model| {
-                let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
+                let (solution, cost) = cost_of(|| problem_for(model, screw).solve(&mut work));
                 (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
-            // As in the benchmarks, only points for which the rigid model has a root are used.
+            // As in the benchmarks, a random point is used only if the rigid model has a root at
+            // this point.
             if count(Model::Rigid).is_some() {
                 counts.push(count(model).expect("a practical point"));
             }
@@ -118,12 +119,13 @@ mod tests {
             // Model `raceway-control`: Newton's method has two unknowns, and every evaluation
             // calculates both contacts. Measured numbers of evaluations: [24, 28].
             (Model::RacewayControl, [36, 42]),
-            // Model `elastic`: the solve consists of the beginning of the curve, Newton's method
-            // with three unknowns, and a check with the seven equations. Measured numbers of
-            // evaluations: [12, 13].
+            // Model `elastic`: a solve calculates the beginning of the solution curve, applies
+            // Newton's method to three unknowns, and checks the result with the seven equations.
+            // Measured numbers of evaluations: [12, 13].
             (Model::Elastic, [18, 20]),
-            // Model `traction`: Newton's method starts from the rolling ball and uses a coarse and
-            // a fine quadrature. Measured numbers of evaluations: [34, 39].
+            // Model `traction`: Newton's method starts from the solution for a rolling ball and
+            // uses first a coarse and then a fine quadrature. Measured numbers of evaluations: [34,
+            // 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_quantile(model);

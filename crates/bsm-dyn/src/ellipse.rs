@@ -68,7 +68,7 @@ pub(crate) struct Integral<D> {
     pub(crate) moment: [D; 3],
 }
 
-/// Converts a motion relative to the nut or the screw to contact coordinates.
+/// Converts a motion relative to the nut or the screw into contact coordinates.
 pub(crate) fn contact_motion<D: Scalar>(
     motion: &Motion<D>,
     contact: &Contact<D>,
@@ -123,7 +123,8 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
-    /// Creates the patch for the friction sums from this ellipse and a given motion.
+    /// Returns the contact patch (dimensions and motion) from which the friction sums are
+    /// calculated, for a given motion.
     pub(crate) fn patch(&self, local: &ContactMotion<D>, creep: f64) -> Patch<D> {
         let [t, n, c] = local.omega;
         Patch {
@@ -191,8 +192,8 @@ impl<D: Scalar> Patch<D> {
     }
 }
 
-/// Scalar types, with constants of type `P`, for which friction can be integrated over the contact
-/// ellipses.
+/// Scalar types for which friction can be integrated over the contact ellipses. `P` is the type of
+/// the constants.
 ///
 /// The default implementation is [`Patch::integrate`], which is exact but slow. Plain numbers and
 /// jets of numbers use vectorized sums, which are faster.
@@ -234,7 +235,8 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
     }
 }
 
-/// Returns the friction at two contacts with a lubricant, as in [`Integrate::lubricated`].
+/// Returns the friction forces and moments at two lubricated contacts, as in
+/// [`Integrate::lubricated`].
 pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
     laws: [&MixedFriction<D>; 2],
@@ -415,8 +417,8 @@ mod tests {
     use super::kernel::sums_on;
     use super::*;
 
-    /// Returns the friction at two contacts for a constant friction coefficient, as in
-    /// [`Integrate::dry`].
+    /// Returns the friction forces and moments at two contacts with a constant friction
+    /// coefficient, as in [`Integrate::dry`].
     fn dry_friction<P: Scalar, D: Integrate<P>>(
         patches: &[Patch<D>; 2],
         nodes: &[Placement<'_>; 2],
@@ -440,7 +442,7 @@ mod tests {
         let frame = BallFrame::turned(0.17, 0.0);
         let contact = Contact::new(Site::Nut, 0.8, &frame);
         // The contact is flat and far from the ball center, so there is no Heathcote slip and all
-        // points have the same lever arm.
+        // points have equal lever arms.
         let ellipse = Ellipse {
             contact,
             load: 130.0,
@@ -471,8 +473,8 @@ mod tests {
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let (_, e) = ellip::ellipke(1.0 - 0.04).expect("parameter below 1");
         let expected = 3.0 / 8.0 * 0.08 * 130.0 * 0.5e-3 * e;
-        // At the center, the direction of slip has a singularity, which limits the convergence of
-        // the quadrature to 1/order³.
+        // At the center of the ellipse, the direction of slip has a singularity, which limits the
+        // convergence of the quadrature to 1/order³.
         let spin_moment = -wrench.moment.dot(&ellipse.contact.normal);
         assert_relative_eq!(spin_moment, expected, max_relative = 1e-4);
         assert_relative_eq!(power, spin_moment * 50.0, max_relative = 1e-10);
@@ -537,7 +539,7 @@ mod tests {
         (ellipse, local)
     }
 
-    fn all<D: Copy>(sum: &Integral<D>) -> Vec<D> {
+    fn numbers<D: Copy>(sum: &Integral<D>) -> Vec<D> {
         [sum.force.as_slice(), &sum.moment].concat()
     }
 
@@ -588,16 +590,16 @@ mod tests {
             for sums in [&fast, &bare] {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
-            for (i, slow) in all(&slow).iter().enumerate() {
-                // The tolerance allows for rounding errors of sums over hundreds of nodes, in which
-                // each term has the magnitude of the friction coefficient.
+            for (i, slow) in numbers(&slow).iter().enumerate() {
+                // The tolerance allows for the rounding errors of sums over hundreds of nodes. Each
+                // term has the magnitude of the friction coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
                 for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
                     // Derivatives with respect to the slip are proportional to the reciprocal of
-                    // the creep speed. The derivative with respect to the film thickness does not
-                    // depend on the creep speed.
+                    // the creep speed, whereas the derivative with respect to the film thickness
+                    // does not depend on the creep speed.
                     let unit = if k < 5 { 1.0 / creep } else { 1.0 };
                     prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
                 }
@@ -632,7 +634,7 @@ mod tests {
             for fast in [fast_power, sloped_power.re] {
                 prop_assert!((power.re - fast).abs() <= 1e-13 * (1.0 + power.re), "{power:?}");
             }
-            for ((law, fast), value) in all(&law).into_iter().zip(all(&fast)).zip(values) {
+            for ((law, fast), value) in numbers(&law).into_iter().zip(numbers(&fast)).zip(values) {
                 prop_assert!(same(law, fast), "{law:?} {fast:?}");
                 prop_assert!((law.re - value).abs() <= 1e-13);
             }
@@ -710,9 +712,9 @@ mod tests {
         }
     }
 
-    /// For rolling balls in thin and thick oil at low and high pressure, the quadrature errors
-    /// relative to the friction are within the stated limits. The reference values come from a
-    /// finer quadrature.
+    /// For rolling balls in thin and thick oil at low and high pressure, the quadrature errors,
+    /// divided by the friction force, are within the stated limits. The reference values come from
+    /// a finer quadrature.
     #[test]
     fn quadrature_errors_of_lubricated_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);

@@ -2,12 +2,11 @@
 //!
 //! The crate uses SI units and radians throughout. It does not use files, threads or random
 //! numbers. A [`Problem`] is one operating point with the inputs of one model. [`Problem::solve`]
-//! always returns a [`Solution`]. If no steady motion was found, the [`Solution`] contains the
-//! reason.
+//! always returns a [`Solution`]. If there is no steady motion, the solution contains the reason.
 //!
 //! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!
-//! The feed drive in `examples/feed_drive.json` has rolling balls and an efficiency of 98.6 %:
+//! In the feed drive of `examples/feed_drive.json`, the balls roll, and the efficiency is 98.6 %:
 //!
 //! ```
 //! use std::f64::consts::PI;

@@ -123,8 +123,8 @@ pub enum Reason {
     /// With saturated friction, the slip at contact A (loaded flank of the nut) would have to be
     /// negative. The ball rolls on the nut instead, which these equations do not cover.
     NutContactWouldRoll {
-        /// Slip speed at contact A along its friction direction, divided by `$r_b|W|$`; zero or
-        /// negative.
+        /// Slip speed at contact A along the friction direction of this contact, divided by
+        /// `$r_b|W|$`; zero or negative.
         slip: f64,
         /// True if `slip` satisfies the equations, which were continued beyond rolling; false if it
         /// is the first-order value.
@@ -142,7 +142,7 @@ pub enum Reason {
         /// Load ratio `$Q_B/F_a$` at the screw.
         screw_load_ratio: f64,
     },
-    /// The branch of steady motions that begins without inertia does not reach the inertia ratio of
+    /// The branch of steady motions that begins at zero inertia does not reach the inertia ratio of
     /// this operating point.
     NoRootAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
@@ -152,8 +152,8 @@ pub enum Reason {
         nearest: f64,
     },
     /// A contact angle is not between 0 and 90 degrees. With the status `no_solution`, the angles
-    /// are those of the first root, or those at the end of a path on which no root has both angles
-    /// in this range; no other root is known.
+    /// are either those of the first root, or those at the end of a path without any root whose
+    /// angles are both in this range. No other root is known.
     BallLeavesFlank {
         /// Contact angle at the nut \[rad\].
         nut: f64,
@@ -168,8 +168,8 @@ pub enum Reason {
         /// Ratio of the centrifugal force that the flanks can hold to the axial load. The force is
         /// evaluated at a contact angle of 90 degrees at the screw.
         held: f64,
-        /// Ratio of the actual centrifugal force to the axial load, also at a contact angle of 90
-        /// degrees at the screw.
+        /// Ratio of the actual centrifugal force to the axial load, also evaluated at a contact
+        /// angle of 90 degrees at the screw.
         centrifugal: f64,
     },
     /// Wherever the forces are in equilibrium with saturated friction, friction would act in the
@@ -178,8 +178,8 @@ pub enum Reason {
         /// Slip speed at the nut without inertia, divided by `$r_b|W|$`.
         slip: f64,
     },
-    /// The inertia ratio is outside the range in which the ball slides against friction on both
-    /// flanks.
+    /// The inertia ratio is outside the range in which the ball slides on both flanks with friction
+    /// opposing the slip.
     NoSkidAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia: f64,
@@ -357,12 +357,12 @@ impl From<Report> for Reason {
 pub enum Evidence {
     /// Proof from the equations of the model, up to rounding errors.
     Proof,
-    /// A limit that was determined by tests at many points excludes a solution. This limit is
+    /// A solution is excluded by a limit that was determined in tests at many points. This limit is
     /// either the error of the first-order solution or the boundary of the range in which several
     /// solutions exist.
     Bound,
-    /// The curve of states that begins without inertia was followed to its end. The search may have
-    /// missed two solutions within one step, and solutions on other curves.
+    /// The curve of states that begins at zero inertia was followed to its end. The search may have
+    /// missed two solutions within one step, or solutions on other curves.
     Traced {
         /// Longest step length along the curve, in scaled units.
         resolution: f64,
@@ -403,7 +403,8 @@ impl fmt::Display for Evidence {
     }
 }
 
-/// Status and reason if a model has no solution, with the evidence that no solution exists.
+/// Status and reason of a solve without a solution, with the evidence (if any) that no solution
+/// exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoAnswer {
     status: Status,
@@ -427,17 +428,18 @@ impl NoAnswer {
     /// Outcome of a failed search: no root was found, but a root may exist.
     pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
-    /// Creates the outcome that no solution exists, together with the evidence for this.
+    /// Creates an outcome with the status `no_solution` and with evidence that no solution exists.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    /// Creates the outcome that the solver found no solution, although a solution may exist.
+    /// Creates an outcome with the status `not_converged`: the solver found no solution, although a
+    /// solution may exist.
     pub(crate) const fn not_converged(reason: Reason) -> Self {
         Self { status: Status::NotConverged, reason, evidence: None }
     }
 
-    /// Creates the outcome that the model does not accept the inputs.
+    /// Creates an outcome with the status `invalid_input`: the model does not accept the inputs.
     pub(crate) fn invalid(reason: Reason) -> Self {
         Self { status: Status::InvalidInput, reason, evidence: None }
     }
@@ -458,7 +460,7 @@ impl NoAnswer {
     }
 }
 
-/// Creates the outcome that the equations of the model cannot be evaluated.
+/// Creates the outcome of a model whose equations cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
     NoAnswer::not_converged(Reason::Refused { error })
 }

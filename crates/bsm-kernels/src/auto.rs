@@ -21,7 +21,7 @@ use crate::raceway::{RacewayKernel, RacewayRow};
 /// Outputs that the model selection requires in addition to the requested outputs.
 const REQUIRED: [OutputKey; 1] = [OutputKey::efficiency];
 
-/// Outputs that keep their values from the raceway-control model if all other results come from the
+/// Outputs that keep the values from the raceway-control model if all other results come from the
 /// gross-slip model.
 const RETAINED: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
 
@@ -68,7 +68,7 @@ struct AutoRows<'a, 'b> {
     chosen: Vec<RowChoice>,
 }
 
-/// Results of a kernel for some of the rows.
+/// Results that a kernel calculated for some of the rows.
 struct Group {
     columns: Vec<OutputColumn<'static>>,
     /// Index of the efficiency column.
@@ -85,7 +85,7 @@ impl Group {
 }
 
 impl AutoRows<'_, '_> {
-    /// Solves the rows of the given balls with a kernel.
+    /// Solves the rows of the given balls with a kernel, and returns the results.
     fn solve_group<'c>(
         &self,
         balls: impl Iterator<Item = &'c RollingRow>,
@@ -134,7 +134,7 @@ impl AutoRows<'_, '_> {
     }
 }
 
-/// A row whose ball rolls according to the raceway-control model.
+/// A row for which the raceway-control model predicts a rolling ball.
 struct RollingRow {
     row: usize,
     /// Relative speed between screw and nut, `$W$`.

@@ -55,8 +55,8 @@ impl Selection {
 pub enum OutputColumn<'a> {
     /// Buffer that the caller provides. It must contain only NaN at the beginning.
     Given(&'a mut [f64]),
-    /// Buffer that is allocated when the first value is stored. Outputs that the model does not
-    /// calculate, which are the majority, never need a buffer.
+    /// Buffer that is allocated when the first value is stored. No buffer is allocated for outputs
+    /// that the model does not calculate, which are the majority.
     OnDemand {
         /// Number of rows in the column.
         rows: usize,
@@ -155,11 +155,11 @@ pub struct Rows<'a, 'b> {
     pub inputs: &'a InputColumns<'a>,
     /// Requested outputs, with the index of the column for each output.
     pub wanted: &'a Selection,
-    /// Index, within the chunk, of the first of these rows.
+    /// Index of the first row within the chunk.
     pub first: usize,
-    /// Output columns, which contain only these rows.
+    /// Output columns with one element per row to be solved.
     pub columns: &'a mut [OutputColumn<'b>],
-    /// Flags of the rows, true for each row that has been solved.
+    /// One flag per row, which is true if the row has been solved.
     pub done: &'a mut [bool],
 }
 

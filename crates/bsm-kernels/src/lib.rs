@@ -35,6 +35,10 @@ impl Rows<'_, '_> {
     /// Solves all rows for which the model has a direct solution. For `auto`, returns the selected
     /// model of each solved row; for all other models, returns an empty vector.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
+        // Kernels would double the size of the solver in a saved page, whose maps have few points.
+        if cfg!(target_family = "wasm") {
+            return Vec::new();
+        }
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),
             ModelChoice::Fixed(Model::ClosedForm) => {

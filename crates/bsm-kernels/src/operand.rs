@@ -9,8 +9,7 @@ use bsm_dyn::{Model, angles::Sines, lubrication::Lubricant, model::RacewayFricti
 use bsm_kin::{Drive, Real};
 use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 
-/// Number of SIMD vectors per [`Lane`]. In benchmarks of the rigid model, this number is the
-/// fastest.
+/// Number of SIMD vectors per [`Lane`]. In benchmarks, the rigid model is fastest with this number.
 const UNROLL: usize = 2;
 
 pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
@@ -20,7 +19,7 @@ pub(crate) type Mask<S> = bsm_simd::Mask<S, UNROLL>;
 /// instruction set.
 pub(crate) const MANY: usize = UNROLL * BLOCK;
 
-/// Values of one input at all points.
+/// Values of one input for all points.
 #[derive(Debug)]
 pub enum InputColumn<'a> {
     /// No point has a value for the input.
@@ -37,7 +36,7 @@ pub enum InputColumn<'a> {
 #[derive(Debug)]
 pub struct InputColumns<'a> {
     inputs: [InputColumn<'a>; INPUTS.len()],
-    /// Indices of all inputs that have a value for each point.
+    /// Indices of all inputs that are columns, which means that each point has its own value.
     columns: Vec<usize>,
     /// Lubricant (without its temperature) and method for calculating the raceway friction; `None`
     /// for a constant friction coefficient.

@@ -109,8 +109,8 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let RacewayLosses { transmission, friction, film, resolved } =
             losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
-        // Both contact centers roll without slip along the groove. Each contact takes half of the
-        // slip due to the lead, and friction acts along e_x.
+        // Both contact centers roll without slip along the groove. Half of the slip due to the lead
+        // occurs at each contact, and friction acts along e_x.
         let elastic = ElasticMotion {
             slip: [contacts.scaled.lead.0 * 0.5; 2],
             spin: motion.spin,

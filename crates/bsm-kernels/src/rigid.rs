@@ -1,4 +1,5 @@
-//! Rigid model, vectorized over the points of a block and solved by direct sweeps.
+//! Rigid model, vectorized over the points of a block. The kernel solves the model directly, by an
+//! iteration for the directions of friction.
 //!
 //! Theory: `docs/theory/04-rigid.md`, the section on direct sweeps.
 

@@ -10,9 +10,10 @@ use crate::Scalar;
 /// about the tangent `t` by the angle `$\zeta$`.
 ///
 /// For `$\zeta = 0$`, it is the triad `(t, n, b)` itself. If `$\zeta$` equals a contact angle, the
-/// normals of the loaded contacts are parallel to the second axis, so their cross products are
-/// exactly zero, without rounding errors. Small terms of the balance are then not lost next to
-/// large terms. All vectors of a calculation have components in the same triad.
+/// normals of the loaded contacts are parallel to the second axis, so the cross products of the
+/// normals are exactly zero, without rounding errors. Small terms of the force and moment balance
+/// are then not lost among large terms. All vectors of a calculation have components in the same
+/// triad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallFrame<D> {
     /// Angle `$\zeta$` between `n` and the second axis, positive from `n` toward `b` \[rad\].

@@ -89,7 +89,7 @@ mod tests {
 
     /// The triad satisfies the Frenet-Serret formulas. Dual numbers provide exact derivatives.
     #[test]
-    fn frame_satisfies_frenet_serret() {
+    fn frame_satisfies_the_frenet_serret_formulas() {
         let (sin_a, cos_a) = SCREW.lead_angle.sin_cos();
         // τ = sinα cosα / r_m                                             (K6)
         let (kappa, tau) = (SCREW.curvature(), sin_a * cos_a / SCREW.radius);

@@ -1,6 +1,6 @@
 //! Dual numbers for automatic differentiation: numbers or SIMD vectors with `N` partial
-//! derivatives. The Jacobian of a ball needs the derivatives with respect to seven unknowns, and
-//! formulas for SIMD vectors need those with respect to one to three variables.
+//! derivatives. The Jacobian of a ball needs derivatives with respect to seven unknowns, and
+//! formulas for SIMD vectors need derivatives with respect to one to three variables.
 //!
 //! The crate num-dual is more general, and the tests compare this module with it. For the seven
 //! equations of a ball, num-dual is slower (benchmark: `cargo bench -p bsm-benches --
@@ -42,8 +42,8 @@ impl<const N: usize, F: Real> Jet<N, F> {
         Self::along(re, i, re.constant(1.0))
     }
 
-    /// Applies the chain rule: returns a function of `self` from its value `re` and its derivative
-    /// `slope` at `self`.
+    /// Applies the chain rule: returns a function of `self`, given the value `re` and the
+    /// derivative `slope` of this function at `self`.
     #[inline(always)]
     #[must_use]
     pub fn chain(self, re: F, slope: F) -> Self {
@@ -270,7 +270,7 @@ mod tests {
     use super::*;
 
     /// Evaluates an expression that uses all operations of [`Scalar`].
-    fn everything<D: Scalar>(x: D, y: D) -> D {
+    fn evaluate_all_operations<D: Scalar>(x: D, y: D) -> D {
         let (sin, cos) = (x * y).sin_cos();
         let mut z = (sin / (cos + 2.0) - y.recip()) * (x.square() + y.square()).sqrt();
         z += x.atan2(y) * 0.3 - x.atan() * y.powf(-1.5) - 1.5;
@@ -284,16 +284,16 @@ mod tests {
     proptest! {
         #[test]
         fn jets_agree_with_num_dual(x in -1.4..1.4_f64, y in 0.1..2.0_f64) {
-            let ours = everything(Jet::<2>::variable(x, 0), Jet::variable(y, 1));
+            let ours = evaluate_all_operations(Jet::<2>::variable(x, 0), Jet::variable(y, 1));
             let (value, slopes) = num_dual::gradient(
-                |v: nalgebra::Vector2<DualSVec64<2>>| everything(v[0], v[1]),
+                |v: nalgebra::Vector2<DualSVec64<2>>| evaluate_all_operations(v[0], v[1]),
                 &nalgebra::Vector2::new(x, y),
             );
             // The tolerance allows for rounding errors of values up to about ten near the poles of
             // the tangent.
             let scale = 1.0 + value.abs() + slopes.norm();
             prop_assert!((ours.re - value).abs() <= 1e-13 * scale);
-            prop_assert!((ours.re - everything(x, y)).abs() <= 1e-13 * scale);
+            prop_assert!((ours.re - evaluate_all_operations(x, y)).abs() <= 1e-13 * scale);
             for i in 0..2 {
                 prop_assert!((ours.eps[i] - slopes[i]).abs() <= 1e-12 * scale, "{i}");
             }

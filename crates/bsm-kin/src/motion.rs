@@ -151,8 +151,8 @@ pub fn relative_rotation<P: Real, D: RealOver<P>>(
 }
 
 /// Returns the spin about the normal of the contact with the loaded flank of the nut (K14). The
-/// argument is the angular velocity relative to the nut, with components in `$(t, n, b)$`. At the
-/// loaded flank of the screw, the normal is opposite.
+/// argument is the angular velocity relative to the nut, with components in `$(t, n, b)$`. The
+/// normal at the loaded flank of the screw has the opposite direction.
 ///
 /// * `angle`: sine and cosine of the contact angle.
 #[inline(always)]

@@ -1,5 +1,5 @@
-//! Arithmetic interface for formulas that are evaluated either for one point or for many points at
-//! once.
+//! Arithmetic interface for formulas that are evaluated either for a single point or for several
+//! points at once.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -209,8 +209,7 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Real for T {
 
 /// Evaluates an expression for each of a few indices without a closure or a loop. A closure is not
 /// inlined into a function that is compiled for another instruction set. With loops, each numerical
-/// kernel would contain thousands of short loops, and the compiler would take minutes to unroll
-/// them.
+/// kernel would contain thousands of short loops, which the compiler would take minutes to unroll.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! parts {

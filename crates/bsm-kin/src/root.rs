@@ -2,7 +2,7 @@
 
 /// Returns the cube root with an error of at most one unit in the last place.
 ///
-/// The cube root of the standard library is correctly rounded, but takes five times as long.
+/// The standard library's cube root is correctly rounded, but takes five times as long.
 ///
 /// Source: the `cbrt` of FreeBSD, after Kahan and Bergman.
 #[inline]

@@ -68,8 +68,8 @@ fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
 }
 
 proptest! {
-    /// The slip does not depend on the rotation of the triad, and it does not change if the speeds
-    /// of all bodies increase by the same amount.
+    /// The slip does not depend on the rotation of the triad, and it does not change if the angular
+    /// speeds of ball, nut and screw all increase by the same amount.
     #[test]
     fn slip_does_not_depend_on_the_axes_or_on_a_common_rotation(
         alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, rotation_angle in -2.0..2.0_f64,
@@ -86,7 +86,7 @@ proptest! {
         let motion = Motion { precession: p, omega };
         // The angular velocity is converted into components of the rotated triad.
         let in_turned = Motion { precession: p, omega: Vector3::new(wt, c * wn + s * wb, c * wb - s * wn) };
-        // The speeds of ball, nut and screw all increase by the same amount.
+        // The angular speeds of ball, nut and screw all increase by the same amount.
         let shifted = Motion { precession: p + together, omega: omega + straight.k * together };
 
         for site in SITES {

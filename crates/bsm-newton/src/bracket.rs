@@ -144,7 +144,8 @@ impl Bracket {
         Ok(None)
     }
 
-    /// Finds a sign change of a function that may fail, like [`root`](Self::root).
+    /// Finds a sign change in the same way as [`root`](Self::root), but for a function that may
+    /// return an error.
     ///
     /// # Errors
     ///
@@ -190,8 +191,8 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // Index of the end that was moved last, the point that was replaced, and the derivative at
-        // the new end.
+        // Index of the bracket end that was moved last, the point that it replaced, and the
+        // derivative at its new position.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (StallDetector::new(2), StallDetector::new(3));
@@ -221,8 +222,9 @@ impl Bracket {
                 middle
             } else {
                 newton.unwrap_or_else(|| {
-                    // The next point keeps a minimum distance from both ends, so that the other end
-                    // can also move.
+                    // The next point keeps a minimum distance from both ends of the bracket. If one
+                    // end is already close to the root, a point beyond the root moves the other
+                    // end.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let fraction = interpolated_fraction((x, value), (other, opposite), old);

@@ -20,8 +20,8 @@ pub struct Continuation {
 ///
 /// # Errors
 ///
-/// Returns the last parameter for which a root was found if the path ends early; `y` is then the
-/// root for this parameter. Returns `None` as the error if `solve` did not converge at `begin`.
+/// If the path ends early, the error is the last parameter for which a root was found, and `y` is
+/// the root for this parameter. The error is `None` if `solve` did not converge at `begin`.
 pub fn follow<const N: usize>(
     y: &mut [f64; N],
     (begin, end): (f64, f64),

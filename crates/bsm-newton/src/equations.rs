@@ -8,12 +8,12 @@ use crate::EvalError;
 ///
 /// Implementations must be pure functions: identical inputs give bit-identical results.
 pub trait Equations<const N: usize> {
-    /// Additional quantities calculated together with the residual that the caller needs at the
-    /// solution, such as forces. Use `()` if there are none.
+    /// Additional quantities that are calculated together with the residual and that the caller
+    /// needs at the solution, such as forces. Use `()` if there are none.
     type Details;
 
-    /// Additional quantities calculated together with the Jacobian, such as derivatives of the
-    /// details. Use `()` if there are none.
+    /// Additional quantities that are calculated together with the Jacobian, such as derivatives of
+    /// the details. Use `()` if there are none.
     type Slopes;
 
     /// Returns `$F(x)$` and the details.
@@ -25,15 +25,15 @@ pub trait Equations<const N: usize> {
     fn residual(&self, x: &[f64; N]) -> Result<([f64; N], Self::Details), EvalError>;
 
     /// Writes the rows of the Jacobian `$J_{ij} = \partial F_i/\partial x_j$` and returns `$F(x)$`,
-    /// the details and the slopes.
+    /// the [details](Self::Details) and the [slopes](Self::Slopes).
     ///
     /// # Errors
     ///
     /// Returns the same errors as [`residual`](Self::residual).
     fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Linearized<N, Self>;
 
-    /// Writes the rows of the Jacobian at a point whose residual is already known, and returns the
-    /// slopes.
+    /// Writes the rows of the Jacobian at a point whose residual is already known. Returns the
+    /// additional quantities that belong to the Jacobian ([`Slopes`](Self::Slopes)).
     ///
     /// The default implementation calls [`linearize`](Self::linearize), which evaluates the
     /// residual again.
@@ -67,6 +67,7 @@ pub trait Equations<const N: usize> {
     }
 }
 
-/// Result of [`Equations::linearize`]: residual, details and slopes.
+/// Result of [`Equations::linearize`]: the residual, the [details](Equations::Details) and the
+/// [slopes](Equations::Slopes).
 pub type Linearized<const N: usize, E> =
     Result<([f64; N], <E as Equations<N>>::Details, <E as Equations<N>>::Slopes), EvalError>;

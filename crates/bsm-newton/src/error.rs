@@ -4,7 +4,7 @@ use thiserror::Error;
 
 /// Error returned if a model cannot be evaluated at a point `x`.
 ///
-/// The model may still be defined at the end of a shorter step.
+/// After a shorter step, the evaluation may succeed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("{quantity} = {value:e} is outside the model's domain: {requirement}")]
 pub struct EvalError {
@@ -21,7 +21,7 @@ pub struct EvalError {
 #[error("a pivot of the matrix is zero or not finite")]
 pub struct Singular;
 
-/// Reason why the derivatives of a root do not exist.
+/// Reason why a root has no derivatives with respect to the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum NoSlopes {
     /// The equations cannot be linearized at the root.

@@ -5,8 +5,8 @@ use bsm_kin::Real;
 /// A system of `N` equations that calculates its own Newton steps, for a single point or for
 /// several points side by side.
 ///
-/// For a small system with an analytic Jacobian, a closed formula for the Newton step requires
-/// fewer operations than a matrix factorization.
+/// For a small system with an analytic Jacobian, a closed-form expression for the Newton step
+/// requires fewer operations than a matrix factorization.
 pub trait LaneEquations<F: Real, const N: usize> {
     /// Returns the Newton step at the point `x`.
     fn newton_step(&self, x: &[F; N]) -> LaneStep<F, N>;

@@ -4,7 +4,8 @@
 //!   separate objects: [`Convergence`] decides when the iteration stops, [`Backtracking`] selects
 //!   the step length, and [`JacobianUpdate`] decides when the Jacobian is evaluated.
 //! * [`Dense`], [`BorderedMatrix`]: dense matrices, and block tridiagonal matrices with a border.
-//! * [`Bracket`]: root of a function of one variable between two points with opposite signs.
+//! * [`Bracket`]: root of a function of one variable between two points at which the function
+//!   values have opposite signs.
 //! * [`LaneNewton`]: Newton's method for several points side by side in SIMD vectors.
 //! * [`implicit_slopes`]: derivatives of a root with respect to parameters.
 //! * [`follow`], [`trace`]: natural parameter continuation, and pseudo-arclength continuation

@@ -128,14 +128,14 @@ pub enum JacobianUpdate {
     EveryTrial {
         /// Scaled residual below which the chord method is used. Trial points are then evaluated
         /// without the Jacobian, and steps use the latest LU factors as long as each step reduces
-        /// the residual to one tenth. Zero disables the chord method.
+        /// the residual to at most one tenth. Zero disables the chord method.
         chord_below: f64,
     },
 }
 
 impl JacobianUpdate {
-    /// Maximum ratio of the residual after a step to the residual before it for which the next step
-    /// may reuse the LU factors.
+    /// Maximum ratio of the residual after a step to the residual before this step at which the
+    /// next step may reuse the LU factors.
     const MAX_CHORD_RATIO: f64 = 0.1;
 
     /// Returns true if the Jacobian is evaluated together with the residual at the starting point.

@@ -68,8 +68,8 @@ pub struct Seed<const M: usize> {
     /// Point near the curve. The continuation first corrects it onto the curve, within the plane
     /// perpendicular to `towards`.
     pub z: [f64; M],
-    /// Vector that selects the initial direction of the path, with which it must have a positive
-    /// scalar product.
+    /// Vector that selects one of the two directions along the curve. The scalar product of this
+    /// vector and the initial direction of the path is positive.
     pub towards: [f64; M],
 }
 
@@ -179,13 +179,15 @@ const MAX_EASY_STEPS: usize = 4;
 ///
 /// Each point is predicted along the tangent and then corrected with [`solve`] in the plane
 /// perpendicular to the tangent. A step is shortened if the correction fails, if the direction
-/// changes too much, or if an event function may have two more zeros than its signs indicate (N14).
-/// The step length increases if the correction requires only a few Newton steps.
+/// changes too much, or if an event function may have two more zeros within the step than the signs
+/// of its values indicate (N14). The step length increases if the correction requires only a few
+/// Newton steps.
 ///
 /// * `events`: function that returns the values of the event functions at a point and their slopes
-///   along a direction: `|z, direction| [(value, slope); K]`. Points with NaN are rejected.
-/// * `on`: function that is called for each point with the path so far. The continuation stops if
-///   it returns false.
+///   along a direction: `|z, direction| [(value, slope); K]`. Points at which a value or a slope is
+///   NaN are rejected.
+/// * `on`: function that is called after each new point with all results so far. The continuation
+///   stops if the function returns false.
 ///
 /// Memory is allocated only for crossings and for the reports of corrections.
 ///
@@ -212,7 +214,7 @@ struct OnPlane<'a, const N: usize, const M: usize, F> {
 }
 
 impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
-    /// Returns the residual of the curve, followed by the distance from the plane.
+    /// Returns the residuals of the curve equations, followed by the distance from the plane.
     fn values(&self, z: &[f64; M], residual: &[f64; N]) -> [f64; M] {
         let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
         from_fn(|i| if i < N { residual[i] } else { dot(&way, &self.normal) })

@@ -226,7 +226,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
             }
 
             // A solution is refined only with full steps. A line search along a chord step is
-            // useless, because a chord step may increase the residual.
+            // useless, because the chord step need not be a descent direction.
             let full_steps = is_chord || progress == Progress::Refining;
             let damping = if full_steps { Backtracking::NONE } else { options.damping };
             let with_jacobian = options.jacobian.at_trials(residual);

@@ -25,11 +25,11 @@ struct BallSite {
     /// Groove displacement at the ball per unit displacement of the nut, for each degree of freedom
     /// (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
-    /// Index of the node of the elastic bodies at which the ball is located; `None` if both bodies
+    /// Index of the node of the elastic bodies at the position of the ball; `None` if both bodies
     /// are rigid.
     node: Option<usize>,
-    /// Index of the unknown that is the radial expansion of the nut around the ball; `None` if the
-    /// nut is rigid.
+    /// Index of the radial expansion of the nut around the ball in the vector of unknowns; `None`
+    /// if the nut is rigid.
     ring: Option<usize>,
 }
 
@@ -39,12 +39,12 @@ struct Spring {
     stiffness: f64,
 }
 
-/// Selects the springs whose stiffness is added to the matrix, and the unknowns that are fixed.
+/// Selects which springs contribute to the stiffness matrix, and which unknowns are fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StiffnessScope {
     /// All springs, for a Newton step. Degrees of freedom that are held by the guides are fixed.
     Step = 0,
-    /// The springs of the nut itself, without the guides.
+    /// Only the springs of the nut itself, without the springs of the guides.
     Nut = 1,
 }
 
@@ -325,8 +325,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds damping to the diagonal of the matrix. Each entry increases by a fraction of the
-    /// stiffness of its unknown if all balls carried equal loads.
+    /// Adds damping to the diagonal of the matrix. Each diagonal entry is increased by a fraction
+    /// of the stiffness that its unknown would have if all balls carried equal loads.
     pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
         let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
@@ -356,8 +356,8 @@ impl<'a> Assembly<'a> {
     }
 
     /// Returns how far the nut has moved relative to the screw \[m\]. If the bodies are elastic,
-    /// the result is the smallest displacement at any ball. It includes motion along the groove,
-    /// because nothing resists this motion.
+    /// the result is the smallest of the displacements at the balls. The result includes motion
+    /// along the groove, because no force resists this motion.
     pub(crate) fn moved(&self, y: &[f64]) -> f64 {
         let [u_z, u_x, u_y, phi_x, phi_y]: [f64; FREEDOMS] = from_fn(|i| y[self.freedoms() + i]);
         if self.nodes == 0 {
@@ -397,8 +397,8 @@ impl<'a> Assembly<'a> {
         self.seats.iter().map(|seat| seat.position).collect()
     }
 
-    /// Returns the stiffness matrix of the nut, from which all unknowns other than the five degrees
-    /// of freedom are eliminated (U17).
+    /// Returns the stiffness matrix of the nut for its five degrees of freedom. All other unknowns
+    /// are eliminated (U17).
     pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
         // If nothing holds the nut in some direction, the last block of the matrix is singular, and
         // the factorization fails. The Schur complement is valid nevertheless, because the other

@@ -34,9 +34,9 @@ impl Flanks {
 pub struct FourContacts {
     /// Gothic arches around a ball, without axial play (U8).
     pub grooves: Grooves,
-    /// A ball between two opposite flanks, whose two Hertzian contacts act in series.
+    /// A ball between two opposite flanks. Its two Hertzian contacts act in series.
     pub series: StaticBall,
-    /// Fraction of the elastic approach of both contacts that occurs at the nut.
+    /// Fraction of the total elastic approach of both contacts that occurs at the nut.
     pub nut_share: f64,
     /// Centrifugal force on a ball \[N\], directed away from the screw axis.
     pub outward: f64,
@@ -113,8 +113,8 @@ impl FourContacts {
     /// Returns the position of a ball that is loaded along one diagonal. The ball center is on the
     /// contact normal through the arc center of the screw groove.
     fn center(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
-        // The approach δ of both contacts follows from the energy V = ⅖ Q δ. The contact at the
-        // screw has a fixed fraction of this approach.
+        // The total approach δ of both contacts follows from the energy V = ⅖ Q δ. The contact at
+        // the screw accounts for a fixed fraction of δ.
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
         let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);
         Vector2::new(SIGNS[diagonal] * x_b, x_n)
@@ -122,7 +122,7 @@ impl FourContacts {
 
     /// Returns the position of a ball that carries no external load and is pressed into the nut
     /// groove by the centrifugal force. The ball touches both flanks or, if balls can be loaded on
-    /// only one flank, the bottom of this flank.
+    /// only one flank, the deepest point of this flank.
     fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let (l, stiffness) = (self.grooves.offsets[0], self.grooves.stiffness[0]);
@@ -139,7 +139,7 @@ impl FourContacts {
     }
 
     /// Returns the state of the ball at the position of minimum energy (U10). The search starts at
-    /// the starting point with the lower energy.
+    /// the position in `starts` that has the lowest energy.
     fn least_energy(
         &self,
         (grooves, w_b): (&Grooves, f64),

@@ -42,9 +42,9 @@ impl Ring {
 type BarSpring = (usize, Option<usize>, f64);
 
 impl Bar {
-    /// Returns the springs that represent the bar. Nodes are given by their axial positions in
-    /// ascending order, and each spring connects two nodes, or a node with the anchor. The second
-    /// value is the index of the node at the anchor, if there is one.
+    /// Returns the springs that represent the bar, and the index of the node at the anchor, if
+    /// there is one. Nodes are given by their axial positions in ascending order. Each spring
+    /// connects two nodes, or a node and the anchor.
     pub(crate) fn springs(&self, nodes: &[f64]) -> (Vec<BarSpring>, Option<usize>) {
         let mut springs = Vec::new();
         // Two positions count as equal if their difference is within the rounding error of the

@@ -46,19 +46,19 @@ impl Freedom {
 pub struct Support(pub [Freedom; FREEDOMS]);
 
 impl Support {
-    /// Returns a support with an axial load \[N\] on the nut, in which all other degrees of freedom
-    /// are fixed. It represents a table on stiff guides.
+    /// Returns the support of a nut on stiff guides, such as the nut of a machine table: an axial
+    /// load \[N\] acts on the nut, and all other degrees of freedom are fixed.
     pub fn guided(axial: f64) -> Self {
         Self([Freedom::Held(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// Returns a support with an axial load \[N\] on the nut, in which the nut is not held in any
-    /// direction.
+    /// Returns the support of a free nut: an axial load \[N\] acts on the nut, and no guide holds
+    /// the nut in any direction.
     pub fn free(axial: f64) -> Self {
         Self([Freedom::Loaded(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// Returns a copy of this support in which the axial load \[N\] is replaced.
+    /// Returns a copy of this support with another axial load \[N\].
     #[must_use]
     pub fn with_axial(mut self, axial: f64) -> Self {
         self.0[0] = Freedom::Loaded(axial);
@@ -70,7 +70,8 @@ impl Support {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Displacement of the nut relative to the screw, `$u_z, u_x, u_y$` \[m\] and `$\varphi_x,
-    /// \varphi_y$` \[rad\]. If nut and screw are elastic, it is measured between their anchors.
+    /// \varphi_y$` \[rad\]. If nut and screw are elastic, the displacement is measured between
+    /// their anchors.
     pub displacement: [f64; FREEDOMS],
     /// Forces and moments that the nut exerts on its balls, one for each degree of freedom \[N\]
     /// and \[N·m\].

@@ -194,8 +194,8 @@ impl FlankFriction {
     }
 }
 
-/// Relative accuracy of the friction integrals for a ball in gothic arches. It is much better than
-/// the accuracy with which a friction coefficient is known.
+/// Relative accuracy of the friction integrals for a ball in gothic arches. Friction coefficients
+/// are known much less accurately.
 const ARCH_ACCURACY: f64 = 1e-6;
 
 /// Ratio of a ball load to the largest ball load below which the ball counts as idle, so that it
@@ -716,9 +716,9 @@ impl BallNut {
             // equals the centrifugal force.
             let (low_root, high_root) = ((low - inertia).sqrt(), (high - inertia).sqrt());
             let (roots, narrow) = (low_root + high_root, high_root - low_root);
-            // This singularity determines the largest Bernstein ellipse in which the friction is
-            // analytic, and thus the factor by which each additional Chebyshev point reduces the
-            // error.
+            // The singularity at the centrifugal force determines the largest Bernstein ellipse in
+            // which the friction is analytic, and thus the factor by which each additional
+            // Chebyshev point reduces the error.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
             // At the load at which a far flank begins to carry load, the friction has a kink and is
@@ -889,7 +889,7 @@ impl Equilibrium {
         IDLE_LOAD * self.max_load()
     }
 
-    /// Returns an upper bound of the sum of all ball loads \[N\].
+    /// Returns an upper bound on the sum of all ball loads \[N\].
     fn forces(&self) -> f64 {
         self.max_load() * count(self.balls.len())
     }

@@ -180,8 +180,8 @@ impl BallNut {
         both && self.errors.oversize <= 0.0
     }
 
-    /// Returns the nut on a screw that is stretched by an axial tension, which also reduces its
-    /// diameter (I5).
+    /// Returns the nut on a screw under axial tension, which stretches the screw and reduces the
+    /// screw diameter (I5).
     ///
     /// * `strain`: axial strain of the screw.
     /// * `poisson_ratio`: Poisson's ratio of the screw.

@@ -49,10 +49,11 @@ impl Equilibrium {
         rating / (count(balls) * inclined) / self.max_load()
     }
 
-    /// Returns the rating life \[revolutions\], which 90 % of all nuts reach (U22) to (U24). It
-    /// includes the raceways of all nut bodies, and is infinite if no ball is loaded.
+    /// Returns the rating life \[revolutions\], which 90 % of all nuts reach (U22) to (U24). The
+    /// calculation includes the raceways of all nut bodies. The life is infinite if no ball is
+    /// loaded.
     ///
-    /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
+    /// Source: the rule of ISO/TS 16281 with ball loads according to ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
         let inclined = nut.inclination();
         let mut damage = 0.0;
@@ -68,8 +69,8 @@ impl Equilibrium {
                 continue;
             }
             let number = count(balls.len());
-            // Each entry contains the index of the first contact, the load rating, and the exponent
-            // of the equivalent load of a raceway (U23).
+            // Each tuple describes one raceway: the index of its first contact, its dynamic load
+            // rating, and the exponent of its equivalent load (U23).
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)

@@ -65,8 +65,8 @@ impl BallNut {
     /// Returns the displacement \[m\] required for a given preload \[N\] without external load
     /// (U19).
     ///
-    /// * `force`: preload \[N\], with the sign of the displacement. It is negative if the bodies
-    ///   are pushed apart.
+    /// * `force`: preload \[N\], which has the same sign as the displacement: negative if the
+    ///   bodies are pushed apart.
     ///
     /// # Errors
     ///
@@ -122,8 +122,8 @@ impl BallNut {
         let most = 1e3 * preload;
         let places =
             successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
-        // Near the limit load, the remaining force is proportional to the distance to the limit
-        // load, raised to the power of 3/2. This force is so small that only its sign is reliable.
+        // Near the limit load F_lim, the preload that remains under a load F is proportional to
+        // (F_lim − F)^(3/2). This preload is so small that only its sign is reliable.
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };

@@ -13,12 +13,14 @@ use crate::{BallInGrooves, BallNut};
 /// Maximum number of Newton steps. Ten steps are usually sufficient.
 const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
-/// Residual force divided by the sum of all forces, at which the forces count as balanced.
+/// Residual force, divided by the sum of the absolute values of all forces, up to which the forces
+/// count as balanced (dimensionless).
 const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
-/// Number of steps after which a larger residual is accepted, and this larger residual. It is
-/// needed if the bodies are stretched by millimeters: the rounding errors of such displacements are
-/// not negligible compared with the elastic approaches of the balls.
+/// Number of Newton steps after which a larger residual is accepted, and this larger residual
+/// (relative to the sum of all forces). The larger residual is needed if the bodies are stretched
+/// by millimeters, because the rounding errors of such displacements are not negligible compared
+/// with the elastic approaches of the balls.
 const ROUNDED: (usize, f64) = (30, 1e-10);
 
 /// Unknowns and the corresponding state of the nut.
@@ -66,8 +68,8 @@ impl Assembly<'_> {
         let none = |residual, steps| NutError::NotConverged { residual, steps };
         let y = self.start(start);
         let state = self.state(&y).map_err(|ball| NutError::BallNotBalanced { ball })?;
-        // If displacements are prescribed, the nut may start far from its undeformed position,
-        // because the elastic bodies can follow.
+        // If displacements are prescribed, the iteration may start far from the undeformed position
+        // of the nut, because elastic bodies can follow a large displacement.
         let begun = self.moved(&y);
         let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
@@ -78,7 +80,7 @@ impl Assembly<'_> {
             }
             let moved = self.moved(&at.y);
             // If the nut moves farther than the distance between the groove-arc centers, the balls
-            // are on the other side of these centers.
+            // have moved past these centers and can no longer carry load.
             if moved > begun + self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }

@@ -35,7 +35,7 @@ impl BallNut {
     }
 
     /// Returns the state of the nut with equal load sharing, using contact data of the ball that
-    /// are already known.
+    /// were calculated before.
     pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<EqualShare, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
@@ -60,7 +60,7 @@ impl BallNut {
         held && rigid && level && self.errors == Errors::default()
     }
 
-    /// Returns an upper bound of the normal load on any ball under an axial load \[N\] (U27). The
+    /// Returns an upper bound on the normal load on any ball under an axial load \[N\] (U27). The
     /// bound applies to a guided nut without a radial gap if the balls can carry load only on the
     /// flank that supports the axial load. At least one ball carries no more than the mean load,
     /// and the differences between the approaches of all balls are limited by the manufacturing

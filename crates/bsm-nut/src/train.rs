@@ -1,4 +1,5 @@
-//! Ball trains: ball advance, needed gap, and push forces between balls that touch.
+//! Ball trains: the ball advance, the gap that it requires, and the push forces between balls that
+//! touch.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O16).
 
@@ -31,8 +32,8 @@ pub struct Advance {
     pub touch_angle: f64,
     /// Ball advance in each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Friction torque between balls for push forces of [`MAX_PUSH_RATIO`] times the mean ball load
-    /// on every ball, divided by the friction coefficient between balls \[N·m\]. Smaller push
+    /// Friction torque between balls \[N·m\], divided by the friction coefficient between balls,
+    /// for push forces of [`MAX_PUSH_RATIO`] times the mean ball load on every ball. Smaller push
     /// forces cause less torque.
     pub contact_torque: f64,
 }
@@ -51,7 +52,7 @@ impl Advance {
 pub struct CircuitAdvance {
     /// Smallest sum of the gaps in the loaded part of the circuit at which no balls touch \[m\].
     pub needed_gap: f64,
-    /// Advance of each ball, in the order of the circuit; `None` for idle balls.
+    /// Advance of each ball, in the order of the balls in the circuit; `None` for idle balls.
     pub balls: Vec<Option<BallAdvance>>,
 }
 
@@ -105,7 +106,7 @@ pub enum ExitPush {
 }
 
 impl Exit {
-    /// Returns the factor by which the bends in the ball return amplify a push force.
+    /// Returns the factor by which the bends in the ball return increase a push force.
     fn growth(&self) -> f64 {
         (self.friction * self.bend).exp()
     }
@@ -157,8 +158,8 @@ pub struct CircuitTrain {
     pub rate: f64,
     /// Ball flow: number of balls that pass any point of the circuit per second \[1/s\].
     pub flux: f64,
-    /// Push forces between balls at both ends of the loaded part: at its exit and at its entry
-    /// \[N\].
+    /// Push forces between balls at the two ends of the loaded part \[N\]: at the exit, then at the
+    /// entry.
     pub ends: [f64; 2],
     /// Loaded and idle balls, in the order of the circuit.
     pub balls: Vec<BallOfTrain>,
@@ -180,8 +181,8 @@ pub struct Train {
     /// Torque due to the energy that is lost when faster balls catch up with the ball train
     /// \[N·m\].
     pub catching_torque: f64,
-    /// Relative error of the power balance: the power of screw and load minus all losses, divided
-    /// by the losses.
+    /// Relative error of the power balance: the power supplied by screw and load minus all losses,
+    /// divided by the losses.
     pub power_balance: f64,
     /// Number of ball-to-ball contacts that transmit a push force.
     pub touching: usize,
@@ -205,7 +206,7 @@ impl Train {
 /// Reason why a ball train has no steady flow or why none was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
-    /// A ball is loaded on both flanks, which the ball-train model does not cover.
+    /// A ball is loaded on both flanks, but the ball-train model does not support such balls.
     #[error(
         "a ball is loaded on both flanks, but push forces are calculated only for balls that are loaded on one flank"
     )]
@@ -230,8 +231,8 @@ pub enum TrainError {
     /// is not valid.
     #[error("the push forces between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
-        /// Lower bound of the largest push force \[N\], calculated at a speed of the ball train
-        /// below its actual speed.
+        /// Lower bound on the largest push force \[N\], calculated at a speed below the actual
+        /// speed of the ball train.
         push: f64,
         /// Push force divided by the largest ball load.
         part: f64,
@@ -487,12 +488,12 @@ const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
 /// Maximum number of steps in the bracketing search for the precession rate.
 const STEPS: usize = 12;
-/// Minimum ratio of the friction moment of the neighbors to the moment that stops a ball (O6), for
-/// which a ball without a steady motion counts as blocked. The ratio is below 1 because the
-/// friction at the raceways must also support the difference between the push forces.
+/// Minimum ratio of the friction moment from the neighboring balls to the moment that stops a ball
+/// (O6), for which a ball without a steady motion counts as blocked. The ratio is below 1 because
+/// the friction at the raceways must also support the difference between the push forces.
 const MAX_STOPPED_SHARE: f64 = 0.9;
-/// Ratio of ball gap to ball length below which the ball gap is smaller than the rounding errors of
-/// the precession rates.
+/// Ratio of the ball gap to the length that a touching ball occupies, below which the ball gap is
+/// smaller than the rounding errors of the precession rates.
 const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
 /// Permitted error of the ball gap, divided by the ball gap.
 const ROOM_TOLERANCE: f64 = 1e-6;
@@ -501,8 +502,8 @@ const RATE_TOLERANCE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
     /// Collects the data of a circuit. The first argument contains the nut, the inputs, the
-    /// relative speed and the touch angle; the second contains the circuit index and the ball gap;
-    /// the third contains the balls.
+    /// relative speed and the touch angle. The second argument contains the circuit index and the
+    /// ball gap, and the third argument contains the balls.
     fn of(
         (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
         (circuit, room): (usize, f64),
@@ -589,8 +590,8 @@ impl Flow<'_> {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = [state.pushes[1], state.by_train[1]];
             }
-            // If all balls touch, every pass increases the push force by the force that the ball
-            // return requires, and the ball gap is zero. The ball gap is reliable only if the
+            // If all balls touch, the ball gap is zero, and every pass increases the push force by
+            // the force that the ball return requires. The ball gap is reliable only if the
             // iteration started without a push force at the entry. Therefore, a push force that was
             // calculated for another rate is reset to zero.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
@@ -708,8 +709,8 @@ impl Flow<'_> {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
-        // A ball can push with at most the friction force of both contacts in full sliding. It
-        // cannot push if the ball in front stops its rotation (O6).
+        // The push force of a ball is at most the friction force of both contacts in full sliding.
+        // A ball cannot push if the ball in front stops its rotation (O6).
         let given = self.rolling().map(TrainBall::sliding_push);
         let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
         let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
@@ -736,8 +737,8 @@ impl Flow<'_> {
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
                 // Push forces increase with the precession rate of the ball train. If the ball gap
-                // at this rate is larger than the given gap, the solution has a higher rate, and
-                // its push forces are larger than the push forces at this rate.
+                // at this rate is larger than the given gap, the rate of the solution is higher,
+                // and so are its push forces.
                 if value.value > 0.0 {
                     least_push = pass
                         .states
@@ -747,7 +748,7 @@ impl Flow<'_> {
                 value
             }
             // At this precession rate, the balls cannot provide the required push force, so the
-            // solution has a lower rate.
+            // rate of the solution is lower.
             Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;
@@ -766,8 +767,8 @@ impl Flow<'_> {
                 failed(why)
             });
         }
-        // The ball gap must decrease with increasing precession rate. Otherwise, a second rate may
-        // lead to the same ball gap.
+        // The ball gap must decrease with increasing precession rate. Otherwise, the same ball gap
+        // may also result from a second rate.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
             return Err(failed(
                 "more than one speed of the ball train leads to the given gap between the balls",
@@ -780,8 +781,8 @@ impl Flow<'_> {
     /// function value at the root. Newton's method is used as long as each step is at most half as
     /// long as the previous step. After that, the root is bracketed.
     fn solve_surplus(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
-        // Newton steps come first, because each state is calculated from the previous state. In a
-        // wide bracket, the previous state would be a poor starting point.
+        // Newton steps come first, because the calculation of each state starts from the previous
+        // state. In a wide bracket, the previous state would be a poor starting point.
         let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
         loop {
             let slope = here.slope.filter(|slope| *slope < 0.0);
@@ -811,8 +812,9 @@ impl Flow<'_> {
         }
     }
 
-    /// Returns the power losses at the raceways, between balls (including the motion of idle
-    /// balls), in the ball return, and where faster balls catch up with the ball train \[W\].
+    /// Returns the power losses \[W\] at the raceways, between balls (including the motion of idle
+    /// balls), in the ball return, and at the positions where faster balls catch up with the ball
+    /// train.
     fn losses(&self, pass: &CircuitState) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {

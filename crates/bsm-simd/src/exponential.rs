@@ -12,8 +12,8 @@ use crate::polynomial::polynomial;
 /// The number `$2^{52}$`, for which the unit in the last place is 1.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
-/// Constant whose addition rounds a number to an integer. The low bits of the sum then contain this
-/// integer.
+/// Constant that rounds a number to an integer when it is added to the number. The low bits of the
+/// sum then contain this integer.
 const WHOLE: f64 = 1.5 * TWO_TO_52;
 
 /// High part of `$\ln 2$`, rounded to 33 bits so that multiples by small integers are exact.
@@ -50,8 +50,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let whole = sum - WHOLE;
         let high = whole.neg_mul_add(self.constant(LN_2_HIGH), self);
         let x = whole.neg_mul_add(self.constant(LN_2_LOW), high);
-        // The Taylor series is used for |x| ≤ ln 2/2, where the first omitted term, 0.35¹⁴/14!, is
-        // 4e-18.
+        // The Taylor series is used for |x| ≤ ln 2/2. The first omitted term is then at most
+        // 0.35¹⁴/14! = 4e-18.
         polynomial(&INVERSE_FACTORIALS, x) * sum.each(power_of_two)
     }
 
@@ -65,8 +65,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let upper = mantissa.gt(self.constant(SQRT_2));
         let x = upper.select(mantissa * 0.5, mantissa);
         let exponent = upper.select(exponent + 1.0, exponent);
-        // The series ln x = 2 artanh s with s = (x − 1)/(x + 1) and |s| ≤ 0.172 is truncated at
-        // s²⁴/25, which is 2e-20.
+        // The series ln x = 2 artanh s with s = (x − 1)/(x + 1) and |s| ≤ 0.172 is truncated. The
+        // first omitted term is s²⁴/25 ≤ 2e-20, relative to the first term.
         let s = (x - 1.0) / (x + 1.0);
         let series = polynomial(&INVERSE_ODDS, s * s);
         exponent.mul_add(self.constant(LN_2), s * 2.0 * series)

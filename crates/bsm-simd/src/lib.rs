@@ -4,7 +4,8 @@
 //!
 //! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
 //! which they are written, and are fused only where the code requests it. The results are therefore
-//! identical for every instruction set and every position in a SIMD vector.
+//! identical for every instruction set and every position in a lane. WebAssembly is an exception,
+//! because it has no fused operations.
 
 mod exponential;
 mod lane;
@@ -22,7 +23,7 @@ pub const BLOCK: usize = 8;
 /// Block with one number for each of [`BLOCK`] points.
 pub type Block = [f64; BLOCK];
 
-/// Returns a short name of an instruction set.
+/// Returns the short name of an instruction set.
 pub fn name(arch: Arch) -> &'static str {
     match arch {
         Arch::Scalar => "portable",

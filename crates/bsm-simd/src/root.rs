@@ -9,19 +9,19 @@ use pulp::Simd;
 
 use crate::Lane;
 
-/// Returns an estimate of `$x^{-1/2}$` with an error of 4 % by halving the exponent.
+/// Estimates `$x^{-1/2}$` by halving the exponent. The error is at most 4 %.
 #[inline(always)]
 fn inverse_root_guess(x: f64) -> f64 {
     f64::from_bits(0x5fe6_e872_b020_c800_u64.wrapping_sub(x.to_bits() >> 1))
 }
 
-/// Returns an estimate of `$x^{-1/3}$` with an error of 4 % by dividing the exponent by three.
+/// Estimates `$x^{-1/3}$` by dividing the exponent by three. The error is at most 4 %.
 #[inline(always)]
 fn inverse_cube_root_guess(x: f64) -> f64 {
     f64::from_bits(0x553f_0000_0000_0000_u64.wrapping_sub(x.to_bits() / 3))
 }
 
-/// Returns an estimate of `$x^{-1/4}$` with an error of 4 % by dividing the exponent by four.
+/// Estimates `$x^{-1/4}$` by dividing the exponent by four. The error is at most 4 %.
 #[inline(always)]
 fn inverse_fourth_root_guess(x: f64) -> f64 {
     f64::from_bits(0x4feb_028f_5c28_f800_u64.wrapping_sub(x.to_bits() >> 2))

@@ -1,4 +1,4 @@
-//! Test macro that evaluates formulas for SIMD vectors on blocks of numbers.
+//! Test macro that evaluates formulas on blocks of numbers with SIMD vectors.
 
 /// Defines a type that contains one block of numbers per variable. Dispatching a value of this type
 /// to an instruction set evaluates the formulas and returns one block of numbers per formula.

@@ -146,8 +146,8 @@ fn helix() -> Drawing {
     drawing
 }
 
-/// Draws nut and screw in the normal plane of the helix, and the contacts A, A' and B with their
-/// angles and triads (K9) to (K11).
+/// Draws nut and screw in the normal plane of the helix, with the angles and triads of the contacts
+/// A, A' and B (K9) to (K11).
 fn contacts() -> Drawing {
     let mut drawing = Drawing::new(
         640.0,
@@ -261,7 +261,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
         "Contact ellipse with the slip over it and the lines of pure rolling",
     );
     let middle = Point::new(320.0, 140.0);
-    // The ellipse is drawn wider along the groove than it is.
+    // The drawing stretches the ellipse along the groove.
     let (long, short) = (260.0, 100.0);
     let at = |x: f64, y: f64| middle + Point::new(x * long, -y * short);
     drawing.element(&format!(

@@ -1,5 +1,5 @@
-//! Checks of trends in the paper of Dong et al. (2020), and of identities of the contact geometry
-//! and the thrust.
+//! Checks of trends in the paper of Dong et al. (2020), and of identities for contact geometry and
+//! thrust.
 
 use bsm_case::{Answer, Case, OutputName, jam, output};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -45,8 +45,8 @@ fn number(report: &Answer, name: OutputName) -> f64 {
     report.number(name).unwrap_or(f64::NAN)
 }
 
-/// Checks the corrected radical of Eq 17. The load is small, because inertia then has the largest
-/// effect on the contact angles.
+/// Checks the corrected radical of Eq 17. The load is small, because the effect of inertia on the
+/// contact angles is then largest.
 fn radical(case: &Case) -> Result<Check, ValidateError> {
     let light = Case { axial_load_N: case.loaded_balls, ..case.clone() };
     let report = analysis(&light)?;
@@ -77,8 +77,9 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     .at_most(1e-12, "rounding error of squared lengths divided by their difference of 0.008"))
 }
 
-/// Shows that the printed radical of Eq 17 requires an impossible friction coefficient, because
-/// some of its lengths are not sides of the triangle.
+/// Shows that the radical of Eq 17 as printed requires an impossible friction coefficient, because
+/// some lengths in the printed radical are not sides of the triangle from which the equation is
+/// derived.
 fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     let report = analysis(case)?;
     let mm = |name: OutputName| 1e-3 * number(&report, name);

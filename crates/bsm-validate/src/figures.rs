@@ -40,8 +40,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         screw_roughness_um: None,
         ..axis.clone()
     };
-    // With one friction coefficient per contact, the calculation takes a sixth of the time. The
-    // speed at the fold changes by 0.4 %, which is less than the width of a line in the figure.
+    // A calculation with one friction coefficient per contact takes one sixth of the time. It
+    // changes the speed at the fold by 0.4 %, which is less than the width of a line in the figure.
     let friction = RacewayFriction::PerContact;
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };

@@ -1,5 +1,5 @@
-//! Checks of grooves that are estimated from load ratings: comparison with catalog rows whose ball
-//! diameters are known, and with an independent implementation.
+//! Checks of grooves that are estimated from load ratings. The estimates are compared with catalog
+//! rows whose ball diameters are known, and with an independent implementation.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -71,7 +71,7 @@ struct Split<'a> {
     /// estimated.
     words: String,
     rows: Vec<(&'a Row, Prior)>,
-    /// Reason why the results must be within limits; `None` if they have no limits.
+    /// Reason why the results must be within limits; `None` if no limits apply to the results.
     limits: Option<&'static str>,
 }
 
@@ -89,8 +89,8 @@ impl<'a> Split<'a> {
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // The rows are sorted by series and size. If every second row is taken, both halves contain
-        // all series and sizes.
+        // The rows are sorted by series and size, so halves that consist of every second row both
+        // contain all series and sizes.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();
@@ -137,7 +137,7 @@ impl<'a> Split<'a> {
     }
 }
 
-/// Value of `half` in the file with the rows to which the built-in prior was fitted.
+/// Value of `half` for the rows to which the built-in prior was fitted.
 const FITTED: &str = "public";
 
 /// Fits a prior to catalog rows. All manufacturers have the same total weight.
@@ -157,7 +157,8 @@ fn fitted(rows: &[&Row]) -> Prior {
 }
 
 /// Returns the type of ball return that the catalog states for a series, or `None` for an unknown
-/// series. Nuts of the series SFU have deflectors, but their load ratings are those of full turns.
+/// series. Nuts of the series SFU have deflectors, but their load ratings are calculated for full
+/// turns.
 fn ball_return(series: &str) -> Option<BallReturn> {
     match series {
         "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
@@ -295,7 +296,7 @@ impl Row {
     }
 }
 
-/// Largest relative difference between two ball diameters that count as equal. Catalogs round ball
+/// Maximum relative difference between two ball diameters that count as equal. Catalogs round ball
 /// diameters to 0.01 mm or to three digits.
 const SAME_BALL: f64 = 0.006;
 
@@ -524,7 +525,7 @@ impl Split<'_> {
 }
 
 /// Fractions of the rows for which an estimate is correct or is rejected, and the mean number of
-/// likely balls.
+/// likely ball diameters.
 #[derive(Default)]
 struct Rates {
     first: f64,
@@ -584,13 +585,13 @@ fn against_prototype_bands(
     Ok(checks)
 }
 
-/// Returns the band of a result for a catalog row.
+/// Returns the band of a result over the possible grooves of a catalog row.
 fn band_of(row: &Row, found: &GrooveEstimate, value: GrooveValue) -> Result<Band, ValidateError> {
     band(found, value).map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))
 }
 
 impl Split<'_> {
-    /// Calculates the median width of the band for each result.
+    /// Calculates, for each result, the median width of its band over all rows.
     fn widths(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, widest, .. } in BAND_QUANTITIES {
@@ -612,7 +613,7 @@ impl Split<'_> {
     }
 
     /// Determines how often the band of a result contains the value for the true groove. The true
-    /// groove is estimated with the known ball diameter and number of turns.
+    /// groove is the groove that is estimated if ball diameter and number of turns are known.
     fn contained(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();
         for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {

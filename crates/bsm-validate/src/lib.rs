@@ -1,9 +1,9 @@
 //! Validation of the program by comparison with published results.
 //!
-//! The published data and their sources are in `validation/published/<key>`. They are compiled into
-//! the program, but a copy of this folder can be used instead. Every check states the published
-//! claim, the calculated result, and the reason for its tolerance. Golden files are not part of
-//! this crate, because they only detect changes of results and validate nothing.
+//! The published data and their sources are in `validation/published/<key>`. The data are compiled
+//! into the program, but can also be read from a copy of this folder. Every check states the
+//! published claim, the calculated result, and the reason for its tolerance. Golden files are not
+//! part of this crate, because they only detect changes of results and validate nothing.
 
 mod dong2020;
 mod elastic;
@@ -25,7 +25,7 @@ mod xu2015;
 pub use figures::figures;
 pub use pages::{tradeoff_page, validation_page};
 pub use published::PublishedData;
-pub use report::{Check, Report, Verdict};
+pub use report::{Check, Report, ReportJson, Verdict};
 
 use std::fmt::Display;
 
@@ -65,7 +65,8 @@ pub enum ValidateError {
 }
 
 impl ValidateError {
-    /// Creates the error for an invalid file, check or table row, whose name is `place`.
+    /// Creates the error for an invalid file, check or table row. The argument `place` names the
+    /// invalid item.
     fn of(place: impl Display, why: impl Display) -> Self {
         Self::Invalid(format!("{place}: {why}"))
     }

@@ -32,14 +32,15 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns the case of Fig 5, in which the ball radius is a tenth of the pitch circle radius.
+/// Returns the case of Fig 5 of the paper, in which the ball radius is a tenth of the pitch circle
+/// radius.
 pub(crate) fn slender(lin: &Case) -> Case {
     let pitch = lin.pitch_circle_diameter_mm;
     Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
 }
 
-/// Claims in the file `claims.csv`. The map contains the value and the text of each claim, by its
-/// key.
+/// Claims in the file `claims.csv`. The map contains the value and the text of each claim under the
+/// key of the claim.
 struct Claims(BTreeMap<String, (f64, String)>);
 
 impl Claims {
@@ -61,9 +62,9 @@ impl Claims {
     }
 }
 
-/// Finds the load per ball, and the speed, at which the efficiency error of the closed form reaches
-/// a given value. For the load, it is the published error bound over all lead angles or over all
-/// contact angles. For the speed, it is one percentage point.
+/// Finds the load per ball and the speed at which the efficiency error of the closed-form solution
+/// reaches a given value. For the load, this value is the published error bound for all lead angles
+/// or for all contact angles. For the speed, it is one percentage point.
 fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),
@@ -110,8 +111,8 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
     Ok(checks)
 }
 
-/// Returns the difference between the efficiencies of the closed form and of the rigid model, in
-/// percentage points. Returns `None` if the rigid model has no solution.
+/// Returns the difference between the efficiencies of the closed-form solution and of the rigid
+/// model, in percentage points. Returns `None` if the rigid model has no solution.
 fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     let efficiency = |model: Model| -> Result<_, ValidateError> {
         Ok(case.problem(&model.into())?.solve(&mut ModelWorkspace::default()).efficiency())
@@ -159,8 +160,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
                 .note(format!("the value farthest from the claim is shown; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
-        // The function value near a maximum is flat, so the location of the maximum is accurate
-        // only to the square root of the relative rounding error.
+        // A function is flat near its maximum, so the location of the maximum is accurate only to
+        // the square root of the relative rounding error.
         let located = "the location of a maximum is accurate only to the square root of the rounding error, 1e-7";
         checks.push(
             Check::new(

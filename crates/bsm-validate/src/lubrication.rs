@@ -1,5 +1,5 @@
-//! Checks of lubricant friction: comparison with an independent solution, with bearing formulas,
-//! and with published trends.
+//! Checks of lubricant friction. The results are compared with an independent solution, with
+//! bearing formulas, and with published trends.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -148,9 +148,9 @@ fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
     [0, last / 2, last].map(|i| numbers.get(i).copied().unwrap_or(f64::NAN))
 }
 
-/// Returns the rolling and the sliding frictional moment of SKF's model \[N m\] for a single-row
-/// angular contact bearing with a contact angle of 40 deg. Starvation and inlet shear heating are
-/// not included.
+/// Returns the rolling and the sliding frictional moment \[N m\] according to SKF's model for a
+/// single-row angular contact bearing with a contact angle of 40 deg. Starvation and inlet shear
+/// heating are not included.
 ///
 /// * `diameter`: mean diameter of the bearing \[mm\].
 /// * `viscosity`: kinematic viscosity of the oil \[mm²/s\].
@@ -251,8 +251,8 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
     Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
 }
 
-/// Returns the frictional moment of Palmgren's formulas \[N m\] for the same bearing as in [`skf`],
-/// under axial load in an oil bath.
+/// Returns the frictional moment \[N m\] according to Palmgren's formulas for the same bearing as
+/// in [`skf`], under axial load in an oil bath.
 ///
 /// * `diameter`: mean diameter of the bearing \[mm\].
 /// * `viscosity`: kinematic viscosity of the oil \[mm²/s\].
@@ -293,8 +293,8 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
     .equals(1.0, 0.36, "two friction models should agree to within a third"))
 }
 
-/// Dimensionless data of the contact between a ball and the outer raceway of a bearing. Film
-/// thickness and rolling force are compared with other formulas.
+/// Dimensionless data of the contact between a ball and the outer raceway of a bearing. The film
+/// thickness and the rolling force in this contact are compared with other formulas.
 struct Outer {
     /// Effective radius perpendicular to the rolling direction, divided by the effective radius in
     /// the rolling direction.
@@ -326,7 +326,8 @@ impl Outer {
         // E' = E/(1 − ν²)
         let modulus = 207e9 / (1.0 - 0.09);
         let speed = value(output!(nut_entrainment_m_s));
-        // The reduction factor φ_T for inlet shear heating is the one of Murch and Wilson.
+        // The reduction factor φ_T for inlet shear heating is calculated according to Murch and
+        // Wilson.
         let heat = oil.viscosity * oil.temperature_coefficient * speed * speed / conductivity;
         let heating = 1.0 / (1.0 + 0.254 * heat.powf(0.62));
         let unit = modulus * radius * radius;
@@ -403,9 +404,9 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let warm = oil.at(celsius + ZERO_CELSIUS);
         let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
         forces.push(outer.rolling / outer.houpert());
-        // If the ratio is below 40, the surfaces are practically rigid, and the film formula of
-        // Hamrock and Dowson does not apply. A point without a solution has the ratio NaN, so it is
-        // included and fails the check.
+        // If weight/rate^(3/4) is below 40, the surfaces are practically rigid, and the film
+        // formula of Hamrock and Dowson does not apply. For a point without a solution, this ratio
+        // is NaN, so the point is included and fails the check.
         let is_rigid = outer.weight / outer.rate.powf(0.75) < 40.0;
         if !is_rigid {
             films.push(outer.film / outer.nijenbanning());
@@ -439,7 +440,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     Ok([film, rolling])
 }
 
-/// Checks that the drag torque, as a function of the load, is close to a straight line.
+/// Checks that the drag torque is nearly a linear function of the load.
 fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let mut drags = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {

@@ -1,5 +1,5 @@
-//! Checks of nuts with all their balls: comparison with ball bearings, preload formulas and catalog
-//! stiffness, and with the analytical solution for stiff bodies.
+//! Checks of nuts with all their balls. The results are compared with ball bearings, preload
+//! formulas, catalog stiffness, and the analytical solution for stiff bodies.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -147,9 +147,9 @@ fn pair() -> BallNut {
     rigid(vec![circuit(0, Flanks::Plus), circuit(1, Flanks::Minus)])
 }
 
-/// Checks two ratios for a preloaded pair: the load that unloads one nut, divided by the preload;
-/// and the load on the more heavily loaded nut, divided by the preload, if the external load equals
-/// the preload.
+/// Checks two load ratios for a preloaded pair. The first is the load that unloads one nut, divided
+/// by the preload. The second is the load on the more heavily loaded nut, divided by the preload,
+/// if the external load equals the preload.
 fn limit_loads() -> Vec<Check> {
     let over = |preload: f64| -> Result<[f64; 2], NutError> {
         let (nut, guided) = (pair(), Support::guided(0.0));
@@ -209,20 +209,21 @@ struct CatalogRow {
     pair_N_um: f64,
 }
 
-/// Stiffness in the catalog divided by calculated stiffness. The calculations include different
-/// elastic parts.
+/// Ratios of the stiffness in the catalog to the calculated stiffness. The calculations include
+/// different elastic parts.
 struct Ratios {
-    /// Ratios for a single nut at 0.3 times the load rating. The calculations include only the
-    /// contacts; contacts and ring; or contacts, ring and bars.
+    /// Ratios for a single nut at 0.3 times the load rating. The three calculations include the
+    /// contacts only; contacts and ring; and contacts, ring and bars.
     single: [f64; 3],
     /// Ratios for a pair with a preload of 0.1 times the load rating. The calculations include
-    /// contacts and ring, and define the stiffness as 2, 2^1.5 or 3 times F_p/δ_p.
+    /// contacts and ring. The three values are calculated with three definitions of the stiffness:
+    /// 2, 2^1.5 and 3 times F_p/δ_p.
     pair: [f64; 3],
 }
 
 impl CatalogRow {
-    /// Calculates the stiffness of the nut from the data in the catalog, and divides the stiffness
-    /// in the catalog by the result.
+    /// Calculates the stiffness of the nut from its other catalog data. Returns the ratios of the
+    /// stiffness in the catalog to the calculated stiffness.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
         let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());
@@ -344,9 +345,9 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
 }
 
 /// Checks the load on the first ball of a nut with stiff bars, divided by the mean ball load. The
-/// first ball is at the end at which the load is highest. For a continuous nut, the ratio is `$\mu
+/// first ball is at the end at which the load is highest. For a continuous nut, this ratio is `$\mu
 /// l\coth\mu l$` if both anchors are at the same end. If the anchors are at opposite ends, it is
-/// the mean of the curves for the two ends.
+/// the mean of the ratios for both anchors at the near end and for both anchors at the far end.
 fn stiff_bars() -> Vec<Check> {
     let (turns, balls) = (4.0, 4000_u16);
     let nut =

@@ -1,4 +1,4 @@
-//! HTML pages for the validation report and for the measurement of speed and accuracy.
+//! HTML pages that show the validation report and the measurement of speed and accuracy.
 
 use bsm_report::{Figure, Page};
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Checks of load ratings and stiffness: comparison with the tables of Sobolewski (2002).
+//! Checks of load ratings and stiffness against the tables of Sobolewski (2002).
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -94,7 +94,7 @@ struct Column {
     reason: &'static str,
 }
 
-/// The syntax is `key printed ["unit"] "what": ours; absolute + relative, "reason";`
+/// Each column is written as `key printed ["unit"] "what": ours; absolute + relative, "reason";`
 macro_rules! columns {
     ($($key:literal $printed:ident [$unit:literal] $what:literal: $ours:expr; $absolute:literal + $relative:literal, $reason:literal;)*) => {
         &[$(Column {
@@ -133,7 +133,7 @@ const QUANTITIES: &[Column] = columns! {
         5e-3 + 0.0, "two printed digits; neither the formula nor the lever arm is published, and the arm was fitted to these rows";
 };
 
-/// Returns the thread of a nut without play, whose lands have their default width.
+/// Returns the thread of a nut without play. The lands of the thread have their default width.
 fn thread(nut: &Nut) -> Thread {
     nut.thread(0.0, nut.usual_lands())
 }
@@ -179,8 +179,9 @@ impl Column {
     }
 }
 
-/// Checks two statements of the paper. In every row, load rating and stiffness decrease if the
-/// contact angle is reduced from 45 deg, and if the conformity is increased from 0.51.
+/// Checks two statements of the paper: in every row, load rating and stiffness decrease if the
+/// contact angle is reduced from 45 deg, and they also decrease if the conformity is increased from
+/// 0.51.
 fn statements(rows: &[Row]) -> [Check; 2] {
     let angle = |row: &Row, i: i32| Nut {
         contact_angle: FRAC_PI_4 - f64::from(i).to_radians(),

@@ -131,6 +131,17 @@ pub struct Report {
     pub checks: Vec<Check>,
 }
 
+/// The results of all checks in JSON.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct ReportJson<'a> {
+    /// Name and version of the program.
+    pub program: &'static str,
+    /// True if no check failed.
+    pub passed: bool,
+    /// The checks in the order in which they were run.
+    pub checks: &'a [Check],
+}
+
 impl Report {
     /// Returns the number of checks with the given verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
@@ -145,7 +156,7 @@ impl Report {
 
     /// Returns the results of all checks as JSON, with the name and version of the program.
     pub fn to_json(&self) -> Value {
-        json!({ "program": PROGRAM, "passed": self.passed(), "checks": self.checks })
+        json!(ReportJson { program: PROGRAM, passed: self.passed(), checks: &self.checks })
     }
 
     /// Returns true if no check failed.

@@ -54,7 +54,7 @@ struct Row {
     points: String,
     value: String,
     fold: Option<Fold>,
-    /// Number of points that are expected to have no value, by default 0.
+    /// Expected number of points without a value, by default 0.
     missing: Option<usize>,
     unit: String,
     /// Condition for the value. If it is missing, the check is a finding.
@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(loads("middle", "=,2.5,0.4"), (2.0, Verdict::Fail, said("2.0")));
         assert_eq!(loads("least", ",,"), (1.0, Verdict::Finding, said("1.0")));
         assert_eq!(loads("change", ",,"), (3.0, Verdict::Finding, said("4.0")));
-        // The lead angle of 5 deg is too small for a solution.
+        // At the lead angle of 5 deg, the model has no solution.
         let rooted = |missing: &str| {
             let cells = "\"lead_angle_deg=5,10 | lead_angle_deg=20\",rigid.efficiency,least";
             let check = check(&format!("{cells},{missing},,>=,,0.5,why,")).expect("a row");
@@ -306,8 +306,8 @@ mod tests {
         }
     }
 
-    /// The expected values were calculated by hand from the numbers in the sources and from beam
-    /// tables.
+    /// The expected values were calculated by hand from the numbers in the manufacturers' examples
+    /// and from beam tables.
     #[test]
     fn manufacturer_examples_match_hand_calculations() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
@@ -321,7 +321,7 @@ mod tests {
         assert!((found("manufacturers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
         let near = |key: &str, by_hand: f64, reason: &str| {
             let ours = found(key);
-            // The tolerance is due to the five digits of the factors in the calls below.
+            // The tolerance is due to the factors below, which have five digits.
             assert!(
                 (ours / by_hand - 1.0).abs() < 1e-4,
                 "{key}: {ours}, by hand {by_hand}: {reason}"

@@ -30,7 +30,7 @@ use crate::ValidateError;
 /// and a hundred with gross skid.
 const CASES: &str = include_str!("../../../validation/golden/tradeoff/cases.csv");
 
-/// Efficiency errors for each of which a setting is recommended.
+/// Tolerances of the efficiency error. A setting is recommended for each tolerance.
 pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// Operating points at which speed and accuracy are measured.
@@ -165,7 +165,7 @@ impl Tradeoff {
 pub type SettingErrors = (Setting, Vec<Errors>);
 
 /// Calculates the errors of every setting at `points` without measuring times. For each setting,
-/// the first errors are those of all points.
+/// the first entry contains the errors over all points.
 ///
 /// # Errors
 ///
@@ -186,8 +186,8 @@ fn errors(points: &Points) -> Result<(Reference, Vec<SettingErrors>), ValidateEr
     Ok((reference, measured))
 }
 
-/// Measures errors and times of every setting at `points`. The function `progress` is called with
-/// the number of completed steps and the total number of steps.
+/// Measures the errors and times of every setting at `points`. The function `progress` is called
+/// with the number of completed steps and the total number of steps.
 ///
 /// # Errors
 ///

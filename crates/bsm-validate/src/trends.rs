@@ -15,17 +15,17 @@ struct Row {
     /// Label of the sweeps, followed by the name of the quantity to which the trend applies.
     trend: String,
     statement: String,
-    /// Names of the curves, separated by spaces. A name of the form `a/b` means curve `a` divided
-    /// by curve `b`.
+    /// Names of the curves, separated by spaces. A name of the form `a/b` refers to curve `a`
+    /// divided by curve `b`.
     curves: String,
     claim: Claim,
-    /// Position on the x axis beyond which the curve is claimed to decrease more slowly.
+    /// Value of x above which the curve is claimed to decrease more slowly.
     knee: Option<f64>,
     /// Lower and upper limit of the range of x in which the trend is claimed.
     from: Option<f64>,
     to: Option<f64>,
-    /// Number of curves that followed the trend when the result was recorded, and total number of
-    /// curves.
+    /// Number of curves that followed the trend when the reference result was recorded, and total
+    /// number of curves.
     held: usize,
     of: usize,
 }
@@ -41,7 +41,7 @@ enum Claim {
     /// The curve decreases, and its slope before the knee is at least twice its slope after the
     /// knee.
     Flattens,
-    /// The first curve divided by the second curve is above one.
+    /// The ratio of the first curve to the second curve is above one.
     Exceeds,
     /// The first curve changes more than the second curve.
     Spreads,
@@ -152,8 +152,8 @@ impl Row {
         self.curves.split(' ').flat_map(one).collect()
     }
 
-    /// Returns the ratio of two curves. If the claim is about changes, it is the change of the
-    /// first curve divided by the change of the second.
+    /// Returns the ratio of two curves. If the claim is about changes of the curves, this is the
+    /// change of the first curve divided by the change of the second.
     fn ratio(&self, above: &Course, below: &Course) -> Course {
         let (mut label, mut points) =
             (format!("{} divided by {}", above.label, below.label), Vec::new());
@@ -258,8 +258,8 @@ mod tests {
         assert_eq!(shape(&slow), Shape::Rises);
     }
 
-    /// A single point that violates a trend must make it fail. Missing points, and points outside
-    /// the range, are ignored.
+    /// A single point that violates a trend must make the trend fail. Missing points, and points
+    /// outside the range, are ignored.
     #[test]
     fn a_trend_fails_if_one_point_violates_it() {
         let course = |name: &str, values: &[f64]| Course {

@@ -80,6 +80,21 @@ def serve() -> Iterator[Callable[..., Server]]:
         served.end()
 
 
+@pytest.fixture
+def save_page(tmp_path: Path) -> Callable[..., str]:
+    def save(*cases: Path) -> str:
+        """Write the page as a file, and return its address."""
+        out = tmp_path / f"{cases[0].stem}.html"
+        command = [BSM, "view", *map(str, cases), "-o", str(out)]
+        found = subprocess.run(command, capture_output=True, text=True, check=False)
+        if "built without the solver of pages" in found.stderr:
+            pytest.skip("bsm was built without the solver of pages; run crates/bsm-view/page-solver and build bsm again")
+        assert found.returncode == 0, found.stderr
+        return out.as_uri()
+
+    return save
+
+
 def settled(page: Page) -> None:
     """Wait until all panels are up to date."""
     page.wait_for_selector("html[data-settled]", state="attached", timeout=PATIENCE)

@@ -1,7 +1,7 @@
 // The page shows one case in all panels. Every change sends a new request.
 
 import { display, html, narrow, parsed } from "bsm/draw";
-import { ask, Gone, holds, start } from "bsm/source";
+import { ask, Gone, served, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
 import { Space } from "bsm/space";
@@ -65,7 +65,7 @@ async function follow() {
   await drawn;
   running = false;
   // The case changed while the last picture was drawn.
-  if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), start.live ? 120 : 0);
+  if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), 120);
 }
 
 function complain(error) {
@@ -111,7 +111,7 @@ async function rest() {
   late.abort(); late = new AbortController();
   const { signal } = late, body = structuredClone(request());
   const then = (route, more, act) => attempt(route, { ...body, ...more }, signal).then((answer) => { if (!signal.aborted) act(answer); });
-  const banded = start.live && shown.solved?.equivalent_friction_coefficient != null;
+  const banded = shown.solved?.equivalent_friction_coefficient != null;
   await Promise.all([
     then("compare", {}, (answer) => { showModels(at("models"), answer, shown.solved); stale(["models"], false); }),
     then("nut", {}, (answer) => {
@@ -161,7 +161,6 @@ function recall() {
   if (location.hash.length < 2) return false;
   try {
     const { case: entries, settings: set, map: choice, beside: cases } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
-    if (!holds(entries)) throw new Error("this file contains no numbers for that case; use bsm view to calculate them live");
     Object.assign(settings, set);
     head();
     beside.take(cases.map((entries) => ({ case: entries })));
@@ -224,14 +223,12 @@ at("file").addEventListener("change", async (event) => { const [file] = event.ta
 for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", false]])
   document.addEventListener(kind, async (event) => {
     event.preventDefault();
-    document.body.classList.toggle("drop", on && start.live);
-    if (kind === "drop" && start.live && event.dataTransfer.files[0]) read(await event.dataTransfer.files[0].text(), event.dataTransfer.files[0].name);
+    document.body.classList.toggle("drop", on);
+    if (kind === "drop" && event.dataTransfer.files[0]) read(await event.dataTransfer.files[0].text(), event.dataTransfer.files[0].name);
   });
-if (!start.live) for (const id of ["model", "tolerance", "file", "apply"]) at(id).disabled = true;
-if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("json").readOnly = true; }
 if (innerWidth < 960) at("inputs-fold").open = false;
 at("about").textContent =
-  `${start.program}. ${start.live ? "The solver runs on this machine, and no data leave the machine." : "This file contains the results of the solver at the slider stops. Values between the stops are not interpolated."}`;
+  `${start.program}. The solver runs ${served ? "on this machine" : "in this page"}, and no data leave the machine.`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
 let width = innerWidth, phone = narrow();
 addEventListener("resize", () => {

@@ -1,7 +1,7 @@
 // Comparison of cases: the inputs that differ, and the numbers of each case.
 
 import { html, shown, shownUnit, unitOf } from "bsm/draw";
-import { holds, start } from "bsm/source";
+import { start } from "bsm/source";
 
 const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
 
@@ -18,15 +18,14 @@ export class Beside {
   /** Keeps a case. If `solved` is missing, the results are requested later. */
   add(entries, solved = null) { this.kept.push({ case: structuredClone(entries), solved }); }
 
-  /** Replaces the kept cases. A saved file contains the results of its own cases. */
+  /** Replaces the kept cases. */
   take(cases) {
     this.kept = [];
-    const known = (entries) => start.beside.find((one) => JSON.stringify(one.case) === JSON.stringify(entries))?.solved;
-    for (const { case: entries } of cases) if (known(entries) || holds(entries)) this.add(entries, known(entries));
+    for (const { case: entries } of cases) this.add(entries);
   }
 
   /** Discards all results, because the settings have changed. */
-  forget() { if (start.live) for (const kept of this.kept) kept.solved = null; }
+  forget() { for (const kept of this.kept) kept.solved = null; }
 
   /** Requests the missing results. */
   async solve(ask) {
@@ -58,7 +57,7 @@ export class Beside {
     const units = new Map(numbers.flatMap((map) => [...map].map(([label, [unit]]) => [label, unit])));
     const head = ({ case: entries }, i) => html("th", { scope: "col", class: "number" },
       html("div", {}, i ? `kept ${i}` : "this case"), html("div", { class: "small faint" }, entries.description ?? ""),
-      i ? html("div", {}, start.live ? html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].case) }, "Show") : null,
+      i ? html("div", {}, html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].case) }, "Show"),
         html("button", { type: "button", "aria-label": `Remove the kept case ${i}`,
           onclick: () => { this.kept.splice(i - 1, 1); this.draw(); this.changed(); } }, "×")) : null);
     const status = ({ solved }) => (solved ? solved.error ??

@@ -51,8 +51,8 @@ export class Inputs {
     const sets = schema.groups.map((group) => {
       const given = schema.inputs.filter((input) => input.group === group && input.name in this.case);
       const texts = words(group).filter((name) => name in this.case);
-      const open = start.live ? schema.inputs.filter((input) => input.group === group && !(input.name in this.case)) : [];
-      const more = start.live ? words(group).filter((name) => !(name in this.case) && schema.input.properties[name]) : [];
+      const open = schema.inputs.filter((input) => input.group === group && !(input.name in this.case));
+      const more = words(group).filter((name) => !(name in this.case) && schema.input.properties[name]);
       if (!given.length && !texts.length && !open.length) return null;
       const add = html("select", { class: "add", "aria-label": `Add an input of the group ${group}`, onchange: (event) => this.add(event.target.value) },
         html("option", { value: "" }, "Add an input …"),
@@ -69,8 +69,6 @@ export class Inputs {
     const { name } = input, id = `in-${name}`;
     const range = this.ranges.get(name) ?? this.rangeFor(name);
     this.ranges.set(name, range);
-    const stop = start.answers?.axes?.find(([axis]) => axis === name);
-    const locked = !start.live && !stop;
     // A field begins with the displayed unit of the case.
     const [, factor, zero] = schema.display[this.case.display_units]?.[input.unit] ?? [];
     const usual = input.units.find(([, size, from]) => size === factor && from === zero);
@@ -79,19 +77,14 @@ export class Inputs {
     /** Conversions between the unit of the field and the unit of the case. */
     const toCase = (value) => change()[1] * (value - change()[2]), fromCase = (value) => value / change()[1] + change()[2];
     const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
-      "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
+      "aria-describedby": `${id}-about ${id}-wrong`, oninput: () => {
       // If the text is not a number, it is sent unchanged, so that the error message names the field.
       const text = box.value.trim(), value = parsed(text);
       this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(toCase(value)), box);
     } });
-    const slider = locked ? null : html("input",
-      { type: "range", min: 0, max: stop ? stop[1].length - 1 : STEPS, step: 1, "aria-label": `${input.label}, slider`,
-        oninput: () => {
-      const value = stop ? stop[1][slider.valueAsNumber] : this.at(range, slider.valueAsNumber / STEPS);
-      this.set(name, value, slider);
-    } });
-    const others = input.units.length && start.live;
-    const unit = others
+    const slider = html("input", { type: "range", min: 0, max: STEPS, step: 1, "aria-label": `${input.label}, slider`,
+      oninput: () => this.set(name, this.at(range, slider.valueAsNumber / STEPS), slider) });
+    const unit = input.units.length
       ? html("select", { "aria-label": `Unit of ${input.label}`, onchange: () => {
           const pick = unit.selectedIndex === 0 ? [input.unit, 1, 0] : input.units[unit.selectedIndex - 1];
           this.units.set(name, pick); this.refresh(name);
@@ -99,23 +92,22 @@ export class Inputs {
           input.units.map(([other]) => html("option", { selected: this.units.get(name)?.[0] === other },
           other.replaceAll("_", "/"))))
       : html("span", { class: "unit" }, change()[0]);
-    const drop = start.live ? html("button",
-      { type: "button", "aria-label": `Remove ${input.label}`, title: "Remove", onclick: () => this.drop(name) },
-      "×") : html("span");
+    const drop = html("button",
+      { type: "button", "aria-label": `Remove ${input.label}`, title: "Remove", onclick: () => this.drop(name) }, "×");
     const ends = html("div", { class: "range" });
     const wrong = html("p", { class: "wrong", id: `${id}-wrong`, hidden: true });
     const about = `${input.about}; ${input.rule}${input.default == null ? "" : `; default ${brief(input.default)}`}`;
     const element = html("div", { class: "field", "data-name": name },
       html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
-      slider, slider ? ends : null, wrong, html("span", { id: `${id}-about`, hidden: true }, about));
-    this.fields.set(name, { element, box, slider, ends, wrong, range, fromCase, stop });
+      slider, ends, wrong, html("span", { id: `${id}-about`, hidden: true }, about));
+    this.fields.set(name, { element, box, slider, ends, wrong, range, fromCase });
     this.refresh(name);
     return element;
   }
 
   choice(name) {
     const words = choices(name), { description } = schema.input.properties[name];
-    const pick = html("select", { id: `in-${name}`, title: description, disabled: !start.live,
+    const pick = html("select", { id: `in-${name}`, title: description,
       onchange: () => { this.case[name] = words.find((word) => String(word) === pick.value);
         this.changed(this.case); } },
       words.filter((word) => word !== null).map((word) => html("option", { value: word, selected: this.case[name] === word }, String(word))));
@@ -133,17 +125,12 @@ export class Inputs {
   refresh(name, from) {
     const field = this.fields.get(name);
     if (!field) return;
-    const { box, slider, ends, range, fromCase, stop } = field, value = this.case[name];
+    const { box, slider, ends, range, fromCase } = field, value = this.case[name];
     if (box !== from) box.value = typeof value === "number" ? tidy12(fromCase(value)) : value ?? "";
-    if (!slider) return;
     const part = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
-    const place = stop ? stop[1].reduce((best, v, i) => (Math.abs(v - value) < Math.abs(stop[1][best] - value) ?
-      i : best), 0) : Math.round(STEPS * Math.min(Math.max(part, 0), 1));
-    if (slider !== from) slider.value = place;
-    const shown = stop ? { low: stop[1][0], high: stop[1].at(-1), log: true } : range;
-    ends.replaceChildren(html("span", {}, brief(fromCase(shown.low))),
-      html("span", {}, stop ? `${stop[1].length} stops` : shown.log ? "logarithmic" : ""),
-      html("span", {}, brief(fromCase(shown.high))));
+    if (slider !== from) slider.value = Math.round(STEPS * Math.min(Math.max(part, 0), 1));
+    ends.replaceChildren(html("span", {}, brief(fromCase(range.low))), html("span", {}, range.log ? "logarithmic" : ""),
+      html("span", {}, brief(fromCase(range.high))));
     slider.setAttribute("aria-valuetext", `${brief(fromCase(value))} ${(this.units.get(name) ?? [INPUT.get(name).unit])[0]}`);
   }
 

@@ -23,8 +23,9 @@ export function showLosses(host, result, slip) {
     const own = `${contact.replace(" ", "_")}_${name}_power_W`;
     return [`${words}, ${contact}`, slip[own], paint, endsOf(slip, own)];
   })).filter(([, value]) => value != null && Math.abs(value) > 1e-9 * total);
-  // On a phone, the labels are above the bars.
-  const phone = narrow(), [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [204, 560, 27, 4, 17],
+  // On a phone, the labels are above the bars. Otherwise, the longest label determines the start of the bars (7 px per letter).
+  const phone = narrow(), longest = Math.max(31, ...rows.map(([words]) => words.length)),
+    [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [8 + 7 * longest, 560, 27, 4, 17],
     high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   // The numbers follow the bars. Numbers with intervals are longer.
   const room = result.groove_estimate ? 180 : 78;

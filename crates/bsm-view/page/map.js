@@ -14,7 +14,7 @@ export class ModelMap {
     Object.assign(this, { host, moved, ask, again, ranges: {} });
     const pick = (words) => html("select", { "aria-label": words, onchange: () => this.other() });
     this.x = pick("Horizontal input of the map"); this.y = pick("Vertical input of the map");
-    this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.again() : this.draw()) });
+    this.output = html("select", { "aria-label": "Output of the map", onchange: () => this.again() });
     this.fields = html("div", { class: "bar small" });
     host.columns = () => (this.answer ? { points: this.columns() } : {});
     this.stage = html("div", { class: "map" }); this.under = html("div");
@@ -29,8 +29,8 @@ export class ModelMap {
 
   /** Lists the inputs that can be varied in a case, and makes the selection `chosen`. */
   choices(entries, chosen = {}) {
-    const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
-    const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof entries[name] === "number" && entries[name] !== 0));
+    const { inputs, outputs } = start.schema;
+    const can = inputs.filter(({ name }) => typeof entries[name] === "number" && entries[name] !== 0);
     const fill = (select, list, wanted, asked) => { const known = (value) => list.some(({ name }) => name === value),
       former = [asked, select.value].find(known) ?? wanted;
       select.replaceChildren(...list.map(({ name, label, unit }) => html("option", { value: name, selected: name === former },
@@ -39,8 +39,7 @@ export class ModelMap {
     fill(this.x, can, ["screw_speed_rpm", "lead_angle_deg", "lead_mm"].find(has) ?? can[0]?.name, chosen.x);
     fill(this.y, can, ["axial_load_N", "contact_angle_deg"].find(has) ?? can[1]?.name, chosen.y);
     if (this.x.value === this.y.value) this.y.selectedIndex = (this.x.selectedIndex + 1) % can.length;
-    fill(this.output, start.map ? outputs.filter(({ name }) => name in start.map.columns) : outputs, "efficiency", chosen.output);
-    this.x.disabled = this.y.disabled = !start.live;
+    fill(this.output, outputs, "efficiency", chosen.output);
     this.ranges = { ...chosen.ranges };
     this.drawFields(entries);
   }
@@ -64,11 +63,11 @@ export class ModelMap {
       const range = this.range(name, value), { label, unit } = start.schema.inputs.find((input) => input.name === name);
       const text = (end) => Number(shown(range[end], unit).toPrecision(6));
       const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: text(end),
-        style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`, disabled: !start.live,
+        style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`,
         onchange: (event) => { const value = parsed(event.target.value);
           if (Number.isNaN(value)) event.target.value = text(end); else { range[end] = own(value, unit); this.again(); } } });
       return html("span", {}, `${label} `, box("low"), " to ", box("high"), ` ${shownUnit(unit)} `,
-        html("label", {}, html("input", { type: "checkbox", checked: range.log, disabled: !start.live,
+        html("label", {}, html("input", { type: "checkbox", checked: range.log,
           "aria-label": `${label} logarithmic`, onchange: (event) => { range.log = event.target.checked;
             this.again(); } }), "log"));
     };
@@ -99,7 +98,7 @@ export class ModelMap {
       return answer.took;
     };
     try {
-      const took = await draw(COARSE), finer = start.live && took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
+      const took = await draw(COARSE), finer = took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
       // If the fine map takes longer than expected and fails, the coarse map stays.
       if (finer) await draw(finer).catch(() => null);
       if (!signal.aborted) this.key = key;
@@ -242,10 +241,7 @@ export class ModelMap {
     const values = answer.axes.map(({ name, values }, i) => {
       const v = scales[i].value(at[i]);
       const p = start.schema.input.properties[name];
-      const stops = start.answers?.axes?.[i][1];
-      const value = stops ? stops.reduce((best, stop) => (Math.abs(Math.log(stop / v)) < Math.abs(Math.log(best / v)) ?
-        stop : best)) : p.type?.includes("integer") ? Math.round(v) : Number(v.toPrecision(4));
-      return [name, value];
+      return [name, p.type?.includes("integer") ? Math.round(v) : Number(v.toPrecision(4))];
     });
     this.moved(Object.fromEntries(values));
   }

@@ -79,7 +79,11 @@ impl Request {
 /// Calculates the answer to a request of the page.
 ///
 /// * `stop`: flag that stops the calculation of a map when it becomes true.
-pub(crate) fn answer(
+///
+/// # Errors
+///
+/// [`Refusal`] if the request is malformed or has no answer.
+pub fn answer(
     route: &str,
     body: &[u8],
     workers: &Workers<'_>,
@@ -88,14 +92,14 @@ pub(crate) fn answer(
     let request = || Request::read(body)?.with_groove();
     match route {
         "schema" => Ok(schema()),
-        "point" => Ok(Value::Object(point(&request()?, EllipseFields::POINTS)?)),
+        "point" => point(&request()?),
         "solve" => solve(&request()?),
         "compare" => compare(&request()?),
         "slip" => slip(&request()?),
         "nut" => nut(&request()?),
         "warm" => warm(&request()?),
         "axis" => axis(&Request::read(body)?),
-        "ellipses" => ellipses(&request()?, EllipseFields::POINTS),
+        "ellipses" => ellipses(&request()?),
         "sweep" => sweep(&Request::read(body)?, workers, stop),
         _ => Err(Refusal::Route(route.to_owned())),
     }
@@ -103,18 +107,16 @@ pub(crate) fn answer(
 
 /// Returns all results for one point: `solve` without the torque contributions, `slip` and
 /// `ellipses`.
-///
-/// * `points`: number of points per semi-axis of the contact ellipses.
-pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
-    Ok(Map::from_iter([
-        ("solve".to_owned(), solved(request, false)?),
-        ("slip".to_owned(), or_message(slip(request))),
-        ("ellipses".to_owned(), or_message(ellipses(request, points))),
-    ]))
+fn point(request: &Request) -> Result<Value, Refusal> {
+    Ok(json!({
+        "solve": solved(request, false)?,
+        "slip": or_message(slip(request)),
+        "ellipses": or_message(ellipses(request)),
+    }))
 }
 
 /// Returns the answer, or an object with the error message if there is no answer.
-pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
+fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
@@ -128,10 +130,7 @@ fn solve(request: &Request) -> Result<Value, Refusal> {
 ///
 /// * `parts`: true to include the torque contributions, which require the equilibrium of a
 ///   preloaded nut.
-pub(crate) fn solved(
-    Request { case, settings, rest }: &Request,
-    parts: bool,
-) -> Result<Value, Refusal> {
+fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Value, Refusal> {
     let record = Record::new(case.problem(settings)?.solve(&mut ModelWorkspace::default()));
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model does not accept the inputs");
@@ -196,7 +195,7 @@ pub(crate) fn solved(
 
 /// Returns the output of `bsm solve --model all --json`, including the models that were omitted and
 /// the reasons.
-pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
+fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
     Ok(comparison(case)?.to_json())
 }
 
@@ -217,13 +216,15 @@ fn slip(request: &Request) -> Result<Value, Refusal> {
 }
 
 /// Returns the pressure, slip and friction over the contact ellipses.
-fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
+fn ellipses(request: &Request) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(&request.case, &request.settings)?;
-    Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
+    Ok(EllipseFields::of(&request.case, &settings, &solution, EllipseFields::POINTS)?
+        .answer()
+        .to_json())
 }
 
 /// Returns the output of `bsm nut --json`, the table of balls, and the load-displacement curve.
-pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
+fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let problem = NutProblem::of(case, settings)?;
     let settings = problem.settings();
     let report = match problem.solve() {
@@ -240,7 +241,7 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
 
 /// Returns the warm steady states as a function of the speed, for a plot. Friction is calculated
 /// with one coefficient per contact, because this is the fastest method.
-pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
+fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
     Ok(WarmBranch::of(case, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
@@ -248,7 +249,7 @@ pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Re
 
 /// Returns the output of `bsm axis --json`, the formatted numbers and, if requested, the axis
 /// sheet.
-pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
+fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
     let displayed = report.answer.clone().in_units(case.display_units());

@@ -1,18 +1,26 @@
 //! The page of `bsm view`, which shows a screw in the browser. The page is either connected to a
-//! server on this machine or saved as a single file.
+//! server on this machine or saved as a single file that contains the solver.
 //!
 //! [`Server`] provides the page with the same numbers and messages as the commands. [`saved`]
-//! returns the same page with all results calculated in advance. The sources of the page are in
-//! `page/`: an HTML file, plain JavaScript modules, and the libraries in `page/vendor`.
+//! returns the same page as a single file, in which the solver runs as WebAssembly. The sources of
+//! the page are in `page/`: an HTML file, plain JavaScript modules, and the libraries in
+//! `page/vendor`.
 
 mod answer;
 mod form;
+#[cfg(feature = "server")]
 mod http;
+#[cfg(feature = "server")]
 mod page;
+#[cfg(feature = "server")]
 mod running;
+#[cfg(feature = "server")]
 mod save;
+#[cfg(feature = "server")]
 mod server;
 
-pub use answer::Refusal;
-pub use save::saved;
+pub use answer::{Refusal, answer};
+#[cfg(feature = "server")]
+pub use save::{PageSolver, saved};
+#[cfg(feature = "server")]
 pub use server::{Save, Server, ViewError};

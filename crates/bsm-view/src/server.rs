@@ -120,7 +120,7 @@ impl Server {
             // The page shows only the given inputs. Missing groove inputs are estimated again for
             // every answer.
             case: case.without_estimates().to_json(),
-            beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
+            beside: page::cases(beside),
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
@@ -229,8 +229,7 @@ impl ServerState {
     }
 
     fn page(&self) -> String {
-        page::html(&json!({
-            "live": true,
+        let start = json!({
             "token": self.token,
             "case": self.case,
             "beside": self.beside,
@@ -238,7 +237,8 @@ impl ServerState {
             "save": self.save.is_some(),
             "program": bsm_report::PROGRAM,
             "schema": schema(),
-        }))
+        });
+        page::html(&start, None)
     }
 
     fn posted(self: &Arc<Self>, turn: Option<Turn>, route: &str, body: Vec<u8>) -> Reply {

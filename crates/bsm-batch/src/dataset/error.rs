@@ -41,7 +41,7 @@ pub enum DatasetError {
     Begun {
         /// Path of the dataset folder.
         folder: PathBuf,
-        /// True if the plan in the folder equals the plan of this run.
+        /// True if the plan in the folder equals the plan of the new run.
         same: bool,
     },
     /// The file `plan.json` does not contain a valid plan.
@@ -58,7 +58,7 @@ pub enum DatasetError {
     /// The part files or the points do not belong to the plan in the folder.
     #[error("{0}")]
     NotOfThePlan(String),
-    /// The dataset cannot be calculated as requested.
+    /// The program refuses to calculate the dataset as requested, for the reason in the text.
     #[error("{0}")]
     Refused(String),
 }
@@ -88,7 +88,8 @@ pub enum PartDefect {
         /// Id of the other plan.
         String,
     ),
-    /// The file is a copy of another part of the same plan, whose number is given.
+    /// The file is a copy of another part of the same plan. The field contains the number of the
+    /// other part.
     #[error("is a copy of part {0}")]
     OtherPart(String),
     /// The bytes before the footer do not match the hash in the footer.

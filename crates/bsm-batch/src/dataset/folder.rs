@@ -68,10 +68,11 @@ impl Folder {
         }
     }
 
-    /// Reads the text of the plan file. If the entry is not a file, for example a folder, it is
-    /// rejected without reading it.
+    /// Reads the text of the plan file. If the entry with this name is not a file but, for example,
+    /// a folder, it is rejected without being read.
     pub(super) fn read_plan(&self) -> Result<String, DatasetError> {
-        /// Maximum length of a plan file \[B\], which is sufficient for axes with a million values.
+        /// Maximum length of a plan file \[B\], which is sufficient for grid axes with a million
+        /// values.
         const MAX_PLAN_BYTES: u64 = 64 << 20;
         let path = self.plan();
         let unreadable = |error| DatasetError::io("read", &path, error);
@@ -89,7 +90,8 @@ impl Folder {
         String::from_utf8(text).map_err(|_| not_a_plan("it is damaged".to_owned()))
     }
 
-    /// Creates the dataset folder. If the folder exists and contains other files, it is rejected.
+    /// Creates the dataset folder. An existing folder is rejected if it contains anything other
+    /// than empty subfolders and temporary files of a dataset.
     pub(super) fn begin(&self) -> Result<(), DatasetError> {
         // Collecting the components removes a trailing path separator, which would make
         // `is_symlink` follow a symbolic link.
@@ -161,7 +163,7 @@ impl Folder {
             .map_err(|e| DatasetError::io("write in folder", &folder, e))
     }
 
-    /// Removes the temporary files of a plan.
+    /// Removes the temporary files of the plan with the given id.
     pub(super) fn tidy(&self, plan: &str) -> Result<(), DatasetError> {
         for entry in entries(&self.path.join(UNFINISHED))? {
             let ours = unfinished_id(&entry).is_some_and(|id| plan.starts_with(&id));

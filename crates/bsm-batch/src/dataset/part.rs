@@ -2,8 +2,8 @@
 //!
 //! The footer of a part file contains its plan id, its part number and two hashes: a hash of all
 //! bytes before the footer, and a hash of the footer itself. The second hash is calculated with
-//! zeros in its own place. The hashes reveal every changed bit of the file, so no separate log is
-//! needed, which could be lost or become inconsistent.
+//! zeros in its own place. The two hashes reveal every changed bit of the file. Therefore, there is
+//! no need for a separate log, which could be lost or become inconsistent.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -33,8 +33,8 @@ const FOOTER_SHA256: &str = "bsm.footer_sha256";
 /// Zeros that replace the hash of the footer while this hash is calculated.
 const ZEROS: [u8; 64] = [b'0'; 64];
 
-/// Number of bytes after the footer of a Parquet file. They contain the length of the footer and a
-/// magic number.
+/// Number of bytes that follow the footer in a Parquet file. These bytes contain the length of the
+/// footer and a magic number.
 const TAIL: usize = 8;
 
 /// Maximum length of a footer \[B\]. It is about fifty times the length of the longest footer that
@@ -76,7 +76,7 @@ pub struct Part {
     pub rows: u64,
     /// Number of rows in the part that have no result.
     pub failed: u64,
-    /// Number of rows in the part whose points are known to have further solutions.
+    /// Number of rows in the part at whose points further solutions are known to exist.
     pub several: u64,
     /// Number of bytes in the part file before its footer.
     pub data_bytes: u64,
@@ -84,8 +84,8 @@ pub struct Part {
     pub data_sha256: String,
 }
 
-/// A writer that calculates the hash of all bytes before the footer. The footer is written only
-/// after its own hash has been inserted.
+/// A writer that calculates the hash of all bytes before the footer. The hash of the footer is
+/// inserted into the footer before the footer is written.
 #[derive(Debug)]
 pub(super) struct HashingWriter<W> {
     out: W,

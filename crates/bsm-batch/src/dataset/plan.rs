@@ -16,7 +16,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 
 /// Version number of the results. It is incremented with every change of the program that changes a
 /// calculated number, so that a dataset never contains parts with different results.
-pub const RESULTS: u32 = 92;
+pub const RESULTS: u32 = 93;
 
 /// Version number of the file formats of plans and parts. It is part of the plan, because the plan
 /// must determine every byte of the part files.
@@ -68,7 +68,7 @@ impl PlanFile {
 pub struct Estimate {
     /// Calculation time on a single core \[s\].
     pub core_seconds: f64,
-    /// Upper bound of the total size of all part files \[B\]. Repeated values take less space than
+    /// Upper bound on the total size of all part files \[B\]. Repeated values take less space than
     /// this bound assumes.
     pub bytes: f64,
 }
@@ -313,8 +313,8 @@ fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Returns the estimated time that one core takes to solve and write a row with one output \[s\].
-/// The balls are assumed to roll without gross sliding.
+/// Returns the estimated time that one core needs to solve and write a row with one output \[s\].
+/// The estimate assumes that the balls roll without gross sliding.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
         ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,
@@ -331,9 +331,9 @@ fn seconds(model: ModelChoice) -> f64 {
 /// calculating a part takes only a few seconds, so that little work is lost if the run is killed.
 /// If this leads to too many parts, the number of rows is doubled until the limit is met.
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Maximum number of rows per part before the number is doubled. With this maximum, a part
-    /// takes less than an hour even if every point takes a hundred times as long as estimated, for
-    /// example with model `rigid` and large inertia forces.
+    /// Maximum number of rows per part, unless a dataset with this number of rows per part has too
+    /// many parts. With this maximum, a part takes less than an hour even if every point takes a
+    /// hundred times as long as estimated, for example with model `rigid` and large inertia forces.
     const MAX_ROWS: u32 = 1 << 20;
     /// Maximum estimated time for calculating a part on one core \[s\].
     const MAX_SECONDS: f64 = 5.0;

@@ -1,5 +1,5 @@
-//! Points of a grid, random points, or points of a table. All of them can be generated or read
-//! repeatedly.
+//! Points of a grid, random points, or points of a table. Points of each kind can be generated or
+//! read repeatedly.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -166,11 +166,11 @@ pub(super) struct DrawsEntry {
 }
 
 impl PointsEntry {
-    /// Returns the estimated size that the value of each input takes in a row of a part file \[B\].
+    /// Returns, for each input, the estimated size of one value in a part file \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// Size of a number without compression \[B\].
+        /// Size of an uncompressed number \[B\].
         const NUMBER: f64 = 8.0;
-        /// Number of input columns that is assumed for a table.
+        /// Number of input columns that the estimate assumes for a table.
         const COLUMNS: usize = 4;
         /// Compressed size of a number that occurs repeatedly within the window of 64 kB in which
         /// Snappy finds repetitions \[B\]. Measured values are 0.4 to 0.5 B.

@@ -8,8 +8,8 @@ use bsm_dyn::{Ball, Status};
 const ITERATION_OUTPUTS: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
 /// Outputs that are error bounds. A bound is at least 1e-9 and equals ten times the difference
-/// between two efficiencies. With such small residuals, each efficiency is accurate to 1e-12, so
-/// the bound is accurate to one percent.
+/// between two efficiencies. Each efficiency is accurate to 1e-12, so the relative error of the
+/// bound is at most about one percent.
 const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 
 /// Returns the absolute tolerance of an output, which is added to the relative tolerance.
@@ -31,12 +31,12 @@ fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     let scatter = match unit {
         "N" => 1e-13 * load,
         "deg" => 1e-10 * 90.0,
-        // Slip is the difference between speeds of this order of magnitude.
+        // The slip is a difference between speeds of this order of magnitude.
         "rad/s" => motion * speed * pitch / ball,
         "m/s" => motion * speed * pitch,
-        // A displacement is the difference between lengths of up to 1 mm.
+        // A displacement is a difference between lengths of up to 1 mm.
         "um" => 1e-11,
-        // A power loss is the difference between powers of this order of magnitude.
+        // A power loss is a difference between powers of this order of magnitude.
         "W" => 1e-12 * axial * pitch * speed,
         _ => 0.0,
     };
@@ -65,8 +65,9 @@ pub(crate) fn assert_alike(
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
-        // Near a spin pole, the root of the quadrature rule is approached from different sides in
-        // the two calculations. The results agree to within 1e-4 of their error bound.
+        // Near a spin pole, the two calculations approach the solution of the discretized equations
+        // from different sides, so their results differ slightly. The results agree to within 1e-4
+        // of the error bound.
         let stated = expected.number(output!(loss_error_bound)).unwrap_or(0.0).max(0.0);
         let tolerance = (part + 1e-4 * stated) * known.abs() + absolute_tolerance(unit, case);
         let difference = (found - known).abs();

@@ -12,7 +12,7 @@ use arrow_buffer::i256;
 use bsm_batch::arrow_column::{numbers, values};
 use serde_json::{Value, json};
 
-fn texts(column: impl Array + 'static) -> Value {
+fn column_as_json(column: impl Array + 'static) -> Value {
     Value::Array(values(&(Arc::new(column) as ArrayRef)).expect("has a text"))
 }
 
@@ -25,20 +25,23 @@ fn column_values_match_the_values_in_a_text_file() {
     // The timestamp represents 2026-11-24, 18:30:00.5.
     let time = TimestampMillisecondArray::from(vec![1_795_545_000_500]);
     for (found, expected) in [
-        (texts(Int32Array::from(vec![Some(-7), None])), json!([-7, null])),
-        (texts(UInt64Array::from(vec![u64::MAX])), json!([u64::MAX])),
-        (texts(Float32Array::from(vec![0.1, f32::NAN])), json!([0.1, null])),
-        (texts(BooleanArray::from(vec![Some(true), None])), json!([true, null])),
-        (texts(NullArray::new(1)), json!([null])),
-        (texts(StringViewArray::from(vec![Some("a"), None])), json!(["a", null])),
-        (texts(BinaryArray::from(vec![Some(&b"ab"[..]), None])), json!(["ab", null])),
-        (texts(decimals.clone()), json!(["-12.345", null])),
-        (texts(days), json!(["Mon", null, "Mon"])),
-        (texts(Date32Array::from(vec![20_781])), json!(["2026-11-24"])),
-        (texts(Time64MicrosecondArray::from(vec![66_600_000_000])), json!(["18:30:00"])),
-        (texts(DurationMillisecondArray::from(vec![Some(1500), None])), json!(["PT1.5S", null])),
-        (texts(time.clone()), json!(["2026-11-24T18:30:00.500"])),
-        (texts(time.with_timezone("UTC")), json!(["2026-11-24T18:30:00.500Z"])),
+        (column_as_json(Int32Array::from(vec![Some(-7), None])), json!([-7, null])),
+        (column_as_json(UInt64Array::from(vec![u64::MAX])), json!([u64::MAX])),
+        (column_as_json(Float32Array::from(vec![0.1, f32::NAN])), json!([0.1, null])),
+        (column_as_json(BooleanArray::from(vec![Some(true), None])), json!([true, null])),
+        (column_as_json(NullArray::new(1)), json!([null])),
+        (column_as_json(StringViewArray::from(vec![Some("a"), None])), json!(["a", null])),
+        (column_as_json(BinaryArray::from(vec![Some(&b"ab"[..]), None])), json!(["ab", null])),
+        (column_as_json(decimals.clone()), json!(["-12.345", null])),
+        (column_as_json(days), json!(["Mon", null, "Mon"])),
+        (column_as_json(Date32Array::from(vec![20_781])), json!(["2026-11-24"])),
+        (column_as_json(Time64MicrosecondArray::from(vec![66_600_000_000])), json!(["18:30:00"])),
+        (
+            column_as_json(DurationMillisecondArray::from(vec![Some(1500), None])),
+            json!(["PT1.5S", null]),
+        ),
+        (column_as_json(time.clone()), json!(["2026-11-24T18:30:00.500"])),
+        (column_as_json(time.with_timezone("UTC")), json!(["2026-11-24T18:30:00.500Z"])),
     ] {
         assert_eq!(found, expected);
     }

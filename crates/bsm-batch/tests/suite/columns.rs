@@ -33,7 +33,7 @@ fn grid(axes: &[&str]) -> Grid {
     Grid::new(axes).expect("a grid")
 }
 
-fn named(name: &str) -> OutputName {
+fn output_named(name: &str) -> OutputName {
     OutputName::named(name).expect("an output")
 }
 
@@ -139,8 +139,9 @@ fn motion_columns_use_one_model_for_all_rows() {
     assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
-        // In the first step, the load doubles. The jamming margin increases slightly faster than
-        // the load, so it more than doubles.
+        // The largest changes occur in the first step, in which the load doubles. The jamming
+        // margin grows slightly faster than the load, so it increases by a little more than a
+        // factor of 2. The limit is a factor of e.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }
@@ -158,7 +159,8 @@ fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
         let answers = solve(&task.expect("a task"), &grid);
         for (row, load) in [100.0, 5000.0].into_iter().enumerate() {
             let case = Case { axial_load_N: Some(load), ..base.clone() };
-            let number = AxisReport::of(&case, &settings).expect("a sheet").number(named(name));
+            let number =
+                AxisReport::of(&case, &settings).expect("a sheet").number(output_named(name));
             let number = number.expect("it falls");
             assert!(
                 has_same_bits(answers.columns[0][row], Some(number)),
@@ -193,7 +195,10 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
     {
         assert!(
-            has_same_bits(columns(&[name, "largest_load_N"])[0][0], sheet.number(named(name))),
+            has_same_bits(
+                columns(&[name, "largest_load_N"])[0][0],
+                sheet.number(output_named(name))
+            ),
             "{name}"
         );
     }
@@ -201,8 +206,8 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     assert!(has_same_bits(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
-/// In an earlier version, a nut column of a nut without balls was calculated for each row and
-/// rejected each time.
+/// In an earlier version, columns of the nut analysis were accepted for a nut without balls, and
+/// the analysis then failed in every row.
 #[test]
 fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);
@@ -219,7 +224,7 @@ fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
 /// Results of analyses are never calculated by a kernel. If they are requested, all other columns
 /// must remain bit-identical.
 #[test]
-fn columns_of_analyses_do_not_change_other_columns() {
+fn requested_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
     for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
         let task = |names: &[&str]| {
@@ -267,7 +272,7 @@ fn columns_that_cannot_be_calculated_in_any_row_are_rejected() {
             Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
         assert!(error.contains(words), "{column}: {error}");
     }
-    // One of two alternative inputs is given, which is sufficient.
+    // One of two alternative inputs is given, which is sufficient to calculate the margin.
     let columns = outputs(&["ball_return_margin"]);
     Task::over_grid(dong_case("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");
@@ -323,7 +328,7 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
 /// contain all results that are still valid, and a message with the reason why other results are
 /// missing.
 #[test]
-fn row_message_explains_missing_torque_with_large_push_forces() {
+fn row_message_explains_why_torque_is_missing_at_large_push_forces() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");
@@ -342,8 +347,8 @@ fn row_message_explains_missing_torque_with_large_push_forces() {
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
 
-/// If a table has a column named `model`, its inputs must still be read. Columns after the status
-/// columns are outputs, even if one of them has the name of an input.
+/// If a table has a column named `model`, the inputs in this table must still be read. Columns
+/// after the status columns are outputs, even if one of them has the name of an input.
 #[test]
 fn columns_of_earlier_results_are_ignored() {
     let inputs = |names: &[&str]| {

@@ -205,9 +205,10 @@ fn every_changed_byte_of_a_part_is_detected() {
     assert_eq!(damaged(&[&good[..], b"PAR1"].concat()), 1);
 }
 
-/// In an earlier version, a part was skipped if any file with its name existed.
+/// In an earlier version, a part was skipped if a file with its name existed, even if this file was
+/// damaged.
 #[test]
-fn a_damaged_part_stops_the_run_and_is_kept() {
+fn a_damaged_part_is_reported_and_not_overwritten() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
@@ -218,7 +219,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
     assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
-    // A file that is created while its part is being solved must not be overwritten, either.
+    // A file must not be overwritten even if it is created while its part is being solved.
     fs::remove_file(parts.part_file(2)).expect("there");
     let mut appear = |_: Event<'_>| fs::write(parts.part_file(2), b"mine").expect("writable");
     let error = parts.run_parts(&task, &points, [2], false, &workers, &mut appear);
@@ -266,7 +267,7 @@ fn a_run_can_be_stopped_within_a_chunk() {
         assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
         asked.join().expect("no panic")
     });
-    // Solving a chunk takes a few milliseconds. The limit is larger, because the machine may be
+    // It takes a few milliseconds to solve a chunk. The limit is larger, because the machine may be
     // busy.
     assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
@@ -275,10 +276,10 @@ fn a_run_can_be_stopped_within_a_chunk() {
 /// If rows of a Parquet table are skipped, complete row groups are not read at all. The remaining
 /// rows must be the same as if the whole table had been read.
 #[test]
-fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
+fn skipping_parquet_rows_does_not_change_the_remaining_rows() {
     let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
-    // The table has more rows than a row group, and the number of its rows is not a multiple of the
+    // The table has more rows than a row group, and its number of rows is not a multiple of the
     // chunk size.
     let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
     let grid = Grid::new(axes).expect("a grid");
@@ -315,7 +316,7 @@ fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
 /// waits for a worker must not cause a deadlock. The table has more rows than a chunk, and one axis
 /// has more values than a dictionary can hold.
 #[test]
-fn a_table_solved_on_a_single_worker_is_bit_identical() {
+fn one_worker_and_several_workers_write_identical_tables() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
     let grid = Grid::new(axes).expect("a grid");
@@ -378,8 +379,8 @@ fn part_solved_in_memory_equals_the_part_file() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
-/// In an earlier version, `--repair` overwrote valid parts if another plan had replaced the plan
-/// file.
+/// In an earlier version, `--repair` overwrote valid parts if the plan file had been replaced by
+/// another plan.
 #[test]
 fn parts_of_another_plan_are_not_overwritten() {
     let (points, [mine, yours]) = (Points::Grid(grid()), [temporary_folder(), temporary_folder()]);
@@ -397,8 +398,8 @@ fn parts_of_another_plan_are_not_overwritten() {
     let refused = repair(&task(Model::QuasiStatic));
     assert!(matches!(refused, Err(DatasetError::NotOfThePlan(_))), "{refused:?}");
     assert!(files(mine.path()) == before);
-    // After its own plan has been restored, the folder is intact again. A single part of another
-    // plan counts as damaged.
+    // After the original plan has been restored, the folder is intact again. A single part of
+    // another plan counts as damaged.
     fs::write(&plan, own).expect("writable");
     let [from, to] = [&yours, &mine].map(|f| f.path().join("data/part-000001.parquet"));
     fs::copy(from, to).expect("writable");
@@ -484,9 +485,10 @@ fn random_points_do_not_depend_on_the_part_size() {
     assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
 }
 
-/// If the points of a dataset come from a table, only the same table can continue the dataset.
+/// If the points of a dataset come from a table, the dataset can be continued only with the same
+/// table.
 #[test]
-fn dataset_of_a_table_can_only_continue_with_the_same_table() {
+fn dataset_of_a_table_can_be_continued_only_with_the_same_table() {
     let folder = temporary_folder();
     let (path, map) = (folder.path().join("points.parquet"), folder.path().join("map"));
     let write = |loads: &str| {
@@ -553,7 +555,7 @@ fn damaged_parts_are_replaced_only_on_request() {
 /// The estimated size of a dataset must be at least as large as the actual size, and at most twice
 /// as large.
 #[test]
-fn estimated_size_is_an_upper_bound_for_the_parts() {
+fn estimated_size_is_an_upper_bound_on_the_actual_size() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
@@ -570,7 +572,7 @@ fn estimated_size_is_an_upper_bound_for_the_parts() {
 }
 
 /// A plan with 1e12 points can be created and opened, and one of its parts can be solved. This must
-/// not take more time and memory than a single part requires.
+/// not take more time and memory than a plan that contains only this part.
 #[test]
 fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
     // The plan has 59 604 parts with 2^24 rows each, and a last part with 4096 rows.

@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use bsm_batch::{Draw, DrawSource, Draws, PointSet, Source};
 
-fn draws(of: &[&str]) -> Draws {
+fn random_points(of: &[&str]) -> Draws {
     let of = of.iter().map(|text| Draw::parse(text).expect("a draw")).collect();
     Draws::new(2026, 20_000, of).expect("draws")
 }
 
-fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
+fn input_values(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
     let mut values = Vec::new();
     draws.fill(place, rows, &mut values);
     values
@@ -19,30 +19,31 @@ fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
 /// any number of rows has been skipped.
 #[test]
 fn random_row_depends_only_on_seed_inputs_and_row_number() {
-    let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
+    let draws = random_points(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
     for place in 0..2 {
-        let all = column(&draws, place, 0..5000);
+        let all = input_values(&draws, place, 0..5000);
         for rows in [0..1, 4999..5000, 17..18, 1000..1300, 1..5000] {
             let [from, to] = [rows.start, rows.end].map(|row| usize::try_from(row).expect("few"));
-            assert_eq!(column(&draws, place, rows), all[from..to]);
+            assert_eq!(input_values(&draws, place, rows), all[from..to]);
         }
     }
-    let far = column(&draws, 1, u64::MAX / 2..u64::MAX / 2 + 2);
-    assert_eq!(far[1..], column(&draws, 1, u64::MAX / 2 + 1..u64::MAX / 2 + 2));
+    let far = input_values(&draws, 1, u64::MAX / 2..u64::MAX / 2 + 2);
+    assert_eq!(far[1..], input_values(&draws, 1, u64::MAX / 2 + 1..u64::MAX / 2 + 2));
     let mut source = DrawSource::new(draws.clone());
     source.skip(19_990).expect("never fails");
     let chunk = source.next(100).expect("never fails").expect("rows");
     assert_eq!((chunk.first, chunk.len), (19_991, 10));
-    assert_eq!(chunk.inputs[0].values()[..], column(&draws, 0, 19_990..20_000));
+    assert_eq!(chunk.inputs[0].values()[..], input_values(&draws, 0, 19_990..20_000));
     assert!(source.next(1).expect("never fails").is_none());
 }
 
-/// The expected numbers are constants, because another build of the program may continue a dataset,
-/// and must generate the same points.
+/// The expected numbers are constants in the code, because another build of the program may
+/// continue a dataset and must then generate the same points.
 #[test]
 fn random_numbers_do_not_change_between_builds() {
-    let draws = draws(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);
-    let found = [column(&draws, 0, 7..9), column(&draws, 1, 7..9)].concat();
+    let draws =
+        random_points(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);
+    let found = [input_values(&draws, 0, 7..9), input_values(&draws, 1, 7..9)].concat();
     let expected = "[1.596729512357534, 1.0897310778964324, 0.389121999909511, 0.6329336788937058]";
     assert_eq!(format!("{found:?}"), expected);
 }
@@ -53,8 +54,9 @@ fn random_numbers_do_not_change_between_builds() {
 /// two inputs must be less than 5/√N.
 #[test]
 fn random_inputs_have_the_requested_distributions() {
-    let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
-    let columns = [column(&draws, 0, 0..20_000), column(&draws, 1, 0..20_000)];
+    let draws =
+        random_points(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
+    let columns = [input_values(&draws, 0, 0..20_000), input_values(&draws, 1, 0..20_000)];
     let mean = |values: &[f64]| values.iter().sum::<f64>() / 2e4;
     let standard = |values: &[f64]| {
         let middle = mean(values);

@@ -86,7 +86,7 @@ fn case(names: &[&str], chunk: &Chunk, base: &Case, row: usize) -> Case {
     case
 }
 
-fn record(case: &Case, settings: &Settings) -> Record {
+fn solve_alone(case: &Case, settings: &Settings) -> Record {
     match case.problem(settings) {
         Ok(problem) => Record::new(problem.solve(&mut ModelWorkspace::default())),
         Err(error) => Record::invalid(settings.model, &error),
@@ -104,7 +104,8 @@ fn compare_kernel_with_model(settings: &Settings, count: usize) {
 }
 
 /// Compares a kernel and its model like [`compare_kernel_with_model`], but at the given points. The
-/// kernel must solve some of the rows itself, because all other rows are solved by the model.
+/// kernel must solve at least some of the rows. All other rows are solved by the model, so a
+/// comparison of these rows tests nothing.
 fn compare_kernel_with_model_at(
     settings: &Settings,
     base: &Case,
@@ -130,7 +131,7 @@ fn assert_rows(
     let (mut converged, mut of_kernel) = (0, 0);
     for (row, by_kernel) in by_kernel.into_iter().enumerate() {
         let case = case(names, chunk, base, row);
-        let expected = record(&case, settings);
+        let expected = solve_alone(&case, settings);
         let what = || format!("row {row}");
         let has_root = assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
         assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
@@ -158,8 +159,8 @@ fn rigid_kernel_matches_its_model() {
     compare_kernel_with_model(&Model::Rigid.into(), campaign(20_000));
 }
 
-/// The controlling raceway is either given or determined by the model. The kernel solves five of
-/// six points; at the other points, the inertia forces are as large as the load.
+/// The controlling raceway is either given or determined by the model. The kernel solves five out
+/// of six points. At the other points, the inertia forces are as large as the load.
 #[test]
 fn raceway_control_kernel_matches_its_model() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
@@ -207,7 +208,7 @@ fn hard_points_have_the_same_root_in_tables_and_single_solves() {
         (Model::Traction.into(), [Output::named("efficiency").expect("known")]);
     for case in cases {
         let case = case.expect("a complete case");
-        let alone = record(&case, &settings).number(output!(efficiency)).expect("solved");
+        let alone = solve_alone(&case, &settings).number(output!(efficiency)).expect("solved");
         let given = InputKey::ALL.into_iter().filter(|key| case[*key].is_some());
         let names: Vec<_> = given.map(InputKey::name).collect();
         let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
@@ -215,14 +216,14 @@ fn hard_points_have_the_same_root_in_tables_and_single_solves() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance is the same as for other rows.
+        // The tolerance is the same as for the rows of all other tables.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
 }
 
-/// The chosen model, its error bound and the stated reason must be the same in a kernel and in the
-/// scalar solver.
+/// The model that `auto` chooses, its error bound and the stated reason must be the same in a
+/// kernel and in the scalar solver.
 #[test]
 fn auto_chooses_the_same_model_in_kernel_and_scalar_solver() {
     for tolerance in [1e-1, 1e-2] {
@@ -295,7 +296,7 @@ fn results_do_not_depend_on_chunks_threads_or_instruction_set() {
     }
 }
 
-/// Returns for each row whether the kernel solves it. The model solves all other rows.
+/// Returns, for each row, whether the kernel solves the row. The model solves all other rows.
 fn solved_by_kernel(
     settings: &Settings,
     base: &Case,
@@ -329,7 +330,7 @@ fn count_rows_left_to_the_model(
     let (mut left, mut with_root) = (0, 0);
     for (row, done) in solved_by_kernel(settings, base, (chunk, columns)).into_iter().enumerate() {
         let case = chunk.case(columns, base, row).expect("known inputs");
-        if record(&case, settings).status() == Status::Converged {
+        if solve_alone(&case, settings).status() == Status::Converged {
             with_root += 1;
             left += usize::from(!done);
         }
@@ -364,7 +365,7 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
 }
 
 /// If the caller provides no buffer for an output, the values of this output are returned
-/// separately. If there are no values, nothing is returned.
+/// separately. If the output has no values, nothing is returned for it.
 #[test]
 fn outputs_without_a_buffer_are_returned_separately() {
     for settings in all_settings() {

@@ -105,11 +105,12 @@ fn all_common_codecs_are_read() {
     }
 }
 
-/// In an earlier version, the message was "Disabled feature at compile time".
+/// In an earlier version, the error message for an unsupported codec was "Disabled feature at
+/// compile time".
 #[test]
 fn unsupported_codecs_are_rejected_with_advice() {
     let brotli =
-        chunk_of(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
+        file_of_pages(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
     assert_eq!(
         error_text(read(brotli, &[])),
         "the Parquet table uses Brotli compression, which is not supported; write it \
@@ -257,14 +258,14 @@ fn data_page(length: u32, compressed: u32) -> Vec<u8> {
 }
 
 /// Returns the header of a dictionary page with plain numbers.
-fn dictionary(length: u32, values: u32) -> Vec<u8> {
+fn dictionary_page(length: u32, values: u32) -> Vec<u8> {
     let head = [integer_field(2), integer_field(length), integer_field(24), vec![0x4c]].concat();
     [head, integer_field(values), integer_field(0), vec![0, 0], vec![0; 24], data_page(24, 24)]
         .concat()
 }
 
-/// Returns a Parquet file whose only column consists of the given pages.
-fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
+/// Returns a Parquet file with a single column, which consists of the given pages.
+fn file_of_pages(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     let number = Type::primitive_type_builder(name, Physical::DOUBLE)
         .with_repetition(Repetition::REQUIRED)
         .build();
@@ -305,11 +306,11 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         data_page(291_000_000, 24),
         data_page(i32::MAX.cast_unsigned(), 24),
         data_page(24, 291_000_000),
-        dictionary(291_000_000, 4),
-        dictionary(24, 291_000_000 / 8),
+        dictionary_page(291_000_000, 4),
+        dictionary_page(24, 291_000_000 / 8),
     ];
     for (codec, bomb) in codecs().iter().flat_map(|codec| bombs.iter().map(move |b| (*codec, b))) {
-        let table = chunk_of(codec, "lead_mm", bomb);
+        let table = file_of_pages(codec, "lead_mm", bomb);
         assert!(table.len() < 2000);
         let mut said = String::new();
         // Reading the footer and formatting the message take a few kB.
@@ -321,13 +322,13 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
     // The same pages are valid if their headers specify the correct lengths.
     let whole = data_page(24, 24);
     assert_eq!(
-        read(chunk_of(Compression::UNCOMPRESSED, "lead_mm", &whole), &[]).expect("a table").0,
+        read(file_of_pages(Compression::UNCOMPRESSED, "lead_mm", &whole), &[]).expect("a table").0,
         [0.0; 3]
     );
 }
 
-/// A large table whose inputs are mostly constant is compressed by a factor of more than 500. It
-/// must not be rejected as a decompression bomb.
+/// A large table whose inputs are mostly constant is compressed to less than 1/500 of its size. The
+/// table must not be rejected as a decompression bomb.
 #[test]
 fn a_highly_compressible_table_is_read() {
     const ROWS: usize = 200_000;

@@ -26,7 +26,7 @@ fn read(table: Vec<u8>) -> (Arc<ParquetMetaData>, Vec<RecordBatch>) {
 
 /// Returns a value of one of five kinds that occur in real tables: constant, constant in many
 /// consecutive rows, periodic like a grid axis, one of a few values, or different in every row.
-fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
+fn random_value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     const FEW: [f64; 5] = [0.0, -0.0, f64::NAN, 1e300, -2.5];
     match kind {
         0 => 7.0,
@@ -37,7 +37,7 @@ fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     }
 }
 
-/// The kind of values changes from one write to the next. NaN represents an empty cell.
+/// The kind of values changes between the calls that write rows. NaN represents an empty cell.
 #[test]
 fn numbers_round_trip_through_parquet() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
@@ -51,7 +51,7 @@ fn numbers_round_trip_through_parquet() {
             let (kind, first) = (rng.random_range(0..5), expected.len());
             for row in first..first + rng.random_range(1..700) {
                 let is_gap = rng.random::<f64>() < gaps;
-                expected.push(if is_gap { f64::NAN } else { value(kind, row, &mut rng) });
+                expected.push(if is_gap { f64::NAN } else { random_value(kind, row, &mut rng) });
             }
             let rows = vec![ColumnValues::Numbers(expected[first..].to_vec())];
             sink.write_columns(rows).expect("rows");

@@ -102,7 +102,7 @@ fn plan_id_changes_with_every_setting_that_affects_results() {
         (with(all), "columns"),
         (plan(&task(), &points, 17), "rows_per_part (17, now 16)"),
         (plan(&task(), &grid(&["lead_mm=5:11:11"]), 16), "points"),
-        (plan(&task(), &draws("lead_mm=uniform:5:10", 11), 16), "points"),
+        (plan(&task(), &random_points("lead_mm=uniform:5:10", 11), 16), "points"),
     ] {
         assert_ne!(other.id(), first.id(), "{key}");
         let said = first.differences(other.text()).expect("another plan");
@@ -111,11 +111,11 @@ fn plan_id_changes_with_every_setting_that_affects_results() {
         assert!(said.starts_with(key) && !said.contains(", ") | said.contains("now"), "{said}");
     }
     assert_eq!(first.differences("{}"), None);
-    let draws = |count| plan(&task(), &draws("lead_mm=uniform:5:10", count), 16);
+    let draws = |count| plan(&task(), &random_points("lead_mm=uniform:5:10", count), 16);
     assert_ne!(draws(11).id(), draws(12).id());
 }
 
-fn draws(of: &str, count: u64) -> Points {
+fn random_points(of: &str, count: u64) -> Points {
     let of = vec![Draw::parse(of).expect("a draw")];
     Points::Draws(Draws::new(7, count, of).expect("draws"))
 }
@@ -123,7 +123,7 @@ fn draws(of: &str, count: u64) -> Points {
 /// Random points must not change if a plan is written and read again.
 #[test]
 fn a_plan_of_random_points_round_trips() {
-    let plan = plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16);
+    let plan = plan(&task(), &random_points("lead_mm=normal:20:0.1", 100), 16);
     let again = Plan::from_text(plan.text()).expect("its own text");
     assert_eq!(again.id(), plan.id());
     let points = again.points(|name| name.into(), &workers()).expect("points");
@@ -132,9 +132,9 @@ fn a_plan_of_random_points_round_trips() {
     assert_eq!(made.expect("a plan").text(), plan.text());
 }
 
-/// Calculating a part takes a few seconds on one core, whatever the number of rows is. If there
-/// were more than 100 000 parts, the number of rows per part is doubled, so a part has less than
-/// 1/50 000 of all rows.
+/// One core calculates a part of the default size in a few seconds, whatever the number of rows is.
+/// If a dataset would have more than 100 000 parts, the number of rows per part is doubled until
+/// the limit is met. Each part then has less than 1/50 000 of all rows.
 #[test]
 fn part_size_depends_on_row_count_and_model() {
     for (rows, model, parts, power) in [
@@ -150,7 +150,7 @@ fn part_size_depends_on_row_count_and_model() {
     ] {
         let mut task = task();
         task.settings.model = model;
-        let points = draws("lead_mm=uniform:5:10", rows);
+        let points = random_points("lead_mm=uniform:5:10", rows);
         let count = Plan::new(&task, &points, None, &workers()).expect("a plan").rows_per_part();
         assert_eq!((rows.div_ceil(count), count), (parts, 1 << power), "{rows} {model:?}");
     }

@@ -69,7 +69,7 @@ impl Table {
             assert_eq!(answers.message(row), message.as_deref(), "{}", what());
             assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
             assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
-            seen.count(&expected);
+            seen.count_record(&expected);
         }
     }
 
@@ -102,7 +102,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn count(&mut self, record: &Record) {
+    fn count_record(&mut self, record: &Record) {
         match record.status() {
             Status::Converged => {
                 match self.converged.iter_mut().find(|(model, _)| *model == record.model()) {
@@ -124,7 +124,7 @@ impl Tally {
 /// A table has a column for the lead and a column for the lead angle. In an earlier version, a row
 /// with a value in only one of the two columns was solved with the value of the base case.
 #[test]
-fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
+fn a_row_with_a_value_in_one_of_two_lead_columns_uses_this_value() {
     let table = Table {
         keys: vec![InputKey::lead_angle_deg, InputKey::lead_mm],
         rows: vec![
@@ -168,9 +168,10 @@ fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     }
 }
 
-/// The settings of the solver must be checked by the library, not only by the program.
+/// The library must check the solver settings, because not all callers use the command-line
+/// program.
 #[test]
-fn settings_out_of_range_are_rejected_in_every_model() {
+fn settings_out_of_range_are_rejected_by_every_model() {
     let table = Table {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
@@ -193,10 +194,10 @@ fn model_choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
-/// Returns one of a few practical values of an input. There are only a few values, so rows often
-/// contain special combinations: equal speeds, leads that agree, drives in which both parts turn,
-/// balls that do not fit, and zero friction.
-fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
+/// Returns one of a few practical values of an input. There are only a few values, so that rows
+/// often contain special combinations: equal speeds, leads that agree, drives in which both parts
+/// turn, balls that do not fit, and zero friction.
+fn practical_value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
     let values: &[f64] = match key {
@@ -249,7 +250,7 @@ fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
         0..25 => Cell::Missing,
         25 => Cell::Text("wide"),
         26..29 => Cell::Number(*WRONG.choose(rng).expect("some values")),
-        _ => Cell::Number(value(key, rng)),
+        _ => Cell::Number(practical_value(key, rng)),
     }
 }
 
@@ -289,7 +290,7 @@ fn rows_of_random_tables_match_single_solves() {
         let share = *[0.5, 0.9, 0.97].choose(rng).expect("some shares");
         for key in &keys {
             if rng.random_bool(share) {
-                base[*key] = Some(value(*key, rng));
+                base[*key] = Some(practical_value(*key, rng));
             }
         }
         // If the base case had both a random lead and a random lead angle, they would rarely agree.
@@ -301,7 +302,7 @@ fn rows_of_random_tables_match_single_solves() {
         }
         keys.shuffle(rng);
         // Lead and lead angle are often chosen as columns, because each of them can replace the
-        // other.
+        // other in a row.
         keys.truncate(rng.random_range(1..6));
         for lead in [InputKey::lead_angle_deg, InputKey::lead_mm] {
             if !keys.contains(&lead) && rng.random_bool(0.4) {
@@ -341,7 +342,7 @@ fn name_in_random_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange
 #[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
 fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
-    // A quantity in this list can be given by either of two inputs, but not by both.
+    // Each quantity in this list can be given by one of two inputs, but not by both.
     const TWO_FORMS: [[K; 2]; 4] = [
         [K::screw_speed_rpm, K::feed_m_min],
         [K::contact_angle_deg, K::groove_bottom_distance_mm],

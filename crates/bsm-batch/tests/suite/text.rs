@@ -61,7 +61,8 @@ fn error_text(rows: Result<Rows, TableError>) -> String {
     rows.expect_err("refused").to_string()
 }
 
-/// In an earlier version, three rows were read as a single row, which could be solved.
+/// In an earlier version, an unclosed quote joined three rows into a single row, which was solved
+/// without an error.
 #[test]
 fn unclosed_quote_does_not_join_rows() {
     let open = error_text(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
@@ -148,8 +149,7 @@ fn line_of_empty_cells_between_tabs_is_read_as_a_row() {
     let lead = |mm| vec![Cell::Number(mm), Cell::Missing];
     let cells: Vec<_> = read.into_iter().map(|(_, cells)| cells).collect();
     assert_eq!(cells, [lead(10.0), lead(12.0), nothing.clone(), nothing]);
-    // A row of empty cells is also read if it is not at the end of the table, or begins a new
-    // chunk.
+    // A row of empty cells is also read at the beginning of a table or of a chunk.
     assert_eq!(tabs("lead_mm\tid\n\t\n5\ta\n", &["id"]).expect("rows").len(), 2);
     // Rows of empty cells are also read if the cells are separated by commas.
     assert_eq!(csv(b"lead_mm,screw_speed_rpm\n10,\n,\n,\n", &[]).expect("rows").len(), 3);

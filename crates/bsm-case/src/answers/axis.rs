@@ -20,23 +20,27 @@ use self::heat::Heating;
 pub use self::order::Order;
 pub(crate) use self::rules::rule_titles;
 use self::state::AxisState;
-pub(crate) use self::torques::TORQUES;
 pub(crate) use self::torques::quick_efficiency;
 use self::torques::{PhaseTorques, Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
+pub(crate) use self::torques::{TORQUES, TorqueParts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
+use super::schema::CaseJson;
 use super::warm::QUANTITIES as WARM;
 use crate::case::axis::{Machine, operating_hours_per_year, stroke};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::bad;
+use crate::vocabulary::members::{
+    Data, NumberCells, NumbersOf, Rows, Sentences, answer, number_tables, row,
+};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
-    Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
-    NutReport, Output, OutputName, Quantity, Section, Settings, Table, Verdict, WarmBranch, output,
+    Answer, Case, CaseError, Content, Criterion, INPUTS, InputKey, InputSet, Numbers, NutReport,
+    Output, OutputName, Quantity, Section, Settings, Verdict, WarmBranch, output,
 };
 
 /// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
@@ -57,7 +61,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed between screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
-            "equivalent load: constant load that gives the same life; for a pair, the load of the more heavily loaded nut";
+            "equivalent load of the more heavily loaded flank; for a pair, of the more heavily loaded nut";
+        equivalent_load_of_other_flank_N ["N" "F_m2"] Scalar(|w| Some(w.life()?.other_mean_load).filter(|load| *load > 0.0)),
+            "equivalent load of the other flank or nut, which reduces the life; empty if it carries no load";
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean speed over the cycle, including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "cycle time";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
@@ -100,6 +106,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load on the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
+        mass_of_nut_and_screw_kg ["kg"] Scalar(|w| {
+            let (screw, _) = w.shaft().and(w.machine.screw)?;
+            Some(screw + w.machine.nut_mass?)
+        }), "mass of nut and screw between the bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
             "steady-state temperature rise of the screw above the surroundings, mean between the bearings";
@@ -186,8 +196,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
-        screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
-            "screw torque; at the largest load during motion, including preload, seals and support bearings";
+        screw_torque_Nm ["N m" "T"] Scalar(|w| w.torque_at_largest_load()) needs FRICTION,
+            "screw torque, including preload, seals and support bearings; on a sheet, the largest torque at the largest load during motion, positive if it acts against the load";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load during motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
@@ -289,7 +299,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
         static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
         edge_load_N = RATINGS Scalar(|s| s.of_nut.number(output!(edge_load_N)));
-        mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number(output!(mass_kg))));
+        nut_mass_kg = INPUTS Scalar(|s| s.machine.nut_mass);
         cold_preload_N = NUT Scalar(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
         friction_coefficient = INPUTS Scalar(|s| s.case.friction_coefficient);
@@ -358,7 +368,7 @@ pub struct AxisReport {
 
 /// Returns the columns of the axis sheet that serve to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 13] = [
+    const NAMES: [&str; 14] = [
         "cycle_life_h",
         "critical_speed_ratio",
         "buckling_safety",
@@ -369,6 +379,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
         "screw_efficiency",
         "mean_heat_W",
         "screw_mass_kg",
+        "mass_of_nut_and_screw_kg",
         "inertia_of_screw_kg_m2",
         "warm_preload_N",
         "fold_speed_factor",
@@ -524,6 +535,10 @@ impl AxisReport {
             (&numbers, fold),
             &of_nut,
             (preload, machine.required_life),
+            [
+                worked.motor_peak(AxisState::motor_torque),
+                worked.motor_peak(AxisState::torque_utilization),
+            ],
         );
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
@@ -646,6 +661,8 @@ pub(crate) fn numbers(
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
+        // On a sheet, the sign of the torque refers to the load.
+        && torque.number(output!(screw_load_N)).is_some_and(|load| load > 0.0)
     {
         return Ok(torque.numbers);
     }
@@ -684,40 +701,13 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
     warnings
 }
 
-/// Adds the sections of the axis sheet to an answer.
-fn sheet(
-    of: Answer,
-    case: &Case,
-    warm: Option<&Warm>,
-    (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
-    not_modeled: Vec<String>,
-) -> Answer {
-    let answer = of
-        .with_verdict()
-        .with("inputs", Content::Json(case.to_json()))
-        .with("phases", Content::Table(of_phases(phases)))
-        .with("results", Content::numbers(numbers, "axis"));
-    Warm::add_to(warm, answer)
-        .with("screw", Content::numbers(screw, "screw"))
-        .with("not_modeled", Content::Texts("not modeled", not_modeled))
-}
-
-impl Answer {
-    /// Sets the JSON member `passes` to the verdict on all rules.
-    fn with_verdict(mut self) -> Self {
-        const MEMBER: &str = "passes";
-        let verdict = Content::Json(json!(self.verdict().passes()));
-        match self.sections.iter_mut().find(|section| section.member == Some(MEMBER)) {
-            Some(section) => section.content = verdict,
-            None => self.sections.push(Section { member: Some(MEMBER), content: verdict }),
-        }
-        self
-    }
-}
-
-/// Builds the table of phases with one row per phase. The screen shows only the columns in `SHOWN`.
-fn of_phases(phases: &[ScrewTorque]) -> Table {
-    const SHOWN: [&str; 9] = [
+number_tables! {
+    /// Numbers of an axis.
+    pub(crate) AxisNumbers = QUANTITIES.iter();
+    /// Inputs and results of a screw.
+    pub(crate) ScrewNumbers = SCREW.iter();
+    /// Numbers of a phase of the cycle.
+    pub(crate) PhaseNumbers = PHASE.iter().chain(TORQUES), shown [
         "time_share",
         "screw_load_N",
         "start_feed_m_min",
@@ -728,22 +718,78 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         "motor_torque_Nm",
         "heat_W",
     ];
-    let column = |Quantity { name, unit, .. }: &Quantity| {
-        let head = SHOWN.contains(name).then_some((*name).into());
-        Column { unit, head, ..Column::of(name) }
+}
+
+row! {
+    /// A phase of the cycle.
+    #[expect(non_snake_case, reason = "the names end with unit symbols")]
+    pub(crate) struct PhaseRow {
+        [skip] phase: usize = "phase";
+        [flatten] numbers: NumberCells<PhaseNumbers>;
+        /// Name of the contact model, or the reason why there is no contact torque.
+        contacts: String;
+        /// Axial force of each nut body in the warm steady state \[N\].
+        body_axial_N: Option<Vec<f64>>;
+    }
+}
+
+answer! {
+    /// Sheet of an axis.
+    pub(crate) struct AxisMembers {
+        /// True if all rules are met, false if a rule is violated, else null.
+        passes: Data<Option<bool>>;
+        inputs: Data<CaseJson>;
+        phases: Rows<PhaseRow>;
+        results: NumbersOf<AxisNumbers>;
+    }
+}
+
+answer! {
+    /// Sheet of an axis: members that follow the warm state.
+    pub(crate) struct AxisRemarks {
+        screw: NumbersOf<ScrewNumbers>;
+        /// Effects that the numbers neglect.
+        not_modeled: Sentences;
+    }
+}
+
+/// Adds the sections of the axis sheet to an answer.
+fn sheet(
+    of: Answer,
+    case: &Case,
+    warm: Option<&Warm>,
+    (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
+    not_modeled: Vec<String>,
+) -> Answer {
+    let row = |(phase, torque): (usize, &ScrewTorque)| PhaseRow {
+        phase,
+        numbers: NumberCells::of(&torque.numbers),
+        contacts: torque.contacts.clone(),
+        body_axial_N: torque.bodies.clone(),
     };
-    let others = ["-contacts", "-body_axial_N"].map(Column::of);
-    let columns =
-        std::iter::once(Column::of("=phase")).chain(PHASE.iter().chain(TORQUES).map(column));
-    let row = |(place, phase): (usize, &ScrewTorque)| {
-        let numbers = phase.numbers.columns().map(|(_, value)| json!(value));
-        std::iter::once(json!(place))
-            .chain(numbers)
-            .chain([json!(phase.contacts), json!(phase.bodies)])
-            .collect()
-    };
-    let rows = (1..).zip(phases).map(row).collect();
-    Table { columns: columns.chain(others).collect(), rows, ..Table::default() }
+    let passes = Data(of.verdict().passes());
+    let answer = of.with_members(AxisMembers {
+        passes,
+        inputs: Data(CaseJson(case.to_json())),
+        phases: Rows((1..).zip(phases).map(row).collect()),
+        results: NumbersOf::new(numbers, "axis"),
+    });
+    Warm::add_to(warm, answer).with_members(AxisRemarks {
+        screw: NumbersOf::new(screw, "screw"),
+        not_modeled: Sentences("not modeled", not_modeled),
+    })
+}
+
+impl Answer {
+    /// Sets the JSON member `passes` to the verdict on all rules.
+    fn with_verdict(mut self) -> Self {
+        let verdict = self.verdict().passes();
+        let is_verdict = |section: &&mut Section| section.member == Some("passes");
+        if let Some(section) = self.sections.iter_mut().find(is_verdict) {
+            section.content = Content::Json(json!(verdict));
+        }
+        self
+    }
 }
 
 /// Explains why the nut cannot be calculated with all its balls.

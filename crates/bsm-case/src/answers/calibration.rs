@@ -7,23 +7,60 @@ use std::cmp::Ordering;
 use bsm_design::search::grid_point;
 use bsm_design::{FEW_DRAWS, LeastSquares, SignRuns, least_squares};
 use bsm_dyn::ModelWorkspace;
-use serde_json::json;
 use thiserror::Error;
 
 use crate::answers::fit::{exact, measurable, measured};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::members::{Data, Keyed, Label, Rows, Word, answer, row};
 use crate::vocabulary::names::{GivenNames, unknown_key};
 use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
-    Answer, Case, CaseError, Content, FittedInput, InputKey, InputSet, Output, Settings, Table,
-    TableFormat,
+    Answer, Case, CaseError, FittedInput, InputKey, InputSet, Output, Settings, TableFormat,
 };
 
-/// Columns of the table that lists the fitted inputs.
-pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
-pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
+row! {
+    /// A fitted input.
+    pub(crate) struct FoundRow {
+        [skip] input: &'static str = "input";
+        value: f64 = "value";
+        standard_deviation: Option<f64> = "standard deviation";
+    }
+}
+
+row! {
+    /// A measured point.
+    pub(crate) struct PointRow {
+        [skip] point: usize = "point";
+        measured: f64 = "measured";
+        fitted: f64 = "fitted";
+        [skip] difference: f64 = "difference";
+    }
+}
+
+answer! {
+    /// Inputs fitted to a table of points.
+    pub(crate) struct CalibrationMembers {
+        /// Name of the measured output.
+        output: Data<&'static str>;
+        found: Keyed<FoundRow>;
+        /// Assumed errors.
+        errors: Word;
+        /// RMS residual.
+        root_mean_square: Data<f64>;
+        /// RMS residual divided by the errors.
+        weighted_root_mean_square: Data<f64>;
+        degrees_of_freedom: Data<usize>;
+        /// Condition number of the fit.
+        #[schemars(with = "Option<f64>")]
+        condition: Data<f64>;
+        [skip] shown_residual: Word;
+        [skip] shown_weighted: Label;
+        [skip] shown_condition: Word;
+        points: Rows<PointRow>;
+    }
+}
 
 /// A row of the measurement table: an operating point with its measured value.
 #[derive(Debug, Clone)]
@@ -381,15 +418,16 @@ impl Calibration {
     /// Returns the answer: the fitted values, the residuals and the points.
     pub fn answer(&self, case: &Case, report: &CalibrationReport) -> Answer {
         let condition = report.found.condition;
-        let row = |(name, value, deviation): (&str, f64, Option<f64>)| {
-            vec![json!(name), json!(value), json!(deviation)]
+        let row =
+            |(input, value, standard_deviation)| FoundRow { input, value, standard_deviation };
+        let found = self.rows(report).into_iter().map(row).collect();
+        let point = |(point, (measured, fitted)): (usize, (f64, f64))| PointRow {
+            point,
+            measured,
+            fitted,
+            difference: fitted - measured,
         };
-        let found = Table::of(FOUND, self.rows(report).into_iter().map(row)).keyed();
-        let point = |(place, (measured, fitted)): (usize, (f64, f64))| {
-            vec![json!(place), json!(measured), json!(fitted), json!(fitted - measured)]
-        };
-        let points = (1..).zip(self.fitted(report)).map(point);
-        let points = Table::of(POINTS, points);
+        let points = (1..).zip(self.fitted(report)).map(point).collect();
         let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
         let label = match self.errors {
             Some(MeasurementError::Relative) => "relative RMS residual:",
@@ -400,24 +438,21 @@ impl Calibration {
         let free = self.points.len().saturating_sub(self.inputs.len());
         let mut warnings = self.warnings(case, report);
         warnings.extend(report.held.iter().map(|held| self.describe(held)));
-        Answer { warnings, fails: !report.held.is_empty(), ..Answer::default() }
-            .with("output", Content::Json(self.output.name.into()))
-            .with("found", Content::Table(found))
-            .with("errors", Content::Text("errors:", Some(self.errors().to_owned())))
-            .with("root_mean_square", Content::Json(json!(report.scatter)))
-            .with("weighted_root_mean_square", Content::Json(json!(report.weighted_scatter)))
-            .with("degrees_of_freedom", Content::Json(json!(free)))
-            .with("condition", Content::Json(json!(condition)))
-            .with_shown(Content::Text(
-                "RMS residual:",
-                Some(format!("{} ({})", number(report.scatter), self.output.name)),
-            ))
-            .with_shown(Content::Text(label, weighted))
-            .with_shown(Content::Text(
-                "condition:",
-                Some(format!("{}{caution}", number(condition))),
-            ))
-            .with("points", Content::Table(points))
+        let residual = format!("{} ({})", number(report.scatter), self.output.name);
+        let of = Answer { warnings, fails: !report.held.is_empty(), ..Answer::default() };
+        of.with_members(CalibrationMembers {
+            output: Data(self.output.name),
+            found: Keyed(found),
+            errors: Word("errors:", self.errors().to_owned()),
+            root_mean_square: Data(report.scatter),
+            weighted_root_mean_square: Data(report.weighted_scatter),
+            degrees_of_freedom: Data(free),
+            condition: Data(condition),
+            shown_residual: Word("RMS residual:", residual),
+            shown_weighted: Label(label, weighted),
+            shown_condition: Word("condition number:", format!("{}{caution}", number(condition))),
+            points: Rows(points),
+        })
     }
 }
 

@@ -1,18 +1,48 @@
 //! Comparison of all models at one operating point.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use bsm_design::FEW_DRAWS;
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use serde_json::json;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde_json::{Map, Value};
 
-use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Record, Table};
+use crate::answers::schema::RecordJson;
+use crate::vocabulary::members::{Cells, Label, Rows, Sentences, answer, row};
+use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, Record};
 
 /// Number of timed solver runs per model. The shortest time is reported.
 const REPEATS: usize = 20;
 
-/// Columns shown on the screen, with their headings.
-const SHOWN: [(&str, &str); 9] = [
+row! {
+    /// Solution of a model.
+    pub(crate) struct ModelRow {
+        [flatten] record: RecordCells;
+        /// Time of one solve \[µs\].
+        time_us: f64;
+        [skip] shown_time: String = "time us";
+    }
+}
+
+answer! {
+    /// Solutions of all models.
+    pub(crate) struct ModelsCompared {
+        regime: Label;
+        models: Rows<ModelRow>;
+    }
+}
+
+answer! {
+    /// Models that are not compared.
+    pub(crate) struct ModelsLeftOut {
+        /// Reasons why models are omitted.
+        left_out: Sentences;
+    }
+}
+
+/// Columns of a record that are shown on the screen, with their headings.
+const SHOWN: [(&str, &str); 8] = [
     ("model", "model"),
     ("status", "status"),
     ("efficiency", "efficiency"),
@@ -21,8 +51,36 @@ const SHOWN: [(&str, &str); 9] = [
     ("screw_normal_load_N", "Q screw N"),
     ("nut_contact_angle_deg", "angle nut deg"),
     ("screw_contact_angle_deg", "angle screw deg"),
-    ("", "time us"),
 ];
+
+/// Outputs of a record as cells of a row.
+#[derive(Debug, Clone)]
+pub(crate) struct RecordCells(Map<String, Value>);
+
+impl JsonSchema for RecordCells {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        RecordJson::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        RecordJson::json_schema(generator)
+    }
+}
+
+impl Cells for RecordCells {
+    fn columns() -> Vec<Column> {
+        let head = |name: &str| Some(SHOWN.iter().find(|(own, _)| *own == name)?.1);
+        RecordJson::names().map(|name| Column::new(name, head(name))).collect()
+    }
+
+    fn cells(&self) -> Vec<Value> {
+        RecordJson::names().map(|name| self.0[name].clone()).collect()
+    }
+}
 
 /// Solves a case with all models whose inputs are given, ordered by the number of inputs, and
 /// measures the time of one solver run \[µs\]. The answer states why other models are omitted. If
@@ -62,19 +120,12 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         let model = record.model().name();
         record.warnings(case).into_iter().map(move |text| format!("{model}: {text}"))
     });
-    let texts = ["model", "status", "message", "choice", "without_error_bound"].into_iter();
-    let members = texts.chain(OUTPUTS.iter().map(|output| output.name)).chain(["time_us", ""]);
-    let head =
-        |name: &str| SHOWN.iter().find(|(own, _)| *own == name).map(|(_, head)| (*head).into());
-    let columns = members.map(|name| Column { head: head(name), ..Column::of(name) });
-    let mut table = Table { columns: columns.collect(), ..Table::default() };
-    let row = |(record, time): &(Record, f64)| {
-        let mut json = record.to_json();
-        json.insert("time_us".to_owned(), json!(time));
-        json.insert(String::new(), json!(format!("{time:.2}")));
-        table.columns.iter().map(|column| json[column.name].clone()).collect()
+    let row = |(record, time): &(Record, f64)| ModelRow {
+        record: RecordCells(record.to_json()),
+        time_us: *time,
+        shown_time: format!("{time:.2}"),
     };
-    table.rows = answers.iter().map(row).collect();
+    let models = Rows(answers.iter().map(row).collect());
     // The regime is taken from the most complete model that solved the point.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
     let mut answer = Answer {
@@ -83,13 +134,12 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         fails: answers.iter().any(|(record, _)| record.status() != Status::Converged),
         ..Answer::default()
     }
-    .with("regime", Content::Text("regime ", regime.map(str::to_owned)))
-    .with("models", Content::Table(table));
+    .with_members(ModelsCompared { regime: Label("regime ", regime.map(str::to_owned)), models });
     for (record, _) in &answers {
         let why = record.message().map(str::to_owned);
         answer = answer.with_shown(Content::Text(record.model().name(), why));
     }
-    Ok(answer.with("left_out", Content::Texts("not compared", left_out)))
+    Ok(answer.with_members(ModelsLeftOut { left_out: Sentences("not compared", left_out) }))
 }
 
 /// Returns the answer of a model and the time of one solver run \[µs\]. If no runs are timed, the

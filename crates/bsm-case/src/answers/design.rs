@@ -3,23 +3,24 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, BindingLimit, Check, Design, Infeasibility, LoadCase, Nut, OfferedSize, Outcome,
+    ActiveLimit, BindingLimit, Candidate, Check, Design, Infeasibility, LoadCase, Nut, Outcome,
     PhasePoint, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
-use serde_json::json;
 
 use super::axis::QUANTITIES as AXIS;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::axis::quick_efficiency;
 use crate::answers::optimum::hard_to_make;
+use crate::answers::schema::CaseJson;
+use crate::vocabulary::members::{Data, Label, Rows, Sentences, answer, row};
 use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
-    Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Content, Criterion, INPUTS, Output,
-    OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, Verdict, output, sheet_columns,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Criterion, INPUTS, Output,
+    OutputName, REQUIREMENT_INPUTS, RequirementFile, Verdict, output, sheet_columns,
 };
 
 /// A result of the selection procedure and the requirement that it must meet.
@@ -64,8 +65,35 @@ pub struct DesignReport {
 /// Name of the output for the efficiency of the whole screw.
 const EFFICIENCY: OutputName = output!(screw_efficiency);
 
-/// Columns of the table that lists the selection steps.
-pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
+row! {
+    /// A step of the selection.
+    pub(crate) struct StepRow {
+        /// Step of Lin's procedure, or 11 for additional results.
+        step: u8 = "step";
+        /// Name of the quantity, with its unit as a suffix.
+        name: &'static str;
+        [skip] label: &'static str = "";
+        [skip] unit: &'static str = "";
+        value: Option<f64> = "value";
+        /// Requirement as text.
+        required: Option<String> = "limit";
+        passes: bool;
+        [skip] verdict: Option<&'static str> = "";
+    } unit unit
+}
+
+answer! {
+    /// Selected screw.
+    pub(crate) struct DesignMembers {
+        /// True if the screw meets the requirement.
+        found: Data<bool>;
+        steps: Rows<StepRow>;
+        /// Active limits, or limits that cannot be met.
+        reasons: Sentences;
+        [skip] order: Label;
+        case: Data<CaseJson>;
+    }
+}
 
 thread_local! {
     /// Workspace of the models. Each search thread has its own workspace.
@@ -79,8 +107,9 @@ impl DesignReport {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
         let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
-        let outcome = requirement.problem.choose(&efficiency, &|nut| accepted(requirement, nut));
-        Self::from_outcome(requirement, outcome, &[])
+        let outcome =
+            requirement.problem.choose(&efficiency, &|design| accepted(requirement, design));
+        Self::from_outcome(requirement, outcome)
     }
 
     /// Searches for the best screw among standard sizes. Returns `None` if the lists contain no
@@ -89,17 +118,12 @@ impl DesignReport {
         let Catalog { lists, limits } = catalog;
         let requirement = &requirement.within(catalog);
         let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
-        let accepted = |nut: &Nut| accepted(requirement, nut);
+        let accepted = |design: &Design| accepted(requirement, design);
         let outcome = requirement.problem.choose_standard(lists, limits, &efficiency, &accepted)?;
-        Some(Self::from_outcome(requirement, outcome, &lists.offered))
+        Some(Self::from_outcome(requirement, outcome))
     }
 
-    /// * `offered`: manufacturers' sizes from which the screw was chosen; empty for other searches.
-    fn from_outcome(
-        requirement: &RequirementFile,
-        outcome: Outcome,
-        offered: &[OfferedSize],
-    ) -> Self {
+    fn from_outcome(requirement: &RequirementFile, outcome: Outcome) -> Self {
         let (design, mut reasons, mut found): (_, Vec<String>, _) = match outcome {
             Outcome::Found { design, active, failed_rules } => {
                 let mut names: Vec<_> =
@@ -118,11 +142,8 @@ impl DesignReport {
                 (design, blocking.iter().map(blocks).collect(), false)
             }
         };
-        let mut case = case(requirement, &design);
-        let size = offered_size(&case, offered);
-        if let Some((diameter, _)) = size {
-            case.nominal_diameter_mm = Some(diameter);
-        }
+        let case = case(requirement, &design);
+        let offered = design.size.and_then(|size| size.offered);
         let judged = requirement.judge(&case);
         let why = match &judged {
             Ok(_) => None,
@@ -190,7 +211,7 @@ impl DesignReport {
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
         let mut notes = requirement.notes.clone();
-        if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
+        if offered.is_some_and(|size| !size.ball_is_printed) {
             notes.push(
                 "The ball diameter is an estimate; ask the manufacturer for the actual diameter."
                     .to_owned(),
@@ -203,29 +224,28 @@ impl DesignReport {
     /// Returns the answer: whether a screw was found, the steps of the selection, and the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
-            let DesignRow { step, name, label, unit, value, requirement, passes } = row;
-            let verdict = if *passes { "pass" } else { "FAIL" };
-            vec![
-                json!(step),
-                json!(name),
-                json!(label),
-                json!(unit),
-                json!(value),
-                json!(requirement),
-                json!(passes),
-                json!(requirement.as_ref().map(|_| verdict)),
-            ]
+            let verdict = if row.passes { "pass" } else { "FAIL" };
+            StepRow {
+                step: row.step,
+                name: row.name,
+                label: row.label,
+                unit: row.unit,
+                value: row.value,
+                required: row.requirement.clone(),
+                passes: row.passes,
+                verdict: row.requirement.as_ref().map(|_| verdict),
+            }
         };
-        let row_units = self.rows.iter().map(|row| row.unit).collect();
-        let steps = Table { row_units, ..Table::of(STEP_COLUMNS, self.rows.iter().map(row)) };
         let label = if self.found { "active limit" } else { "no screw found" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
-        Answer { notes, warnings, fails: !self.found, ..Answer::default() }
-            .with("found", Content::Json(self.found.into()))
-            .with("steps", Content::Table(steps))
-            .with("reasons", Content::Texts(label, self.reasons.clone()))
-            .with_shown(Content::Text("order:", self.order.clone()))
-            .with("case", Content::Json(self.case.to_json()))
+        let of = Answer { notes, warnings, fails: !self.found, ..Answer::default() };
+        of.with_members(DesignMembers {
+            found: Data(self.found),
+            steps: Rows(self.rows.iter().map(row).collect()),
+            reasons: Sentences(label, self.reasons.clone()),
+            order: Label("order:", self.order.clone()),
+            case: Data(CaseJson(self.case.to_json())),
+        })
     }
 }
 
@@ -263,14 +283,14 @@ impl RequirementFile {
     }
 
     /// Returns the case of a nut at the operating point of the requirement.
-    pub fn case_of(&self, nut: &Nut) -> Case {
-        case(self, &Design::of(&self.problem, *nut, None))
+    pub fn case_of(&self, candidate: &Candidate) -> Case {
+        case(self, &Design::of_candidate(&self.problem, candidate, None))
     }
 
     /// Returns the outputs [`sheet_columns`] for a nut in the axis of the requirement, with NaN for
     /// missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
-    pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
-        let report = self.judge(&self.case_of(nut)).ok()?;
+    pub fn sheet_of(&self, candidate: &Candidate) -> Option<Vec<f64>> {
+        let report = self.judge(&self.case_of(candidate)).ok()?;
         let number = |column: &Output| report.number(column.into()).unwrap_or(f64::NAN);
         let suits = self.objections(&report).next().is_none();
         suits.then(|| sheet_columns().map(number).collect())
@@ -306,6 +326,14 @@ impl RequirementFile {
         }
     }
 
+    /// Returns the titles of the violated rules on the sheet of a screw, and the labels of the
+    /// selection limits in its warnings.
+    pub(crate) fn failed_rules(&self, sheet: &AxisReport) -> Vec<&'static str> {
+        let broken = sheet.answer.rules.iter().filter(|rule| rule.fails()).map(|rule| rule.title);
+        let limits = sheet.warnings.iter().filter_map(|warning| self.forbids(warning));
+        broken.chain(limits.map(SelectionLimit::label)).collect()
+    }
+
     /// Returns the reasons why a screw is not selected: the names of the violated rules on its
     /// sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
@@ -318,12 +346,12 @@ impl RequirementFile {
     }
 }
 
-/// Checks a nut against the rules of its sheet and the warnings that are selection limits. The
+/// Checks a design against the rules of its sheet and the warnings that are selection limits. The
 /// search does not calculate all balls of a nut, so the efficiency of a preloaded nut is checked
 /// here, too.
-fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
+fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
-    let case = requirement.case_of(nut);
+    let case = case(requirement, design);
     // Most rules can be checked quickly without friction. A warm state needs friction.
     if !case.asks_warm() {
         let sheet = requirement.judge(&case.clone().without_friction()).map_err(|_| Vec::new())?;
@@ -338,7 +366,7 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if by_all_balls {
         let efficiency = |_: &Nut, _: &PhasePoint| sheet.number(EFFICIENCY);
-        let design = Design::of(&requirement.problem, *nut, Some(&efficiency));
+        let design = Design::of(&requirement.problem, design.nut, Some(&efficiency));
         let failing = design.checks.iter().filter(|check| !check.passes());
         broken.extend(failing.map(|check| step(check.quantity).name));
     }
@@ -348,19 +376,20 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
 /// Uses the model that the requirement specifies to calculate the efficiency of the whole screw at
 /// a moment of a phase. Returns `None` if the model has no solution.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
-    let case = requirement.case_of(nut);
+    let case = case(requirement, &Design::of(&requirement.problem, *nut, None));
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
 /// Returns the case of a design in the axis of the requirement, with the load that a given torque
-/// produces and the preload of a preload class.
+/// produces, the preload of a preload class, and the nominal diameter of a listed size.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
-    let Design { nut, phase, .. } = design;
+    let Design { nut, size, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     let conformity = Some(decimal(nut.conformity.0));
     // A nut with several thread starts has one circuit on each start.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Case {
+        nominal_diameter_mm: size.map(|size| decimal(size.diameter / MM)),
         ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),
         pitch_circle_diameter_mm: Some(decimal(nut.pitch_diameter / MM)),
         lead_mm: Some(decimal(nut.lead / MM)),
@@ -416,7 +445,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         buckling_safety = AXIS Scalar(|x| *x);
         unsupported_length_mm = INPUTS Scalar(|x| x / MM);
         inertia_of_screw_kg_m2 = AXIS Scalar(|x| *x);
-        mass_of_nut_and_screw_kg ["kg"] Scalar(|x| *x), "mass of nut and screw";
+        mass_of_nut_and_screw_kg = AXIS Scalar(|x| *x);
     }
 }
 
@@ -471,22 +500,6 @@ fn of_rule(rule: &Criterion) -> DesignRow {
         requirement: rule.must_be(),
         passes: rule.passes(),
     }
-}
-
-/// Returns the nominal diameter that manufacturers list for a chosen screw \[mm\], and whether a
-/// manufacturer publishes the ball diameter.
-fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
-    let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
-    let alike = |size: &&OfferedSize| {
-        same(case.lead_mm, size.lead) && same(case.ball_diameter_mm, size.ball)
-    };
-    let printed = offered.iter().filter(alike).any(|size| size.ball_is_printed);
-    // Sizes with the same lead and ball diameter differ by about 10 mm in nominal diameter, so the
-    // size closest to the pitch circle is the chosen one.
-    let pitch = case.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
-    let far = |size: &&OfferedSize| (size.diameter - pitch).abs();
-    let size = offered.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    Some((decimal(size.diameter / MM), printed))
 }
 
 /// Describes a rule of the sheet that the best screw within all other limits violates.

@@ -6,37 +6,83 @@ use bsm_dyn::{
     model::Sliding,
 };
 use bsm_kin::{BallFrame, Site};
-use serde_json::{Value, json};
 
 use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
+use crate::vocabulary::members::{Rows, Word, answer, row};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{Answer, Case, CaseError, Content, Output, Record, Scales, Settings, Table};
+use crate::{Answer, Case, CaseError, Output, Record, Scales, Settings};
 
 /// Pressure, slip and friction on a grid over the two contact ellipses of a ball, with the sticking
 /// share and integrated results.
 #[derive(Debug, Clone)]
 pub struct EllipseFields {
     model: Model,
-    /// Nut and screw contacts, with the columns of [`CONTACT`].
-    contacts: Table,
+    /// Nut and screw contacts.
+    contacts: Vec<EllipseContact>,
     /// Warnings about the solution.
     warnings: Vec<String>,
 }
 
-/// Columns of a contact. Coordinates are relative to the semi-axes, with the first coordinate
-/// across the groove. Friction is relative to the normal pressure. Fields are stored row by row,
-/// with rows along the groove and null outside the ellipse.
-pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
-    | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction / load \
-    | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \
-    | -places:numbers | -pressure_MPa:[number?] | -slip_across_m_s:[number?] | -slip_along_m_s:[number?] \
-    | -friction_across:[number?] | -friction_along:[number?] | sticking_share=sticking share";
+row! {
+    /// A contact with its fields. Coordinates are relative to the semi-axes, with the first
+    /// coordinate across the groove. Friction is relative to the normal pressure. Fields are stored
+    /// row by row, with rows along the groove and null outside the ellipse.
+    #[expect(non_snake_case, reason = "the names end with unit symbols")]
+    pub(crate) struct EllipseContact {
+        /// `nut` or `screw`.
+        contact: &'static str = "contact";
+        contact_angle_deg: f64;
+        normal_load_N: f64 = "load, N";
+        semi_axes_mm: [f64; 2];
+        max_pressure_MPa: f64 = "pressure, MPa";
+        friction_force_N: [f64; 2];
+        friction_over_load: f64 = "friction / load";
+        spin_rad_s: f64 = "spin, rad/s";
+        /// Slip speed below which a point sticks.
+        creep_speed_m_s: f64;
+        /// True if the model has saturated friction.
+        saturated: bool;
+        /// Positions of the lines of pure rolling.
+        rolling_lines: Vec<f64>;
+        /// Positions of the points of pure spin.
+        spin_poles: Vec<[f64; 2]>;
+        /// Coordinates of the grid.
+        places: Vec<f64>;
+        pressure_MPa: Field;
+        slip_across_m_s: Field;
+        slip_along_m_s: Field;
+        friction_across: Field;
+        friction_along: Field;
+        /// Share of the points whose slip speed is below the creep speed.
+        sticking_share: f64 = "share of the ellipse below the creep speed";
+    }
+}
 
-/// Fields that are calculated at each grid point of a contact.
-const FIELDS: [&str; 5] =
-    ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
+/// Values at the grid points of a contact; `None` outside the ellipse.
+type Field = Vec<Option<f64>>;
+
+answer! {
+    /// Contacts of a ball with their fields.
+    pub(crate) struct EllipseMembers {
+        model: Word;
+        contacts: Rows<EllipseContact>;
+    }
+}
+
+impl EllipseContact {
+    /// Returns the fields in the order of [`HEADS`].
+    fn fields(&self) -> [&Field; 5] {
+        [
+            &self.pressure_MPa,
+            &self.slip_across_m_s,
+            &self.slip_along_m_s,
+            &self.friction_across,
+            &self.friction_along,
+        ]
+    }
+}
 
 /// Columns of the field table: the coordinates relative to the semi-axes, followed by the fields at
 /// nut and screw.
@@ -108,24 +154,30 @@ impl EllipseFields {
             let pressed = solution.contact(touch.site).and_then(|contact| contact.pressed);
             let max_pressure = pressed.map_or(f64::NAN, |pressed| pressed.max_pressure / MPA);
             let name = if touch.site == Site::Screw { "screw" } else { "nut" };
-            let mut row = vec![
-                json!(name),
-                json!(touch.angle / DEG),
-                json!(load),
-                json!([semi_axes.0 / MM, semi_axes.1 / MM]),
-                json!(max_pressure),
-                json!(force),
-                json!(force[0].hypot(force[1]) / load),
-                json!(scales.clean("rad/s", ball.spin(touch))),
-                json!(creep),
-                json!(matches!(sliding, Sliding::Point)),
-                json!(slip.rolling_lines()),
-                json!(slip.spin_poles()),
-            ];
-            row.extend(over_the_ellipse(&slip, (&law, max_pressure), points));
-            contacts.push(row);
+            let Grid { places, fields, sticking } = Grid::of(&slip, (&law, max_pressure), points);
+            let [pressure, across, along, pull_across, pull_along] = fields;
+            contacts.push(EllipseContact {
+                contact: name,
+                contact_angle_deg: touch.angle / DEG,
+                normal_load_N: *load,
+                semi_axes_mm: [semi_axes.0 / MM, semi_axes.1 / MM],
+                max_pressure_MPa: max_pressure,
+                friction_force_N: force,
+                friction_over_load: force[0].hypot(force[1]) / load,
+                spin_rad_s: scales.clean("rad/s", ball.spin(touch)),
+                creep_speed_m_s: creep,
+                saturated: matches!(sliding, Sliding::Point),
+                rolling_lines: slip.rolling_lines(),
+                spin_poles: slip.spin_poles(),
+                places,
+                pressure_MPa: pressure,
+                slip_across_m_s: across,
+                slip_along_m_s: along,
+                friction_across: pull_across,
+                friction_along: pull_along,
+                sticking_share: sticking,
+            });
         }
-        let contacts = Table::of(CONTACT, contacts);
         let warnings = Record::new(solution.clone()).all_warnings(case);
         Ok(Self { model: solution.model, contacts, warnings })
     }
@@ -135,10 +187,11 @@ impl EllipseFields {
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
         let warnings = self.warnings.clone();
-        let mut answer = Answer { warnings, ..Answer::default() }
-            .with("model", Content::Text("model ", Some(model.to_owned())))
-            .with("contacts", Content::Table(self.contacts.clone()));
-        if self.contacts.rows.is_empty() {
+        let mut answer = Answer { warnings, ..Answer::default() }.with_members(EllipseMembers {
+            model: Word("model ", model.to_owned()),
+            contacts: Rows(self.contacts.clone()),
+        });
+        if self.contacts.is_empty() {
             answer.notes.push(format!("Model {model} has contact points without ellipses."));
         }
         answer
@@ -146,18 +199,12 @@ impl EllipseFields {
 
     /// Returns the fields as a table, with one row per grid point within the ellipses.
     pub fn columns(&self) -> Columns {
-        let Table { columns, rows: contacts, .. } = &self.contacts;
-        let list = |contact: &[Value], name: &str| -> Vec<f64> {
-            let cells = columns.iter().zip(contact).filter(|(column, _)| column.name == name);
-            let values = cells.flat_map(|(_, cell)| cell.as_array().into_iter().flatten());
-            values.map(|value| value.as_f64().unwrap_or(f64::NAN)).collect()
-        };
-        let places = contacts.first().map_or_else(Vec::new, |first| list(first, "places"));
+        let places = self.contacts.first().map_or(&[][..], |first| &first.places);
         let points = places.iter().flat_map(|y| places.iter().map(move |x| vec![*x, *y]));
         let mut rows: Vec<_> = points.collect();
-        for contact in contacts {
-            for values in FIELDS.map(|name| list(contact, name)) {
-                rows.iter_mut().zip(values).for_each(|(row, value)| row.push(value));
+        for field in self.contacts.iter().flat_map(EllipseContact::fields) {
+            for (row, value) in rows.iter_mut().zip(field) {
+                row.push(value.unwrap_or(f64::NAN));
             }
         }
         rows.retain(|row| row.get(2).is_some_and(|pressure| pressure.is_finite()));
@@ -165,31 +212,39 @@ impl EllipseFields {
     }
 }
 
-/// Returns the coordinates of a grid over an ellipse, the fields at the grid points, and the
-/// fraction of points whose slip speed is below the creep speed.
-fn over_the_ellipse(
-    slip: &EllipseSlip<f64>,
-    (law, max_pressure): (&Law, f64),
-    points: u32,
-) -> impl Iterator<Item = Value> + use<> {
-    let places: Vec<_> = (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
-    let mut lists: [Vec<_>; FIELDS.len()] = <_>::default();
-    let (mut inside, mut sticking) = (0.0, 0.0);
-    for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
-        let within = xi.hypot(upsilon) <= 1.0;
-        let [along, across] = slip.at(xi, upsilon);
-        // p = p_max √(1 − ξ² − υ²), Hertz
-        let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
-        let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
-        let values = [pressure, across, along, pull_across, pull_along];
-        for (list, value) in lists.iter_mut().zip(values) {
-            list.push(within.then_some(value));
+/// Fields on a grid over an ellipse.
+struct Grid {
+    /// Coordinates of the grid.
+    places: Vec<f64>,
+    /// Pressure, slip and friction at the grid points.
+    fields: [Field; 5],
+    /// Share of points whose slip speed is below the creep speed.
+    sticking: f64,
+}
+
+impl Grid {
+    /// Returns the coordinates of a grid over an ellipse, the fields at the grid points, and the
+    /// fraction of points whose slip speed is below the creep speed.
+    fn of(slip: &EllipseSlip<f64>, (law, max_pressure): (&Law, f64), points: u32) -> Self {
+        let places: Vec<_> =
+            (0..=2 * points).map(|i| f64::from(i) / f64::from(points) - 1.0).collect();
+        let mut fields: [Field; 5] = <_>::default();
+        let (mut inside, mut sticking) = (0.0, 0.0);
+        for (upsilon, xi) in places.iter().flat_map(|y| places.iter().map(move |x| (*y, *x))) {
+            let within = xi.hypot(upsilon) <= 1.0;
+            let [along, across] = slip.at(xi, upsilon);
+            // p = p_max √(1 − ξ² − υ²), Hertz
+            let pressure = max_pressure * (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
+            let [pull_along, pull_across] = slip.friction(xi, upsilon, law);
+            let values = [pressure, across, along, pull_across, pull_along];
+            for (field, value) in fields.iter_mut().zip(values) {
+                field.push(within.then_some(value));
+            }
+            if within {
+                inside += 1.0;
+                sticking += f64::from(u8::from(slip.creeps(xi, upsilon)));
+            }
         }
-        if within {
-            inside += 1.0;
-            sticking += f64::from(u8::from(slip.creeps(xi, upsilon)));
-        }
+        Self { places, fields, sticking: sticking / inside }
     }
-    let fields = lists.into_iter().map(|list| json!(list));
-    std::iter::once(json!(places)).chain(fields).chain([json!(sticking / inside)])
 }

@@ -5,13 +5,18 @@ use std::cell::RefCell;
 use bsm_design::search::{SignChange, sign_changes};
 use bsm_design::{Band, FEW_DRAWS};
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
 
 use crate::answers::axis::rule_titles;
+use crate::answers::groove::pair;
+use crate::answers::schema::RecordJson;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::members::{Data, Maybe, Word, answer, one_member, with_unit};
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
-    AnalysisKind, Answer, AxisReport, Case, CaseError, Content, InputKey, Known, ModelChoice,
+    AnalysisKind, Answer, AxisReport, Case, CaseError, INPUTS, InputKey, Known, ModelChoice,
     Output, Quantity, Record, Rule, Settings, interval,
 };
 
@@ -99,6 +104,50 @@ enum Target {
     Measured { output: &'static Output, value: f64 },
     /// The axis rule with this title is exactly at its limit.
     Limit { rule: &'static str },
+}
+
+/// The fitted input in JSON.
+pub(crate) struct InputJson(&'static str, f64);
+
+/// The measured output in JSON.
+pub(crate) struct OutputJson(&'static str, f64);
+
+one_member! {
+    InputJson of INPUTS.iter().map(|input| (input.name, with_unit(input.about, input.unit)));
+    OutputJson of Output::all().map(|output| (output.name, with_unit(output.about, output.unit)));
+}
+
+/// A value found by a fit, in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct FittedJson {
+    #[serde(flatten)]
+    value: InputJson,
+    /// Relative change of the input / relative change of the measured output or of the rule margin.
+    #[schemars(with = "Option<f64>")]
+    relative_response: f64,
+    /// Both ends of the 90 % interval over the possible grooves.
+    groove_interval: Option<[f64; 2]>,
+    /// Solution with this value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    result: Option<RecordJson>,
+    /// 90 % intervals of the solution over the possible grooves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    result_intervals: Option<Value>,
+}
+
+answer! {
+    /// Values of an input that satisfy a condition.
+    pub(crate) struct FitMembers {
+        [skip_serializing_if = "Maybe::is_none"] measured: Maybe<Data<OutputJson>>;
+        /// Title of the rule that is at its limit.
+        [skip_serializing_if = "Maybe::is_none"] limit: Maybe<Data<&'static str>>;
+        /// Parts of the search range in which the rule is met.
+        [skip_serializing_if = "Maybe::is_none"] kept: Maybe<Data<Vec<[f64; 2]>>>;
+        found: Data<Vec<FittedJson>>;
+        /// Smallest and largest output, or margin of the rule, in the search range.
+        reachable: Data<Option<[f64; 2]>>;
+        message: Word;
+    }
 }
 
 /// A search for the values of an input that satisfy a condition.
@@ -597,17 +646,12 @@ impl Fit {
 
     /// Returns the answer: the values found, each with its solution, and the reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
-        let fitted = |(f, solution): (&FitValue, &Answer)| {
-            let mut found = json!({
-                self.input.name(): f.value,
-                "relative_response": f.response,
-                "groove_interval": f.band.map(|band| [band.low, band.high]),
-            });
-            if let Some(record) = &f.record {
-                found["result"] = Value::Object(record.to_json());
-                found["result_intervals"] = solution.intervals();
-            }
-            found
+        let fitted = |(f, solution): (&FitValue, &Answer)| FittedJson {
+            value: InputJson(self.input.name(), f.value),
+            relative_response: f.response,
+            groove_interval: f.band.map(pair),
+            result: f.record.as_ref().map(|record| RecordJson(record.to_json())),
+            result_intervals: f.record.as_ref().map(|_| solution.intervals()),
         };
         let solutions: Vec<_> = report.found.iter().map(|found| found.solution(case)).collect();
         let values = report.found.iter().zip(&solutions);
@@ -628,19 +672,19 @@ impl Fit {
         let notes = case.groove_note().into_iter().chain(meaning).chain(self.about_rule());
         let notes = notes.chain(without).collect();
         let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
-        answer = match &self.target {
-            Target::Measured { output, value } => {
-                answer.with("measured", Content::Json(json!({ output.name: value })))
-            }
-            Target::Limit { rule } => answer
-                .with("limit", Content::Json(json!(rule)))
-                .with("kept", Content::Json(json!(report.kept))),
+        let (measured, limit) = match &self.target {
+            Target::Measured { output, value } => (Some(OutputJson(output.name, *value)), None),
+            Target::Limit { rule } => (None, Some(*rule)),
         };
-        let reachable = report.reachable.map(|(low, high)| [low, high]);
-        answer = answer
-            .with("found", Content::Json(values.map(fitted).collect()))
-            .with("reachable", Content::Json(json!(reachable)))
-            .with("message", Content::Text("", Some(self.describe(report))));
+        let kept: Vec<_> = report.kept.iter().map(|(low, high)| [*low, *high]).collect();
+        answer = answer.with_members(FitMembers {
+            measured: Maybe(measured.map(Data)),
+            limit: Maybe(limit.map(Data)),
+            kept: Maybe(limit.map(|_| Data(kept))),
+            found: Data(values.map(fitted).collect()),
+            reachable: Data(report.reachable.map(|(low, high)| [low, high])),
+            message: Word("", self.describe(report)),
+        });
         answer.sections.extend(solutions.into_iter().flat_map(|solution| solution.sections));
         answer
     }

@@ -4,9 +4,13 @@
 use std::collections::{HashMap, HashSet};
 
 use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use crate::case::rated_screw::usual_nut_length_mm;
 use crate::vocabulary::entries::Named;
+use crate::vocabulary::members::{ByName, Data, answer, row};
 use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{
@@ -70,8 +74,11 @@ impl Case {
         if !self.has_estimated_groove() {
             return None;
         }
-        let line = self.without_estimates();
+        let mut line = self.without_estimates();
         let estimate = line.groove_estimate().ok()??;
+        // The length of the nut is estimated from the best groove. It is the same for all possible
+        // grooves, so that the lengths of the axis have no intervals.
+        line.nut_length_mm = line.nut_length_mm.or_else(|| usual_nut_length_mm(self));
         Some((line, estimate))
     }
 
@@ -101,6 +108,45 @@ pub fn over_grooves<E>(
     answer: impl Fn(&Case) -> Result<Answer, E> + Sync,
 ) -> Result<Answer, E> {
     Ok(answer(case)?.over_grooves(case, count, |possible| answer(possible).ok()))
+}
+
+/// Estimate of a groove in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct EstimateJson {
+    /// Logarithm of the probability density of the ratings and sizes.
+    ln_evidence: f64,
+    /// Pairs of ball diameter \[mm\] and probability.
+    balls: Vec<[f64; 2]>,
+    /// Ball diameters that together have a probability of 90 % \[mm\].
+    ball_set_90: Vec<f64>,
+    /// Number of loaded balls: 5 %, 50 % and 95 % quantile.
+    loaded_balls: [f64; 3],
+    /// Number of possible grooves.
+    draws: usize,
+    /// Number of possible grooves without a result.
+    without_result: usize,
+    /// Number of possible grooves that have a number, for numbers that do not exist for all grooves.
+    grooves_with_number: ByName<usize>,
+    /// Members of the answer that depend on the groove, with both ends of their 90 % intervals.
+    intervals: Value,
+}
+
+answer! {
+    /// Estimate of a groove from the load ratings.
+    pub(crate) struct EstimateMember {
+        groove_estimate: Data<EstimateJson>;
+    }
+}
+
+row! {
+    /// A quantity of the estimate.
+    struct EstimateRow {
+        [skip] what: &'static str = "groove, estimated from the ratings";
+        [skip] value: String = "";
+        [skip] unit: &'static str = "";
+        [skip] source: &'static str = "";
+        [skip] sure: String = "probability or 90 % interval";
+    }
 }
 
 impl Answer {
@@ -144,25 +190,24 @@ impl Answer {
         let mut intervals = self.intervals();
         if let Value::Object(intervals) = &mut intervals {
             let missing = partial.iter().filter(|number| !number.has_value);
-            let missing =
-                missing.filter_map(|number| Some((number.name.to_owned(), pair(number.band?))));
+            let missing = missing
+                .filter_map(|number| Some((number.name.to_owned(), json!(pair(number.band?)))));
             intervals.extend(missing);
         }
-        let counts = partial.iter().map(|number| (number.name.to_owned(), json!(number.grooves)));
+        let counts = partial.iter().map(|number| (number.name.to_owned(), number.grooves));
         let loaded_balls = [0.05, 0.5, 0.95].map(|part| estimate.loaded_balls_quantile(part));
-        self.with(
-            "groove_estimate",
-            Content::Json(json!({
-                "ln_evidence": estimate.ln_evidence,
-                "balls": pairs(&estimate),
-                "ball_set_90": likely(&estimate),
-                "loaded_balls": loaded_balls,
-                "draws": count,
-                "without_result": count - solved.len(),
-                "grooves_with_number": counts.collect::<Map<_, _>>(),
-                "intervals": intervals,
-            })),
-        )
+        self.with_members(EstimateMember {
+            groove_estimate: Data(EstimateJson {
+                ln_evidence: estimate.ln_evidence,
+                balls: pairs(&estimate),
+                ball_set_90: likely(&estimate),
+                loaded_balls,
+                draws: count,
+                without_result: count - solved.len(),
+                grooves_with_number: ByName(counts.collect()),
+                intervals,
+            }),
+        })
     }
 
     /// Returns the 90 % interval of the number with the given name, or `None` if the number does
@@ -353,7 +398,7 @@ impl Answer {
         for row in self.all_rows() {
             for (column, band) in row.quantity.columns.iter().zip(row.bands) {
                 if let Some(band) = band {
-                    map.insert(column.name.to_owned(), pair(band));
+                    map.insert(column.name.to_owned(), json!(pair(band)));
                 }
             }
         }
@@ -365,7 +410,7 @@ impl Answer {
                 map.insert(member.to_owned(), table.intervals());
             }
         }
-        let of_rule = |rule: &Criterion| Some((rule.title.to_owned(), pair(rule.band?)));
+        let of_rule = |rule: &Criterion| Some((rule.title.to_owned(), json!(pair(rule.band?))));
         let rules: Map<_, _> = self.rules.iter().filter_map(of_rule).collect();
         if !rules.is_empty() {
             map.insert("rules".to_owned(), Value::Object(rules));
@@ -425,9 +470,9 @@ fn about_partial(numbers: &[PartialNumber], count: usize) -> Vec<String> {
     groups.iter().map(note).collect()
 }
 
-/// Returns both ends of an interval as a JSON array.
-pub(crate) fn pair(band: Band) -> Value {
-    json!([band.low, band.high])
+/// Returns both ends of an interval.
+pub(crate) fn pair(band: Band) -> [f64; 2] {
+    [band.low, band.high]
 }
 
 impl Table {
@@ -442,8 +487,8 @@ impl Table {
     fn intervals(&self) -> Value {
         let row = |bands: &Vec<Option<Band>>| -> Value {
             let named = self.columns.iter().zip(bands);
-            let named =
-                named.filter_map(|(column, band)| Some((column.name.to_owned(), pair((*band)?))));
+            let named = named
+                .filter_map(|(column, band)| Some((column.name.to_owned(), json!(pair((*band)?)))));
             Value::Object(named.collect())
         };
         if !self.keyed {
@@ -602,8 +647,8 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
         format!("{} to {}", digits(low, 3), digits(high, 3))
     };
     let mut rows = Vec::new();
-    let mut row = |what: &str, value: String, unit: &str, source: &str, sure: String| {
-        rows.push(vec![json!(what), json!(value), json!(unit), json!(source), json!(sure)]);
+    let mut row = |what, value: String, unit, source, sure: String| {
+        rows.push(EstimateRow { what, value, unit, source, sure });
     };
     let best = estimate.best();
     if is_estimated(InputKey::ball_diameter_mm) {
@@ -638,10 +683,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
             row(what, trimmed(value), unit, "assumed", ends(key));
         }
     }
-    Table::of(
-        "=groove, estimated from the ratings | = | = | = | =probability or 90 % interval",
-        rows,
-    )
+    Table::of(&rows)
 }
 
 /// Describes the 90 % range of loaded turns over the hypotheses, weighted by their probabilities.

@@ -18,10 +18,16 @@ use bsm_dyn::{
 use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
 use crate::answers::record::message;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::members::number_tables;
 use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{Answer, Case, CaseError, InputKey, output};
+
+number_tables! {
+    /// Numbers of a jamming analysis.
+    pub(crate) JamNumbers = QUANTITIES.iter();
+}
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "elastic deformation and permanent set of the contacts" {
@@ -206,7 +212,7 @@ pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
         (output!(jams), jam.return_text(case)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
-    let mut answer = of_a_motion(QUANTITIES, case, solution, numbers, verdicts, lacks);
+    let mut answer = of_a_motion::<JamNumbers>(case, solution, numbers, verdicts, lacks);
     answer.notes.extend(case.given().is_lubricated().then(|| jam.friction.words()));
     Ok(answer)
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_design::{Band, FEW_DRAWS, Nut};
+use bsm_design::{Band, FEW_DRAWS, Nut, StiffnessAt};
 use serde_json::{Map, Value, json};
 
 use super::groove::pair;
@@ -12,11 +12,12 @@ use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::column_values::ColumnValues;
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::number::{digits, short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, InputKey, Output,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, INPUTS, InputKey, Output,
     OutputName, RequirementFile, Table, TableFormat, Verdict, output, over_grooves, ratings,
     sheet_columns,
 };
@@ -51,8 +52,6 @@ pub struct ManufacturerNut {
     pub name: String,
     /// Case of the nut, with the ratings stated by the manufacturer.
     pub case: Case,
-    /// Stiffness stated by the manufacturer \[N/µm\].
-    pub stiffness: Option<f64>,
     /// Names and cells of text columns that are not inputs.
     pub texts: Vec<(String, String)>,
 }
@@ -76,8 +75,8 @@ impl ManufacturerNut {
         })?;
         let nuts = cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
-            let mut nut = Self { name, case, stiffness: None, texts: Vec::new() };
-            let (mut circuits, mut core) = (None, None);
+            let mut nut = Self { name, case, texts: Vec::new() };
+            let (mut circuits, mut core, mut stiffness) = (None, None, None);
             for ((word, change), text) in row {
                 if word == "nut" {
                     text.clone_into(&mut nut.name);
@@ -91,9 +90,14 @@ impl ManufacturerNut {
                 match word {
                     "circuits" => circuits = value,
                     "core_diameter_mm" => core = value,
-                    "stiffness_N_um" => nut.stiffness = value,
+                    "stiffness_N_um" => stiffness = value,
                     word => nut.case[InputKey::named(word)?] = value,
                 }
+            }
+            if let Some(stiffness) = stiffness {
+                nut.case.rated_rigidity_N_um.get_or_insert(stiffness);
+                let at = Named(StiffnessAt::Load(STIFFNESS_AT));
+                nut.case.nut.rated_rigidity_at.get_or_insert(at);
             }
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
@@ -115,12 +119,25 @@ impl ManufacturerNut {
         case
     }
 
-    /// Returns the inputs that occur in the table, except for the ratings, which have separate
-    /// columns.
+    /// Returns the stiffness of one nut that the manufacturer states \[N/µm\], or `None` if the
+    /// stated stiffness is that of a preloaded nut.
+    fn stiffness(&self) -> Option<f64> {
+        let is_of_one =
+            matches!(self.case.nut.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
+        self.case.rated_rigidity_N_um.filter(|_| is_of_one)
+    }
+
+    /// Returns the inputs that occur in the table, except for ratings, mass and stiffness of the nut,
+    /// which have separate columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
-        let ratings = [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N];
-        let is_given = |key: &InputKey| nuts.iter().any(|nut| nut.case[*key].is_some());
-        let all = InputKey::ALL.into_iter().filter(|key| !ratings.contains(key));
+        let separate =
+            [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N, InputKey::nut_mass_kg];
+        let is_given = |key: &InputKey| {
+            let has_stiffness =
+                |nut: &Self| *key == InputKey::rated_rigidity_N_um && nut.stiffness().is_some();
+            nuts.iter().any(|nut| nut.case[*key].is_some() && !has_stiffness(nut))
+        };
+        let all = InputKey::ALL.into_iter().filter(|key| !separate.contains(key));
         all.filter(is_given).collect()
     }
 }
@@ -144,9 +161,9 @@ quantities! {
         our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating(output!(dynamic_load_rating_N))), "calculated dynamic load rating";
         static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
         our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
-        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as stated by the manufacturer";
+        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness()), "stiffness of one nut as stated by the manufacturer";
         our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
-        mass_kg = RATINGS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(mass_kg))));
+        nut_mass_kg = INPUTS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(nut_mass_kg))));
     }
 }
 
@@ -181,9 +198,12 @@ const NO_GROOVE: &str = "none";
 
 /// Describes the ball of an estimated groove, and whether its diameter is given or estimated.
 fn estimated_ball(case: &Case) -> Option<String> {
-    let given =
-        if case.estimates(InputKey::ball_diameter_mm.name()) { "estimated" } else { "given" };
-    Some(format!("estimated, ball {} mm {given}", trimmed(case.ball_diameter_mm?)))
+    let what = if case.estimates(InputKey::ball_diameter_mm.name()) {
+        "estimated together with the ball of"
+    } else {
+        "estimated for the given ball of"
+    };
+    Some(format!("{what} {} mm", trimmed(case.ball_diameter_mm?)))
 }
 
 /// Columns of stated values, each with the column of the corresponding calculated value.
@@ -205,6 +225,8 @@ pub struct ManufacturerRow {
     pub numbers: Vec<ListNumber>,
     /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
     pub verdict: Option<Verdict>,
+    /// Titles of the violated rules and labels of the violated selection limits.
+    pub failed_rules: Vec<&'static str>,
     /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
     /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
@@ -227,6 +249,9 @@ const MIN_ROWS_OF_MEDIAN: usize = 5;
 
 /// Plausible range of a row's rating ratio, relative to the median of its table.
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
+
+/// Title of the rule that ratings and geometry of a row must belong to the same nut.
+const SAME_NUT: &str = "ratings and geometry of the same nut";
 
 /// A number of a nut in a list.
 #[derive(Debug, Clone, Copy)]
@@ -279,7 +304,7 @@ impl ManufacturerRow {
         Self::compare(&mut rows);
         let mass = |row: &Self| {
             let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
-            screw + row.value("mass_kg").unwrap_or(0.0)
+            screw + row.value("nut_mass_kg").unwrap_or(0.0)
         };
         rows.sort_by(|a, b| b.verdict.cmp(&a.verdict).then(mass(a).total_cmp(&mass(b))));
         Ok(rows)
@@ -310,6 +335,7 @@ impl ManufacturerRow {
             case: nut.case.clone(),
             numbers: numbers_of(&compared, BESIDE.iter().flat_map(|of| of.columns)).collect(),
             verdict: None,
+            failed_rules: Vec::new(),
             warnings: Vec::new(),
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
@@ -320,6 +346,7 @@ impl ManufacturerRow {
         row.case = nut.within(requirement);
         if other.is_some() {
             row.verdict = Some(Verdict::Fails);
+            row.failed_rules = vec![SAME_NUT];
             row.numbers.extend(numbers_of(&Answer::default(), sheet_columns()));
             return Ok(row);
         }
@@ -330,6 +357,7 @@ impl ManufacturerRow {
         let settings = sheet.settings;
         sheet = sheet.over_grooves(|possible| AxisReport::numbers_only(possible, &settings).ok());
         row.verdict = Some(requirement.verdict(&sheet));
+        row.failed_rules = requirement.failed_rules(&sheet);
         let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
         // The first note describes the estimate, and the notes of the sheet follow it. Only the
@@ -360,7 +388,7 @@ impl ManufacturerRow {
     /// Returns the intervals as a JSON object with the names of the numbers.
     fn intervals(&self) -> Value {
         let named = |ListNumber { column, band, .. }: &ListNumber| {
-            Some((column.name.to_owned(), pair((*band)?)))
+            Some((column.name.to_owned(), json!(pair((*band)?))))
         };
         Value::Object(self.numbers.iter().filter_map(named).collect::<Map<_, _>>())
     }
@@ -421,7 +449,7 @@ impl ManufacturerRow {
         let costs = |place: &u32| {
             let row = &rows[*place as usize];
             let [rating, stiffness, mass] =
-                ["dynamic_load_rating_N", "our_stiffness_N_um", "mass_kg"]
+                ["dynamic_load_rating_N", "our_stiffness_N_um", "nut_mass_kg"]
                     .map(|name| row.value(name));
             // A missing number is treated as the worst possible value.
             let stiffness = row.value("stiffness_N_um").or(stiffness);
@@ -430,6 +458,10 @@ impl ManufacturerRow {
         let costs: Vec<_> = places.iter().map(costs).collect();
         bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
     }
+
+    /// Columns that contain text.
+    pub(crate) const TEXTS: [&str; 5] =
+        ["nut", "passes", "failed_rules", "groove", "contradiction"];
 
     /// Returns the columns of a table of rows. If any number in a column depends on an estimated
     /// groove, two columns with the ends of the 90 % intervals follow.
@@ -456,6 +488,9 @@ impl ManufacturerRow {
                 let passes = row.verdict?.passes();
                 Some(passes.map_or_else(|| "undecided".to_owned(), |passes| passes.to_string()))
             }));
+            columns.push(text("failed_rules", &|row| {
+                (!row.failed_rules.is_empty()).then(|| row.failed_rules.join("; "))
+            }));
         }
         columns.push(text("groove", &|row| {
             Some(row.groove.clone().unwrap_or_else(|| "given".to_owned()))
@@ -477,14 +512,22 @@ impl ManufacturerRow {
             return Answer::default().with("", Content::Table(Table::default()));
         };
         let numbers = first.numbers.iter().enumerate().map(|(place, ListNumber { column, .. })| {
-            let head = is_shown(place).then_some(column.name.into());
-            Column { unit: column.unit, head, ..Column::of(column.name) }
+            let head = is_shown(place).then_some(column.name);
+            Column { unit: column.unit, ..Column::new(column.name, head) }
         });
-        let passes = first.verdict.map(|_| Column::of("passes:boolean?="));
+        let passes = first.verdict.map(|_| {
+            let fails = rows.iter().any(|row| !row.failed_rules.is_empty());
+            [
+                Column::new("passes", Some("")),
+                Column::new("failed_rules", None),
+                Column::new("", fails.then_some("failed rules")),
+            ]
+        });
         let are_estimated = rows.iter().any(|row| row.groove.is_some());
-        let of_grooves = ["groove:string?", "-intervals:any", "-notes:texts"].map(Column::of);
+        let of_grooves = [("groove", Some("groove")), ("intervals", None), ("notes", None)];
+        let of_grooves = of_grooves.map(|(name, head)| Column::new(name, head));
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
-        let texts = Some(Column::of("-texts:any")).filter(|_| !first.texts.is_empty());
+        let texts = Some(Column::new("texts", None)).filter(|_| !first.texts.is_empty());
         let row = |row: &&Self| {
             let numbers = row.numbers.iter().map(|number| json!(number.value));
             let of_groove = [json!(row.groove), row.intervals(), json!(row.notes)];
@@ -492,14 +535,18 @@ impl ManufacturerRow {
                 row.texts.iter().map(|(name, text)| (name.clone(), json!(text))).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
-                .chain(row.verdict.map(|verdict| json!(verdict.passes())))
+                .chain(row.verdict.into_iter().flat_map(|verdict| {
+                    let failed = &row.failed_rules;
+                    let shown = (!failed.is_empty()).then(|| failed.join("; "));
+                    [json!(verdict.passes()), json!(failed), json!(shown)]
+                }))
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
                 .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
                 .collect()
         };
-        let columns: Vec<_> = std::iter::once(Column::of("nut"))
+        let columns: Vec<_> = std::iter::once(Column::new("nut", Some("nut")))
             .chain(numbers)
-            .chain(passes)
+            .chain(passes.into_iter().flatten())
             .chain(of_grooves)
             .chain(texts)
             .collect();

@@ -1,32 +1,48 @@
 //! Solved motion of a ball, and the data that all analyses of the motion share.
 
+use super::record::message;
+use crate::vocabulary::members::{Keyed, NumberTable, NumbersOf, Sentences, Word, answer, row};
+use crate::vocabulary::units::DEG;
+use crate::{
+    Answer, Case, CaseError, InputKey, InputSet, Numbers, OutputName, Quantity, Record, Scope,
+    Settings,
+};
 use bsm_dyn::{
     Control, Model, ModelWorkspace, Solution,
     solution::{ContactSite, SteadyBall},
 };
 use bsm_kin::Site;
-use serde_json::json;
-
-use super::record::message;
-use crate::vocabulary::units::DEG;
-use crate::{
-    Answer, Case, CaseError, Content, InputKey, InputSet, Numbers, OutputName, Quantity, Record,
-    Scope, Settings, Table,
-};
 
 /// Contacts of a ball, in the order in which the analyses list them.
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
-/// Columns of the table that lists statements about the motion.
-pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string=";
+row! {
+    /// A statement about the motion.
+    pub(crate) struct MotionVerdict {
+        [skip] statement: &'static str = "statement";
+        /// True if the statement holds.
+        answer: bool = "";
+        /// The statement, with its numbers.
+        words: String = "";
+    }
+}
+
+answer! {
+    /// An analysis of a solved motion, with the numbers `T`.
+    pub(crate) struct MotionMembers<T> {
+        model: Word;
+        [flatten] numbers: NumbersOf<T>;
+        verdicts: Keyed<MotionVerdict>;
+        /// Parts of the analysis that are omitted, with the reasons.
+        lacks: Sentences;
+    }
+}
 
 /// Creates the answer of an analysis of a solved motion.
 ///
-/// * `quantities`: quantities that the analysis can calculate.
 /// * `verdicts`: names and wordings of the true-or-false statements.
 /// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
-pub(crate) fn of_a_motion(
-    quantities: &[Quantity],
+pub(crate) fn of_a_motion<T: NumberTable>(
     case: &Case,
     solution: &Solution,
     numbers: Numbers,
@@ -35,18 +51,19 @@ pub(crate) fn of_a_motion(
 ) -> Answer {
     let verdict = |(name, words): (OutputName, String)| {
         let holds = numbers.number(name).is_some_and(|number| number > 0.5);
-        vec![json!(name.name()), json!(holds), json!(words)]
+        MotionVerdict { statement: name.name(), answer: holds, words }
     };
-    let verdicts = Table::of(VERDICTS, verdicts.into_iter().map(verdict)).keyed();
-    let lacks = without(quantities, case.given()).into_iter().chain(lacks).collect();
+    let verdicts = Keyed(verdicts.into_iter().map(verdict).collect());
+    let lacks = without(T::quantities(), case.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
     let warnings = record.all_warnings(case);
     let notes = case.given().unused_by_models().collect();
-    Answer { notes, warnings, ..Answer::default() }
-        .with("model", Content::Text("model ", Some(solution.model.name().to_owned())))
-        .with("", Content::numbers(numbers, "ball"))
-        .with("verdicts", Content::Table(verdicts))
-        .with("lacks", Content::Texts("omitted", lacks))
+    Answer { notes, warnings, ..Answer::default() }.with_members(MotionMembers::<T> {
+        model: Word("model ", solution.model.name().to_owned()),
+        numbers: NumbersOf::new(numbers, "ball"),
+        verdicts,
+        lacks: Sentences("omitted", lacks),
+    })
 }
 
 /// Explains that quantities are omitted because the model has no contact ellipses.
@@ -55,9 +72,9 @@ pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
 }
 
 /// Lists the quantities that cannot be calculated, grouped by their missing inputs.
-fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
+fn without(quantities: impl Iterator<Item = &'static Quantity>, given: InputSet) -> Vec<String> {
     let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
-    for quantity in quantities.iter().filter(|quantity| quantity.scope != Scope::Statement) {
+    for quantity in quantities.filter(|quantity| quantity.scope != Scope::Statement) {
         let missing = quantity.missing(given);
         if missing.is_empty() {
             continue;

@@ -15,7 +15,8 @@ use bsm_nut::{
     EqualShare, Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, PreloadKind,
     Rolling, Support, ThirdContacts, Train,
 };
-use serde_json::{Map, Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::answers::record::{MARKS_ABOVE, message, skid_warning};
 use crate::answers::section::beyond_the_flanks;
@@ -23,12 +24,15 @@ use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::{GothicArches, in_grooves};
 use crate::case::warm::Warm;
+use crate::vocabulary::members::{
+    Data, Label, Maybe, NumberCells, NumbersOf, Rows, Word, answer, number_tables, row,
+};
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
-    Answer, Case, Content, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output,
-    OutputName, Quantity, Settings, exact, output,
+    Answer, Case, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output, OutputName,
+    Quantity, Settings, output, trimmed,
 };
 
 mod train;
@@ -359,7 +363,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
-            "  third contacts, included in the contacts with nut and screw";
+            "  of which third contacts";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
             "share of the friction torque of the balls that third contacts cause";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
@@ -380,7 +384,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
-            "friction torque of the running preload, sliding friction of the ball contacts only; without the rolling resistance of a lubricant film";
+            "friction torque of the running preload, sliding friction of the ball contacts only, without the rolling resistance of a film";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
             "friction torque of the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
@@ -438,8 +442,77 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     }
 }
 
-/// Range of the ball columns that the JSON of a nut contains as lists: loads and contact angles.
-pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
+/// Displacements, loads of all balls and stiffness of a nut, under the names that the published
+/// comparison cases use.
+#[derive(Serialize, JsonSchema)]
+#[expect(non_snake_case, reason = "the names end with unit symbols")]
+pub(crate) struct NutVectors {
+    nut_plus_N: Vec<Option<f64>>,
+    nut_minus_N: Vec<Option<f64>>,
+    screw_plus_N: Vec<Option<f64>>,
+    screw_minus_N: Vec<Option<f64>>,
+    nut_plus_deg: Vec<Option<f64>>,
+    nut_minus_deg: Vec<Option<f64>>,
+    screw_plus_deg: Vec<Option<f64>>,
+    screw_minus_deg: Vec<Option<f64>>,
+    status: &'static str,
+    message: Option<String>,
+    /// Displacement along the axis and in two directions across it \[µm\].
+    displacement_um: [f64; 3],
+    /// Tilt about two directions across the axis \[µrad\].
+    tilt_urad: [f64; 2],
+    /// Forces and moments that the nut carries.
+    reaction_SI: Vec<f64>,
+    /// Stiffness matrix, row by row.
+    stiffness_SI: Vec<f64>,
+    /// Axial force of each nut body.
+    body_axial_N: Vec<f64>,
+    /// Stiffness of a ball contact in series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    K_series_SI: Option<f64>,
+    /// Stiffness of a ball contact at the nut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    K_nut_SI: Option<f64>,
+    /// Stiffness of a ball contact at the screw.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    K_screw_SI: Option<f64>,
+    /// Number of Newton steps.
+    iterations: usize,
+}
+
+number_tables! {
+    /// Numbers of a nut.
+    pub(crate) NutNumbers = QUANTITIES.iter();
+    /// Numbers of a circuit.
+    pub(crate) CircuitNumbers = CIRCUITS.iter();
+}
+
+row! {
+    /// A circuit of the ball train.
+    pub(crate) struct CircuitRow {
+        [flatten] numbers: NumberCells<CircuitNumbers>;
+    }
+}
+
+answer! {
+    /// A nut under load.
+    pub(crate) struct NutMembers {
+        [flatten] numbers: NumbersOf<NutNumbers>;
+        [flatten] vectors: Data<NutVectors>;
+        /// Models that solved the friction of the balls.
+        model: Label;
+        [skip_serializing_if = "Maybe::is_none"] circuits: Maybe<Rows<CircuitRow>>;
+    }
+}
+
+answer! {
+    /// A nut without equilibrium.
+    pub(crate) struct UnsolvedNut {
+        status: Word;
+        /// Reason why there is no result.
+        message: Word;
+    }
+}
 
 /// A ball in a nut under load.
 pub(crate) struct OneBall<'a> {
@@ -459,10 +532,14 @@ impl OneBall<'_> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }
 
-    /// Returns the contact angle at a flank \[deg\], or `None` if the flank is not loaded.
     fn angle(&self, flank: usize) -> Option<f64> {
-        (self.ball.loads[flank] > 0.0).then(|| self.ball.angles[flank] / DEG)
+        angle_at(self.ball, flank)
     }
+}
+
+/// Returns the contact angle at a flank \[deg\], or `None` if the flank is not loaded.
+fn angle_at(ball: &BallInGrooves, flank: usize) -> Option<f64> {
+    (ball.loads[flank] > 0.0).then(|| ball.angles[flank] / DEG)
 }
 
 /// Columns of the load-displacement curve that follow the column of the load.
@@ -510,7 +587,7 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
-        "A measurement of the preload should give a friction torque of {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
+        "According to the manufacturers' rule, a measurement of the preload gives a friction torque of {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
          1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
     )
 }
@@ -601,11 +678,16 @@ impl NutReport {
         })
     }
 
+    /// Returns the magnitude of the limit load in the direction of the axial load \[N\].
     fn limit_load(&self) -> Option<f64> {
         let work_out = || {
             let NutProblem { support, .. } = &self.problem;
             let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
-            self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+            self.made
+                .nut
+                .limit_load(self.made.preload.as_ref()?.by, support, way)
+                .ok()
+                .map(f64::abs)
         };
         *self.limit_load.get_or_init(work_out)
     }
@@ -716,9 +798,11 @@ impl NutProblem {
     /// Returns the answer for a nut that has no solution. The answer states the reason.
     pub fn unsolved(case: &Case, none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
-        Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
-            .with("status", Content::Text("status ", Some(status)))
-            .with("message", Content::Text("message", Some(none.to_string())))
+        let of = Answer { fails: true, warnings: case.warnings(), ..Answer::default() };
+        of.with_members(UnsolvedNut {
+            status: Word("status ", status),
+            message: Word("message", none.to_string()),
+        })
     }
 
     /// Calculates the loads of all balls and all results that depend on them.
@@ -895,9 +979,9 @@ impl NutReport {
                     ));
                 }
                 notes.push(format!(
-                    "The torque {not_in_it}. Measured drag coefficients K_p of catalogs are 0.1 to 0.3 in \
-                     T = K_p F_p lead/(2 pi). Two contacts per ball cause a sixth to two fifths of this torque; with little play \
-                     (axial_play_um), a third contact causes most of the rest."
+                    "The torque {not_in_it}. Catalogs state drag coefficients K_p of 0.1 to 0.3 in \
+                     T = K_p F_p lead/(2 pi). Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule \
+                     predicts; with little play (axial_play_um), a third contact can cause the rest."
                 ));
             }
         }
@@ -983,8 +1067,8 @@ impl NutReport {
         let lost = set && self.number(output!(preload_left_N)).is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number(output!(limit_load_N))) {
             warnings.push(format!(
-                "The preload is lost: the load of {} N exceeds the limit load of {limit:.0} N.",
-                exact(self.problem.axial())
+                "The preload is lost: the load of {} N exceeds the limit load of {limit:.0} N in its direction.",
+                trimmed(self.problem.axial().abs())
             ));
         }
         warnings
@@ -1133,37 +1217,44 @@ impl NutReport {
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;
-        let balls = self.balls();
-        let list = |column: usize| {
-            let cell = |row: &Vec<f64>| json!(Some(row[column]).filter(|x| x.is_finite()));
-            (BALLS[column].name.to_owned(), balls.rows.iter().map(cell).collect())
+        let of_balls = |number: &dyn Fn(&BallInGrooves) -> Option<f64>| {
+            found.balls.iter().map(number).collect()
         };
-        let mut more: Map<String, Value> = LISTED.map(list).collect();
-        let mut entry = |name: &str, value: Value| drop(more.insert(name.to_owned(), value));
-        entry("status", json!("converged"));
-        entry("message", Value::Null);
-        entry("displacement_um", json!([z / UM, x / UM, y / UM]));
-        entry("tilt_urad", json!([px * 1e6, py * 1e6]));
-        entry("reaction_SI", json!(found.carried));
-        entry("stiffness_SI", json!(found.stiffness.concat()));
-        entry("body_axial_N", json!(found.bodies));
-        if let Ok(ball) = nut.ball_in_grooves() {
-            entry("K_series_SI", json!(ball.series.stiffness));
-            entry("K_nut_SI", json!(ball.grooves.stiffness[0]));
-            entry("K_screw_SI", json!(ball.grooves.stiffness[1]));
-        }
-        entry("iterations", json!(found.steps));
+        let ball = nut.ball_in_grooves().ok();
+        let vectors = NutVectors {
+            nut_plus_N: of_balls(&|ball| Some(ball.loads[0])),
+            nut_minus_N: of_balls(&|ball| Some(ball.loads[1])),
+            screw_plus_N: of_balls(&|ball| Some(ball.loads[2])),
+            screw_minus_N: of_balls(&|ball| Some(ball.loads[3])),
+            nut_plus_deg: of_balls(&|ball| angle_at(ball, 0)),
+            nut_minus_deg: of_balls(&|ball| angle_at(ball, 1)),
+            screw_plus_deg: of_balls(&|ball| angle_at(ball, 2)),
+            screw_minus_deg: of_balls(&|ball| angle_at(ball, 3)),
+            status: "converged",
+            message: None,
+            displacement_um: [z / UM, x / UM, y / UM],
+            tilt_urad: [px * 1e6, py * 1e6],
+            reaction_SI: found.carried.to_vec(),
+            stiffness_SI: found.stiffness.concat(),
+            body_axial_N: found.bodies.clone(),
+            K_series_SI: ball.as_ref().map(|ball| ball.series.stiffness),
+            K_nut_SI: ball.as_ref().map(|ball| ball.grooves.stiffness[0]),
+            K_screw_SI: ball.as_ref().map(|ball| ball.grooves.stiffness[1]),
+            iterations: found.steps,
+        };
         let warm = self.problem.warm.as_deref();
         let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
         let mut warnings = self.problem.warnings.clone();
         warnings.extend(warm.and_then(Warm::warning).into_iter().chain(self.warnings()));
         let cold = self.problem.cold_lubricant.iter().cloned();
         let not_given = cold.map(|text| NotGiven { number: "drive_torque_Nm", text }).collect();
-        let answer = Answer { notes: notes.collect(), warnings, not_given, ..Answer::default() }
-            .with("", Content::numbers(self.numbers(|_| true), "nut"))
-            .with("", Content::Json(Value::Object(more)))
-            .with("model", Content::Text("model ", self.model()))
-            .with_some("circuits", self.circuits().map(Content::Table));
+        let of = Answer { notes: notes.collect(), warnings, not_given, ..Answer::default() };
+        let answer = of.with_members(NutMembers {
+            numbers: NumbersOf::new(self.numbers(|_| true), "nut"),
+            vectors: Data(vectors),
+            model: Label("model ", self.model()),
+            circuits: Maybe(self.circuits()),
+        });
         Warm::add_to(warm, answer)
     }
 }

@@ -1,27 +1,73 @@
 //! Comparison of two offers for a screw: rules, numbers by which screws are compared, and the
 //! inputs that differ.
 
-use bsm_design::Band;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use crate::answers::axis::{AxisReport, sheet_columns};
 use crate::answers::groove::pair;
-use crate::{Answer, Content, Criterion, Table, Verdict};
+use crate::vocabulary::members::{Rows, Sentences, answer, row};
+use crate::{Answer, Criterion, Verdict};
 
-/// Columns of the tables that compare the rules, numbers and inputs of two offers.
-pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
-                                -first_interval:numbers? | -second_interval:numbers?";
-pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
-                                  -first_interval:numbers? | -second_interval:numbers?";
-pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
+row! {
+    /// A rule of both offers.
+    pub(crate) struct OfferedRule {
+        /// Title of the rule.
+        rule: &'static str = "rule";
+        [skip] unit: &'static str = "unit";
+        limit: Option<f64> = "limit";
+        first: Option<f64> = "first" | first_interval;
+        second: Option<f64> = "second" | second_interval;
+        /// `first` or `second`; null if neither is better.
+        better: Option<&'static str> = "better";
+        first_interval: Option<[f64; 2]>;
+        second_interval: Option<[f64; 2]>;
+    } unit unit
+}
+
+row! {
+    /// A number of both offers.
+    pub(crate) struct OfferedNumber {
+        /// Name of the number.
+        number: &'static str = "number";
+        [skip] unit: &'static str = "unit";
+        first: Option<f64> = "first" | first_interval;
+        second: Option<f64> = "second" | second_interval;
+        /// `first` or `second`; null if neither is better.
+        better: Option<&'static str> = "better";
+        first_interval: Option<[f64; 2]>;
+        second_interval: Option<[f64; 2]>;
+    } unit unit
+}
+
+row! {
+    /// An input in which the offers differ.
+    pub(crate) struct OfferedInput {
+        /// Name of the input.
+        input: String = "input";
+        first: Option<Value> = "first";
+        second: Option<Value> = "second";
+    }
+}
+
+answer! {
+    /// Two offers.
+    pub(crate) struct OfferMembers {
+        /// Verdict and order of each offer.
+        offers: Sentences;
+        rules: Rows<OfferedRule>;
+        numbers: Rows<OfferedNumber>;
+        inputs: Rows<OfferedInput>;
+    }
+}
 
 /// Numbers for which a smaller value is better. A larger value is better for the other numbers of
 /// [`sheet_columns`], except for the numbers in [`NEITHER`].
-const SMALLER: [&str; 5] = [
+const SMALLER: [&str; 6] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
     "mean_heat_W",
     "screw_mass_kg",
+    "mass_of_nut_and_screw_kg",
     "inertia_of_screw_kg_m2",
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
@@ -80,11 +126,16 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let value = |rule: Option<&Criterion>| rule.map(|rule| rule.value);
         let limit = one.or(other).and_then(|rule| rule.limit);
         let better = better(margin, other_margin, false);
-        let bands = [one, other].map(|rule| rule?.band);
-        let unit = one.or(other).map_or("", |rule| rule.unit.text);
-        let cells =
-            vec![json!(title), json!(unit), json!(limit), json!(value(one)), json!(value(other))];
-        (unit, beside(cells, better, bands))
+        OfferedRule {
+            rule: *title,
+            unit: one.or(other).map_or("", |rule| rule.unit.text),
+            limit,
+            first: value(one),
+            second: value(other),
+            better,
+            first_interval: one.and_then(|rule| rule.band).map(pair),
+            second_interval: other.and_then(|rule| rule.band).map(pair),
+        }
     });
     let numbers = sheet_columns().filter_map(|column| {
         let values = [first, second].map(|report| report.number(column.into()));
@@ -95,40 +146,28 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             } else {
                 better(one, other, SMALLER.contains(&column.name))
             };
-            let bands = [first, second].map(|report| report.answer.band(column.name));
-            let cells = vec![json!(column.name), json!(column.unit), json!(one), json!(other)];
-            (column.unit, beside(cells, best, bands))
+            OfferedNumber {
+                number: column.name,
+                unit: column.unit,
+                first: one,
+                second: other,
+                better: best,
+                first_interval: first.answer.band(column.name).map(pair),
+                second_interval: second.answer.band(column.name).map(pair),
+            }
         })
     });
     let fails = first.verdict().min(second.verdict()) == Verdict::Fails;
-    Answer { fails, ..Answer::default() }
-        .with("offers", Content::Texts("", offers))
-        .with("rules", Content::Table(table(RULES, rules)))
-        .with("numbers", Content::Table(table(NUMBERS, numbers)))
-        .with("inputs", Content::Table(Table::of(INPUTS, differing([first, second]))))
-}
-
-/// Cells of a row, and the intervals that the screen shows next to them.
-type RowOfOffers = (Vec<Value>, Vec<Option<Band>>);
-
-/// Appends the better offer and the intervals of both offers to the cells of a row.
-fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2]) -> RowOfOffers {
-    let mut shown = vec![None; cells.len() - 2];
-    shown.extend(bands);
-    cells.push(json!(better));
-    cells.extend(bands.map(|band| json!(band.map(pair))));
-    shown.resize(cells.len(), None);
-    (cells, shown)
-}
-
-fn table(columns: &'static str, rows: impl Iterator<Item = (&'static str, RowOfOffers)>) -> Table {
-    let (row_units, rows): (Vec<_>, Vec<_>) = rows.unzip();
-    let (rows, bands): (Vec<_>, _) = rows.into_iter().unzip();
-    Table { bands, row_units, ..Table::of(columns, rows) }
+    Answer { fails, ..Answer::default() }.with_members(OfferMembers {
+        offers: Sentences("", offers),
+        rules: Rows(rules.collect()),
+        numbers: Rows(numbers.collect()),
+        inputs: Rows(differing([first, second])),
+    })
 }
 
 /// Returns the inputs in which the offers differ, with the value of each offer.
-fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
+fn differing(reports: [&AxisReport; 2]) -> Vec<OfferedInput> {
     let inputs = |report: &AxisReport| match report.case.to_json() {
         Value::Object(inputs) => inputs,
         _ => Map::new(),
@@ -138,7 +177,12 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     // The description names the offer, and the list of estimated inputs is not an input itself.
     let is_input = |key: &&String| !["description", "estimated_inputs"].contains(&key.as_str());
     let differ = keys.filter(is_input).filter(|key| first.get(*key) != second.get(*key));
-    differ.map(|key| vec![json!(key), json!(first.get(key)), json!(second.get(key))]).collect()
+    let row = |key: &String| OfferedInput {
+        input: key.clone(),
+        first: first.get(key).cloned(),
+        second: second.get(key).cloned(),
+    };
+    differ.map(row).collect()
 }
 
 #[cfg(test)]

@@ -5,14 +5,32 @@ use std::cell::RefCell;
 use crate::case::problem::Needs;
 use crate::case::requirement::USUAL_CONTACT_ANGLES_DEG;
 use crate::vocabulary::input_set::inputs;
+use crate::vocabulary::members::{Maybe, NumbersOf, Word, answer, number_tables};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::DEG;
-use crate::{Answer, Case, CaseError, Content, Numbers, Scope, Settings};
+use crate::{Answer, Case, CaseError, Numbers, Scope, Settings};
 use bsm_design::search::minimum_inside;
 use bsm_dyn::{
     Direction, Model, ModelWorkspace,
     angles::{Angles, Optimum},
 };
+
+number_tables! {
+    /// Optima and self-locking limits in closed form.
+    pub(crate) OptimumNumbers = QUANTITIES.iter();
+    /// Optimum of a model.
+    pub(crate) ModelOptimum = BY_MODEL.iter();
+}
+
+answer! {
+    /// Optima in closed form, and the optimum of a model.
+    pub(crate) struct OptimumMembers {
+        [flatten] numbers: NumbersOf<OptimumNumbers>;
+        /// Model by which the optimum is found.
+        [skip_serializing_if = "Maybe::is_none"] model: Maybe<Word>;
+        [skip_serializing_if = "Maybe::is_none"] by_model: Maybe<NumbersOf<ModelOptimum>>;
+    }
+}
 
 quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
     "closed form" {
@@ -124,13 +142,16 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     case.check()?;
     let found = model.map(|model| Ok((model, best_by(case, model)?))).transpose()?;
-    let mut answer = Answer::default().with("", Content::numbers(numbers(case)?, ""));
-    if let Some((model, (direction, best))) = found {
-        let (model, (low, high)) = (model.name(), SEARCHED_DEG);
+    let numbers = NumbersOf::new(numbers(case)?, "");
+    let by_model = found.as_ref().map(|(_, (direction, best))| {
         let whole = Scope::Directions.members()[usize::from(direction.is_back())];
-        answer = answer
-            .with("model", Content::Text("model ", Some(model.to_owned())))
-            .with("by_model", Content::numbers(by_model(&best, |_| true), whole));
+        NumbersOf::new(by_model(best, |_| true), whole)
+    });
+    let model = found.as_ref().map(|(model, _)| Word("model ", model.name().to_owned()));
+    let members = OptimumMembers { numbers, model: Maybe(model), by_model: Maybe(by_model) };
+    let mut answer = Answer::default().with_members(members);
+    if let Some((model, (_, best))) = found {
+        let (model, (low, high)) = (model.name(), SEARCHED_DEG);
         if best.is_none() {
             answer.warnings.push(format!(
                 "Model {model} has no optimum contact angle between {low} and {high} deg; the efficiency is largest at \

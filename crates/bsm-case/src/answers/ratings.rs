@@ -11,14 +11,35 @@ use crate::answers::record::message;
 use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::speed_number_limit;
 use crate::case::rated_nut::{assumed_preload, body, load_ratings, nut, thread};
+use crate::vocabulary::members::{Data, NumbersOf, answer, number_tables};
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
-use crate::{Answer, Case, CaseError, Catalog, Content, INPUTS, Numbers, exact};
+use crate::{Answer, Case, CaseError, Catalog, INPUTS, Numbers, exact};
 
 /// Title of the intermediate results between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
+
+number_tables! {
+    /// Ratings and results of a nut.
+    pub(crate) RatingNumbers = QUANTITIES.iter().filter(|quantity| quantity.title != STEPS);
+    /// Inputs with their defaults.
+    pub(crate) InputsAsUsed = AS_USED.iter();
+    /// Intermediate values of the ratings.
+    pub(crate) RatingSteps = QUANTITIES.iter().filter(|quantity| quantity.title == STEPS);
+}
+
+answer! {
+    /// Ratings of a nut.
+    pub(crate) struct RatingMembers {
+        [flatten] numbers: NumbersOf<RatingNumbers>;
+        [flatten] as_used: NumbersOf<InputsAsUsed>;
+        /// True for a preloaded pair, false for a single nut.
+        preloaded: Data<bool>;
+        steps: NumbersOf<RatingSteps>;
+    }
+}
 
 quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
     "ratings" {
@@ -48,7 +69,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, including contacts and bodies";
         rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, with rolling resistance and without slip";
-        mass_kg ["kg"] Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
+        nut_mass_kg = INPUTS Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread)));
         permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed according to the speed number limit";
         speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.case)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
         rating_life_revolutions ["" "L_10"] Scalar(|r| Some(r.life.as_ref()?.revolutions)) needs [axial_load_N, screw_speed_rpm], "rating life";
@@ -168,15 +189,14 @@ impl<'a> NutRatings<'a> {
     /// Returns the numbers as an answer without notes and warnings.
     fn answer(&self) -> Result<Answer, CaseError> {
         let all = self.numbers()?;
-        let part = |is_step: bool| {
-            let numbers = all.clone().part(|quantity| (quantity.title == STEPS) == is_step);
-            Content::numbers(numbers, "nut")
-        };
-        Ok(Answer::default()
-            .with("", part(false))
-            .with("", Content::numbers(as_used(self, |_| true), "nut"))
-            .with("preloaded", Content::Json(self.preloaded.into()))
-            .with("steps", part(true)))
+        let part =
+            |is_step: bool| all.clone().part(|quantity| (quantity.title == STEPS) == is_step);
+        Ok(Answer::default().with_members(RatingMembers {
+            numbers: NumbersOf::new(part(false), "nut"),
+            as_used: NumbersOf::new(as_used(self, |_| true), "nut"),
+            preloaded: Data(self.preloaded),
+            steps: NumbersOf::new(part(true), "nut"),
+        }))
     }
 
     fn numbers(&self) -> Result<Numbers, CaseError> {

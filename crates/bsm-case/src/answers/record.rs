@@ -10,14 +10,19 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::answers::axis::TorqueParts;
 use crate::answers::band::{NO_INTERVAL, high, low};
+use crate::answers::schema::{CaseJson, RecordJson};
 use crate::answers::section::{GrooveSection, beyond_the_flank};
+use crate::answers::sensitivity::SensitivityRow;
+use crate::case::problem::SettingsJson;
 use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::members::{Data, Keyed, Label, Maybe, Word, answer, row};
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
     Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, OutputName,
-    Section, Sensitivity, Settings, Table, exact, output, torque_parts,
+    Section, Sensitivity, Settings, exact, output, torque_parts,
 };
 
 /// Hertz pressure between ball and groove above which permanent indentations are expected \[Pa\].
@@ -181,7 +186,7 @@ impl Record {
             (slip(Site::Nut), solution.model, solution.choice)
         {
             let unloaded = slip(Site::NutUnloaded).map_or_else(String::new, |slip| {
-                format!(", slip {:.0} m/s at the unloaded flank", slip.speed)
+                format!(", slip {:.0} m/s at the far flank", slip.speed)
             });
             warnings.push(format!(
                 "The ball spin is {:.2e} rad/s{unloaded}. This model assumes gross skid, but a ball whose \
@@ -245,7 +250,7 @@ impl Record {
 
     /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact; the contacts cause about a third of the torque of a preloaded nut.";
+        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule predicts for a preloaded nut.";
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
@@ -260,7 +265,7 @@ impl Record {
         };
         Some(match rigid.critical_lead_angle() {
             Some(angle) => format!(
-                "The critical lead angle of this point is {:.4} deg; model rigid has a solution above this angle.",
+                "For these inputs, model rigid has solutions above a critical lead angle of {:.4} deg.",
                 angle / DEG
             ),
             None => {
@@ -418,7 +423,7 @@ impl Record {
             ("chosen", self.choice()),
             ("status", Some(status)),
             ("reason", self.message.clone()),
-            ("shown by", evidence),
+            ("evidence", evidence),
             ("regime", self.regime().map(str::to_owned)),
             ("lubrication", self.lubrication()),
             ("controlling raceway", raceway),
@@ -470,11 +475,6 @@ impl Record {
                     .to_owned(),
             );
         }
-        let mut map = self.to_json();
-        map.insert("program".to_owned(), json!(program));
-        map.insert("inputs".to_owned(), case.to_json());
-        map.insert("settings".to_owned(), settings.to_json());
-        map.insert("regime".to_owned(), json!(self.regime()));
         let cold = case.cold_lubricant().filter(|_| parts.is_some());
         let not_given = cold.into_iter().map(|text| NotGiven { number: "screw_torque_Nm", text });
         let mut answer = Answer {
@@ -485,26 +485,49 @@ impl Record {
             ..Answer::default()
         };
         if let Some(parts) = &parts {
-            answer = answer
-                .with_shown(Content::numbers(parts.numbers.clone(), "screw"))
-                .with_shown(Content::Text("contacts by model", Some(parts.contacts.clone())));
+            answer =
+                answer.with_shown(Content::numbers(parts.numbers.clone(), "screw")).with_shown(
+                    Content::Text("model of the ball contacts", Some(parts.contacts.clone())),
+                );
         }
         answer.sections.extend(self.shown(case));
-        answer = answer.with("", Content::Json(Value::Object(map)));
-        let json = parts.as_ref().map(|parts| Content::Json(parts.to_json()));
-        answer = answer.with_some("torque_parts", json);
-        if let Some(band) = band {
-            answer = answer
-                .with("band", Content::Table(of_band(&band)))
-                .with(
-                    "band_model",
-                    Content::Text("drawn by model", Some(band.model.name().to_owned())),
-                )
-                .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
-        }
-        let rows =
-            beside.sensitivities.as_ref().map(|rows| Content::Table(Sensitivity::table(rows)));
-        answer.with_some("sensitivities", rows)
+        let of_model = |band: &LossInterval| {
+            Word("interval calculated with model", band.model.name().to_owned())
+        };
+        let not_in_it = band.is_some().then(|| NOT_IN_IT.to_owned());
+        let rows = |rows: &Vec<Sensitivity>| Keyed(rows.iter().map(Sensitivity::row).collect());
+        answer.with_members(MotionResult {
+            record: Data(RecordJson(self.to_json())),
+            program: Data(program.to_owned()),
+            inputs: Data(CaseJson(case.to_json())),
+            settings: Data(settings.members()),
+            regime: Data(self.regime().map(str::to_owned)),
+            torque_parts: Maybe(parts.as_ref().map(|parts| Data(parts.members()))),
+            band: Maybe(band.as_ref().map(of_band)),
+            band_model: Maybe(band.as_ref().map(of_model)),
+            not_in_it: Label("not included:", not_in_it),
+            sensitivities: Maybe(beside.sensitivities.as_ref().map(rows)),
+        })
+    }
+}
+
+answer! {
+    /// Solution of a model at a point.
+    pub(crate) struct MotionResult {
+        [flatten] record: Data<RecordJson>;
+        /// Name and version of the program.
+        program: Data<String>;
+        inputs: Data<CaseJson>;
+        settings: Data<SettingsJson>;
+        /// Slip regime of the ball.
+        regime: Data<Option<String>>;
+        [skip_serializing_if = "Maybe::is_none"] torque_parts: Maybe<Data<TorqueParts>>;
+        /// 90 % intervals due to uncertain lubricated friction.
+        [skip_serializing_if = "Maybe::is_none"] band: Maybe<Keyed<LossRow>>;
+        /// Model by which the intervals are drawn.
+        [skip_serializing_if = "Maybe::is_none"] band_model: Maybe<Word>;
+        [skip] not_in_it: Label;
+        [skip_serializing_if = "Maybe::is_none"] sensitivities: Maybe<Keyed<SensitivityRow>>;
     }
 }
 
@@ -521,23 +544,34 @@ pub struct Supplement {
 }
 
 /// Effects that the calculated torque of lubricated contacts neglects.
-const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Catalog rules for the torque of a preloaded nut give three times the torque of \
-                         the contacts.";
+const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the \
+                         manufacturers' rule predicts for a preloaded nut.";
 
-/// Columns of the table that lists the intervals due to uncertain lubricated friction.
-pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
+row! {
+    /// An interval due to uncertain lubricated friction.
+    pub(crate) struct LossRow {
+        [skip] name: &'static str;
+        [skip] label: &'static str = "90 % interval";
+        [skip] unit: &'static str = "";
+        low: f64 = "low";
+        high: f64 = "high";
+    }
+}
 
 /// Builds the table that lists the intervals due to uncertain lubricated friction.
-fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
-    let row = |name: &str, label: &str, unit: &str, ends: &[f64; 2]| {
-        vec![json!(name), json!(label), json!(unit), json!(low(*ends)), json!(high(*ends))]
+fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Keyed<LossRow> {
+    let row = |name, label, unit, ends: &[f64; 2]| LossRow {
+        name,
+        label,
+        unit,
+        low: low(*ends),
+        high: high(*ends),
     };
-    let rows = [
-        row("contact_loss_ratio", "contact loss / stated contact loss", "", loss),
+    Keyed(vec![
+        row("contact_loss_ratio", "contact loss / contact loss of this solution", "", loss),
         row("ball_torque_Nm", "torque of the balls", "N m", screw_torque),
         row("efficiency", "efficiency", "", efficiency),
-    ];
-    Table::of(INTERVALS, rows).keyed()
+    ])
 }
 
 /// Returns a warning if the skid onset number shows that raceway control does not apply.
@@ -590,14 +624,15 @@ pub(crate) fn message(reason: &Reason) -> String {
              load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
         ),
         Reason::NutContactWouldRoll { slip, exact, .. } => {
-            let how = if *exact { "exactly" } else { "to first order in the inertia" };
+            let how =
+                if *exact { "from the full equations" } else { "to first order in the inertia" };
             format!(
-                "the slip at the nut would have to be negative, {slip:.3e} r_b |W| ({how}): the ball \
+                "a steady motion would need a slip of {slip:.3e} r_b |W| at the nut, against its friction ({how}): the ball \
                  rolls on the nut, which saturated friction does not cover"
             )
         }
         Reason::UnloadedFlankWouldPull { load_ratio } => format!(
-            "the unloaded flank would have to pull the ball: its normal load would be \
+            "the far flank would have to pull the ball: its normal load would be \
              {load_ratio:.3e} times the axial load"
         ),
         Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(

@@ -2,12 +2,12 @@
 
 use bsm_design::{FEW_DRAWS, quantile};
 use bsm_nut::LeadError;
-use serde_json::{Value, json};
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::members::{Data, Keyed, Word, answer, row};
 use crate::{
-    Answer, Case, CaseError, Content, NutProblem, NutReport, OutputName, Settings, Table, output,
+    Answer, Case, CaseError, NutProblem, NutReport, OutputName, Quantity, Settings, output,
 };
 
 /// Quantities that depend on the random errors of a nut.
@@ -40,6 +40,32 @@ pub struct Samples<'a> {
 /// Quantities of a random copy; `None` if the copy cannot carry the load or its preload cannot be
 /// set.
 type DrawnNut = Option<Vec<Option<f64>>>;
+
+row! {
+    /// Quantiles of a quantity.
+    pub(crate) struct QuantileRow {
+        [skip] name: &'static str;
+        [skip] about: &'static str = "quantiles";
+        [skip] unit: &'static str = "";
+        p5: f64 as "0.05" = "5 %";
+        p25: f64 as "0.25" = "25 %";
+        p50: f64 as "0.5" = "50 %";
+        p75: f64 as "0.75" = "75 %";
+        p95: f64 as "0.95" = "95 %";
+    } unit unit
+}
+
+answer! {
+    /// Random copies of a nut.
+    pub(crate) struct SampleMembers {
+        /// Number of copies that carry the load.
+        carried: Data<usize>;
+        /// Number of copies that do not carry the load.
+        failed: Data<usize>;
+        quantiles: Keyed<QuantileRow>;
+        [skip] told: Word;
+    }
+}
 
 impl<'a> Samples<'a> {
     /// Probabilities of the quantiles that are calculated.
@@ -84,24 +110,28 @@ impl<'a> Samples<'a> {
             let quantity = QUANTITIES.iter().find(|quantity| quantity.name == name.name())?;
             let mut values: Vec<_> = carried.iter().filter_map(|numbers| numbers[i]).collect();
             values.sort_by(f64::total_cmp);
-            let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));
-            let quantiles = Self::PARTS.map(|part| json!(quantile(&values, part)));
-            (!values.is_empty()).then(|| words.into_iter().chain(quantiles).collect())
+            let [p5, p25, p50, p75, p95] = Self::PARTS.map(|part| quantile(&values, part));
+            let Quantity { name, about, unit, .. } = *quantity;
+            (!values.is_empty()).then_some(QuantileRow {
+                name,
+                about,
+                unit,
+                p5,
+                p25,
+                p50,
+                p75,
+                p95,
+            })
         };
-        let columns =
-            "- | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
-        let rows: Vec<Vec<Value>> = SAMPLED.iter().enumerate().filter_map(row).collect();
-        let unit = |row: &Vec<Value>| {
-            QUANTITIES.iter().find(|quantity| row[0] == quantity.name).map(|quantity| quantity.unit)
-        };
-        let row_units = rows.iter().filter_map(unit).collect();
-        let table = Table { row_units, ..Table::of(columns, rows) }.keyed();
+        let quantiles = Keyed(SAMPLED.iter().enumerate().filter_map(row).collect());
         let told = format!("{} nuts carry the load, {failed} do not", carried.len());
-        Answer { fails: failed > 0, warnings: case.warnings(), ..Answer::default() }
-            .with("carried", Content::Json(carried.len().into()))
-            .with("failed", Content::Json(failed.into()))
-            .with("quantiles", Content::Table(table))
-            .with_shown(Content::Text("", Some(told)))
+        let of = Answer { fails: failed > 0, warnings: case.warnings(), ..Answer::default() };
+        of.with_members(SampleMembers {
+            carried: Data(carried.len()),
+            failed: Data(failed),
+            quantiles,
+            told: Word("", told),
+        })
     }
 
     /// Adds the 90 % intervals of the quantiles to an answer, if the groove of its case is

@@ -1,22 +1,39 @@
 //! JSON Schema of cases and results, generated from the tables with which they are checked and
 //! written.
 
-use schemars::JsonSchema;
+use std::borrow::Cow;
+
 use schemars::generate::{Contract, SchemaSettings};
+use schemars::transform::RecursiveTransform;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
+use super::axis::{AxisMembers, AxisRemarks};
+use super::calibration::CalibrationMembers;
+use super::comparison::{ModelsCompared, ModelsLeftOut};
+use super::design::DesignMembers;
+use super::ellipses::EllipseMembers;
+use super::fit::FitMembers;
+use super::groove::EstimateJson;
+use super::jam::JamNumbers;
+use super::manufacturers::BESIDE;
+use super::moving::MotionMembers;
+use super::nut::{NutMembers, UnsolvedNut};
+use super::offers::OfferMembers;
+use super::optimum::OptimumMembers;
+use super::ratings::RatingMembers;
+use super::record::MotionResult;
+use super::samples::SampleMembers;
+use super::slip::SlipNumbers;
+use super::warm::WarmMembers;
+use crate::vocabulary::answer::{NotGivenRow, RuleRow};
+use crate::vocabulary::members::{property, with_unit};
+use crate::{
+    AnalysisKind, CATALOG, CaseEntries, INPUTS, InputKey, OUTPUTS, Output, Rule, sheet_columns,
+};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
-
-/// Returns the JSON schemas of the members of a type that is read or written, as `contract` states.
-pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
-    let settings = SchemaSettings::draft2020_12().with(|settings| {
-        settings.contract = contract;
-        settings.inline_subschemas = true;
-    });
-    settings.into_generator().into_root_schema_for::<T>().remove("properties").unwrap_or_default()
-}
 
 /// Returns the JSON schema of a case.
 pub fn input_schema() -> Value {
@@ -50,7 +67,10 @@ pub fn input_schema() -> Value {
         }
         properties.insert(input.name.to_owned(), property);
     }
-    if let Value::Object(entries) = derived_schema::<CaseEntries>(Contract::Deserialize) {
+    let settings =
+        SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    let mut entries = settings.into_generator().into_root_schema_for::<CaseEntries>();
+    if let Some(Value::Object(entries)) = entries.remove("properties") {
         properties.extend(entries);
     }
     json!({
@@ -103,19 +123,239 @@ pub fn output_schema() -> Value {
     })
 }
 
-/// Returns the name and the schema of an output.
-fn property(output: &Output) -> (String, Value) {
-    let mut property = json!({
-        "type": [output.json_type, "null"],
-        "description": with_unit(output.about, output.unit),
-    });
-    if !output.words.is_empty() {
-        let words = output.words.iter().map(|word| json!(word));
-        property["enum"] = words.chain([Value::Null]).collect();
+/// Solution of a model in JSON.
+#[derive(Debug, Clone, Serialize)]
+#[serde(transparent)]
+pub(crate) struct RecordJson(pub(crate) Map<String, Value>);
+
+/// Case in JSON.
+#[derive(Debug, Clone, Serialize)]
+#[serde(transparent)]
+pub(crate) struct CaseJson(pub(crate) Value);
+
+impl RecordJson {
+    /// Returns the names of the members.
+    pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+        let texts = ["model", "status", "message", "choice", "without_error_bound"];
+        texts.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
     }
-    (output.name.to_owned(), property)
 }
 
-fn with_unit(about: &str, unit: &str) -> String {
-    if unit.is_empty() { about.to_owned() } else { format!("{about} [{unit}]") }
+impl JsonSchema for RecordJson {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Record".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let mut schema = output_schema();
+        let (properties, required) = (schema["properties"].take(), schema["required"].take());
+        json_schema!({ "type": "object", "properties": properties, "required": required })
+    }
+}
+
+impl JsonSchema for CaseJson {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Case".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "object", "properties": input_schema()["properties"].take() })
+    }
+}
+
+/// Schema of a JSON object, which is composed of the members of several types.
+#[derive(Debug, Clone, Default)]
+pub struct ObjectSchema {
+    properties: Map<String, Value>,
+    required: Vec<Value>,
+}
+
+impl ObjectSchema {
+    /// Returns the schema of the answer with the members of `T`, and with its notes and warnings.
+    pub fn answer<T: JsonSchema>() -> Self {
+        Self::default().and::<T>().member::<Vec<String>>("notes").member::<Vec<String>>("warnings")
+    }
+
+    /// Adds the members of a type.
+    #[must_use]
+    pub fn and<T: JsonSchema>(mut self) -> Self {
+        let mut schema = schema_of::<T>();
+        if let Some(Value::Object(properties)) = schema.remove("properties") {
+            self.properties.extend(properties);
+        }
+        if let Some(Value::Array(required)) = schema.remove("required") {
+            self.required.extend(required);
+        }
+        self
+    }
+
+    /// Adds a member.
+    #[must_use]
+    pub fn member<T: JsonSchema>(mut self, name: &str) -> Self {
+        self.required.push(name.into());
+        self.optional_member::<T>(name)
+    }
+
+    /// Adds a member that can be absent.
+    #[must_use]
+    fn optional_member<T: JsonSchema>(mut self, name: &str) -> Self {
+        self.properties.insert(name.to_owned(), schema_of::<T>().into());
+        self
+    }
+
+    /// Adds outputs, each of which can be absent.
+    #[must_use]
+    fn optional_outputs(mut self, outputs: impl Iterator<Item = &'static Output>) -> Self {
+        self.properties.extend(outputs.map(property));
+        self
+    }
+
+    /// Adds outputs.
+    #[must_use]
+    fn outputs(mut self, outputs: impl Iterator<Item = &'static Output> + Clone) -> Self {
+        self.required.extend(outputs.clone().map(|output| output.name.into()));
+        self.optional_outputs(outputs)
+    }
+
+    /// Adds the members of an answer about a case: missing inputs, and the estimate of the groove.
+    #[must_use]
+    fn about_a_case(self) -> Self {
+        self.optional_member::<Vec<NotGivenRow>>("not_given")
+            .optional_member::<EstimateJson>("groove_estimate")
+    }
+
+    /// Returns the schema as JSON.
+    pub fn json(self) -> Value {
+        json!({
+            "type": "object",
+            "properties": self.properties,
+            "required": self.required,
+            "additionalProperties": false,
+        })
+    }
+}
+
+/// Returns the schema of a type that is written, without members other than the declared ones.
+fn schema_of<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12()
+        .with(|settings| {
+            settings.contract = Contract::Serialize;
+            settings.inline_subschemas = true;
+            settings.meta_schema = None;
+        })
+        .with_transform(RecursiveTransform(|schema: &mut Schema| {
+            schema.remove("format");
+            if schema.get("properties").is_some() {
+                schema.insert("additionalProperties".to_owned(), false.into());
+            }
+        }));
+    settings.into_generator().into_root_schema_for::<T>()
+}
+
+/// An answer with its schema.
+#[derive(Debug, Clone, Copy)]
+pub struct AnswerSchema {
+    /// Name of the schema.
+    pub name: &'static str,
+    /// Command that prints the answer.
+    pub command: &'static str,
+    /// Returns the alternative forms of the answer.
+    pub forms: fn() -> Vec<Value>,
+}
+
+impl AnswerSchema {
+    /// Answers that are calculated from a case, from a requirement or from a list of nuts.
+    pub const ALL: [Self; 11] = [
+        Self::of("solve", "solve", || vec![solve()]),
+        Self::of("models", "solve --model all", || {
+            let models = ObjectSchema::answer::<ModelsCompared>().and::<ModelsLeftOut>();
+            vec![models.about_a_case().json()]
+        }),
+        // If there is no solution, the JSON value is the answer of `solve`, which states the reason.
+        Self::of("slip", "solve --show slip", || {
+            vec![about_a_case::<MotionMembers<SlipNumbers>>(), solve()]
+        }),
+        Self::of("ellipses", "solve --show ellipses", || {
+            vec![about_a_case::<EllipseMembers>(), solve()]
+        }),
+        Self::of("jam", "solve --show jam", || {
+            vec![about_a_case::<MotionMembers<JamNumbers>>(), solve()]
+        }),
+        Self::of("optimum", "solve --show optimum", || vec![about_a_case::<OptimumMembers>()]),
+        Self::of("ratings", "solve --show ratings", || vec![about_a_case::<RatingMembers>()]),
+        Self::of("nut", "nut", || {
+            let nut = ObjectSchema::answer::<NutMembers>().and::<WarmMembers>();
+            vec![
+                nut.about_a_case().json(),
+                about_a_case::<UnsolvedNut>(),
+                about_a_case::<SampleMembers>(),
+            ]
+        }),
+        Self::of("axis", "axis", || {
+            let sheet = ObjectSchema::answer::<AxisMembers>()
+                .and::<WarmMembers>()
+                .and::<AxisRemarks>()
+                .member::<String>("program")
+                .member::<Vec<RuleRow>>("rules")
+                .optional_member::<Option<String>>("back_driving");
+            vec![sheet.about_a_case().json(), ObjectSchema::answer::<OfferMembers>().json()]
+        }),
+        Self::of("select", "select", || {
+            let sizes = ObjectSchema::default()
+                .outputs(CATALOG.iter().flat_map(|quantity| quantity.columns))
+                .optional_outputs(sheet_columns());
+            let nuts = ObjectSchema::default()
+                .optional_outputs(InputKey::ALL.into_iter().map(Output::input))
+                .outputs(BESIDE.iter().flat_map(|quantity| quantity.columns))
+                .optional_outputs(sheet_columns())
+                .member::<String>("nut")
+                .optional_member::<Option<bool>>("passes")
+                .optional_member::<Vec<String>>("failed_rules")
+                .optional_member::<Option<String>>("groove")
+                .optional_member::<Value>("intervals")
+                .optional_member::<Vec<String>>("notes")
+                .optional_member::<Value>("texts");
+            let list = |row: ObjectSchema| json!({ "type": "array", "items": row.json() });
+            vec![ObjectSchema::answer::<DesignMembers>().json(), list(sizes), list(nuts)]
+        }),
+        Self::of("fit", "fit", || {
+            vec![about_a_case::<FitMembers>(), about_a_case::<CalibrationMembers>()]
+        }),
+    ];
+
+    /// * `forms`: function that returns the alternative forms of the answer.
+    pub const fn of(name: &'static str, command: &'static str, forms: fn() -> Vec<Value>) -> Self {
+        Self { name, command, forms }
+    }
+
+    /// Returns the schema.
+    pub fn json(&self) -> Value {
+        let mut schema = Map::new();
+        schema.insert("$schema".to_owned(), DIALECT.into());
+        schema.insert("title".to_owned(), json!(format!("result of bsm {}", self.command)));
+        let mut forms = (self.forms)();
+        match &mut forms[..] {
+            [Value::Object(only)] => schema.append(only),
+            several => drop(schema.insert("anyOf".to_owned(), json!(several))),
+        }
+        Value::Object(schema)
+    }
+}
+
+/// Returns the schema of an answer about a case.
+fn about_a_case<T: JsonSchema>() -> Value {
+    ObjectSchema::answer::<T>().about_a_case().json()
+}
+
+/// Returns the schema of the answer about the motion of a ball.
+fn solve() -> Value {
+    about_a_case::<MotionResult>()
 }

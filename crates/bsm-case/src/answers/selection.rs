@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 
-use bsm_design::{Candidate, Nut};
+use bsm_design::{Band, Candidate, Nut};
 use serde_json::{Map, Value, json};
 
 use super::manufacturers::{ListNumber, ManufacturerRow};
@@ -15,8 +15,8 @@ use crate::vocabulary::number::{decimal, number, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
 use crate::{
-    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, INPUTS, Known, Output,
-    RequirementFile, ShownColumn, Table, nearest, sheet_columns,
+    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, DisplayUnits, INPUTS,
+    InputKey, Known, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
 };
 
 quantities! {
@@ -55,7 +55,7 @@ quantities! {
         nut_length_mm = INPUTS Scalar(|c| c.body.length / MM);
     }
     "shown" {
-        mass_kg = RATINGS Scalar(|c| c.mass);
+        nut_mass_kg = INPUTS Scalar(|c| c.mass);
         rolling_efficiency = RATINGS Scalar(|c| c.efficiency);
     }
     "in files" {
@@ -125,7 +125,15 @@ impl ListColumn {
             let (own, change) = convert(name, names())?;
             Some((*all.iter().find(|column| column.output.name == own)?, change))
         });
-        found.ok_or_else(|| CaseError::unknown(Known::Column, name, nearest(name, names())))
+        found.ok_or_else(|| {
+            if ManufacturerRow::TEXTS.contains(&name) {
+                return CaseError::Invalid(format!(
+                    "`{name}` is a column of text in a manufacturer's table (--from TABLE.csv), but conditions and sorting need a column \
+                     of numbers. Nuts that pass all rules always come first"
+                ));
+            }
+            CaseError::unknown(Known::Column, name, nearest(name, names()))
+        })
     }
 
     /// Returns true if the column belongs to the axis sheet.
@@ -160,13 +168,19 @@ impl Condition {
     /// Returns [`CaseError`] if the text has another form, the column is unknown, or the value is
     /// not a number.
     pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
-        let form = "name>=value, name<=value or name=value";
+        let form = "name>=number, name<=number or name=number";
         let bad = || CaseError::bad_setting(text, form);
         let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
-        let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
         let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
+        let given = text[at + sign.len()..].trim();
+        let value: f64 = given.parse().unwrap_or(f64::NAN);
+        if value.is_nan() {
+            let why =
+                format!("in `{text}`, `{given}` is not a number; a condition has the form {form}");
+            return Err(CaseError::Invalid(why));
+        }
         let value = change.value(value);
         // The decimal numbers in tables can differ from sizes in meters by rounding errors.
         let near = 1e-9 * value.abs();
@@ -176,9 +190,6 @@ impl Condition {
             "=" => value - near..=value + near,
             _ => return Err(bad()),
         };
-        if value.is_nan() {
-            return Err(bad());
-        }
         Ok(Self { text: text.to_owned(), column, range })
     }
 
@@ -206,12 +217,12 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
 /// operating point.
 pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
-        let mut case = requirement.case_of(&candidate.nut);
-        case.nominal_diameter_mm.get_or_insert(decimal(candidate.size.diameter / MM));
-        return case.to_json();
+        return requirement.case_of(candidate).to_json();
     }
     let mut nut = candidate_json(candidate);
-    nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
+    // The mass follows from the sizes, so it must not become an input.
+    let is_size = |name: &str| name != InputKey::nut_mass_kg.name();
+    nut.retain(|name, _| is_size(name) && INPUTS.iter().any(|input| input.name == name));
     for number in nut.values_mut() {
         *number = json!(number.as_f64().map(decimal));
     }
@@ -370,7 +381,7 @@ impl NutFilter {
         let first = found.chosen.get(..1).unwrap_or_default();
         let first = catalog.map(first, |_, nut| Some(*nut));
         if let (Some(nut), Some(requirement)) = (first.first(), requirement)
-            && let Ok(sheet) = requirement.judge(&requirement.case_of(&nut.nut))
+            && let Ok(sheet) = requirement.judge(&requirement.case_of(nut))
         {
             found.warnings = sheet.answer.warnings;
         }
@@ -394,7 +405,7 @@ impl NutFilter {
 
     /// Keeps the sizes whose axis sheet meets the conditions on columns of the sheet.
     fn judge(&self, requirement: &RequirementFile, catalog: &Catalog, found: &mut Found) {
-        let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
+        let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(nut)?));
         let sheets = catalog.map(&found.within, sheet);
         let meets_sheet =
             |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
@@ -529,6 +540,27 @@ impl NutList {
         }
     }
 
+    /// Selects the displayed columns (see [`ShownColumn::select`]).
+    ///
+    /// # Errors
+    ///
+    /// Returns [`CaseError`] for a name that is not a column of this list.
+    pub fn select(
+        &self,
+        wanted: Option<&[String]>,
+        display: DisplayUnits,
+    ) -> Result<Vec<ShownColumn>, CaseError> {
+        let is_of_tables = |name: &&String| ManufacturerRow::TEXTS.contains(&name.as_str());
+        let missing = wanted.into_iter().flatten().find(is_of_tables);
+        if let (Rows::Sizes { .. }, Some(name)) = (&self.rows, missing) {
+            return Err(CaseError::Invalid(format!(
+                "`{name}` is a column only of a manufacturer's table (--from TABLE.csv). A list of sizes contains only nuts that meet the requirement; \
+                 `bsm select --show columns` lists all its columns"
+            )));
+        }
+        ShownColumn::select(&self.heads(), wanted, display)
+    }
+
     /// Returns the name and the unit of each column.
     pub fn heads(&self) -> Vec<(String, &'static str)> {
         match &self.rows {
@@ -589,14 +621,28 @@ impl NutList {
         let values: Vec<_> = columns.iter().map(|column| column.values(&all)).collect();
         let head = |column: &ShownColumn| Column {
             head: Some(column.name.clone().into()),
-            ..Column::of("")
+            ..Column::new("", None)
         };
         let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
+        let rows = (0..count).map(row).collect();
+        let bands = self.bands_of(count, columns);
         let columns = columns.iter().map(head).collect();
-        let table = Table { columns, rows: (0..count).map(row).collect(), ..Table::default() };
+        let table = Table { columns, rows, bands, ..Table::default() };
         let mut answer = self.answer(first);
         answer.sections = Vec::new();
         answer.with("", Content::Table(table))
+    }
+
+    /// Returns the intervals of the first nuts in the displayed units of the given columns.
+    fn bands_of(&self, count: usize, columns: &[ShownColumn]) -> Vec<Vec<Option<Band>>> {
+        let heads = self.heads();
+        let band = |row: &ManufacturerRow, column: &ShownColumn| {
+            let Band { low, high } = row.band(&heads[column.place].0)?;
+            let [low, high] = [low, high].map(|end| column.unit.value(end));
+            Some(Band { low, high })
+        };
+        let bands = |row| columns.iter().map(|column| band(row, column)).collect();
+        self.rows_of(&self.chosen[..count]).into_iter().map(bands).collect()
     }
 
     /// Returns true if the screen shows the column.
@@ -629,7 +675,7 @@ impl NutList {
         let values = self.values(0..count);
         let head = |column: &ListColumn| {
             let Output { name, unit, .. } = *column.output;
-            Column { unit, head: self.is_shown(column).then_some(name.into()), ..Column::of(name) }
+            Column { unit, ..Column::new(name, self.is_shown(column).then_some(name)) }
         };
         let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
         let table = Table {

@@ -4,18 +4,32 @@ use std::cell::Cell;
 
 use bsm_dyn::{ModelWorkspace, NoAnswer, Problem, solution::Performance};
 use bsm_kin::Jet;
-use serde_json::json;
 
 use crate::case::reader::Reader;
-use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
+use crate::vocabulary::members::row;
+use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings};
 
 /// Number of inputs for which one solver run calculates the derivatives. The time of a run
 /// increases with this number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
-/// Columns of the derivative table.
-pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
-    | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
+row! {
+    /// Derivatives with respect to an input.
+    #[expect(non_snake_case, reason = "the names end with unit symbols")]
+    pub(crate) struct SensitivityRow {
+        [skip] input: &'static str = "sensitivity to";
+        [skip] unit: &'static str = "unit";
+        [skip] value: f64 = "value";
+        /// Relative change of the efficiency / relative change of the input.
+        efficiency_relative: Option<f64> = "efficiency, %/%";
+        /// Relative change of the torque / relative change of the input.
+        ball_torque_relative: Option<f64> = "torque, %/%";
+        /// Derivative of the efficiency.
+        efficiency: f64 = "efficiency, 1/unit";
+        /// Derivative of the torque \[N·m\].
+        ball_torque_Nm: Option<f64> = "torque, N m/unit";
+    }
+}
 
 /// A number with its derivatives with respect to several inputs, in the units of these inputs.
 type Jets = Jet<AT_A_TIME>;
@@ -129,19 +143,16 @@ impl Sensitivities {
 }
 
 impl Sensitivity {
-    /// Builds a table with one row per input, including its unit and value.
-    pub(crate) fn table(rows: &[Self]) -> Table {
-        let row = |row: &Self| {
-            vec![
-                json!(row.input.name),
-                json!(row.input.unit),
-                json!(row.value),
-                json!(row.relative_efficiency),
-                json!(row.relative_torque),
-                json!(row.efficiency),
-                json!(row.screw_torque),
-            ]
-        };
-        Table::of(SENSITIVITIES, rows.iter().map(row)).keyed()
+    /// Returns a row of the table of sensitivities.
+    pub(crate) fn row(&self) -> SensitivityRow {
+        SensitivityRow {
+            input: self.input.name,
+            unit: self.input.unit,
+            value: self.value,
+            efficiency_relative: self.relative_efficiency,
+            ball_torque_relative: self.relative_torque,
+            efficiency: self.efficiency,
+            ball_torque_Nm: self.screw_torque,
+        }
     }
 }

@@ -2,17 +2,19 @@
 
 use bsm_nut::FrictionSum;
 use bsm_nut::thermal::{Guess, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius};
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::nut::QUANTITIES as NUT;
 use crate::case::axis::Machine;
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, Warm, WarmState};
+use crate::vocabulary::members::{Keyed, Maybe, NumbersOf, answer, number_tables, row};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{RPM, UM};
 use crate::{
-    Answer, Case, CaseError, Content, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Settings,
-    Table,
+    Answer, Case, CaseError, INPUTS, InputKey, InputSet, Numbers, Quantity, Row, Settings,
 };
 
 quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
@@ -59,26 +61,67 @@ fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
 }
 
-/// Columns of the conductance table.
-pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
-pub(crate) const RANGES: &str = "=number, phase | low:number? | value | high:number?";
+number_tables! {
+    /// Numbers of a warm state.
+    pub(crate) WarmNumbers = QUANTITIES.iter();
+}
+
+/// Origin of a conductance.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ConductanceOrigin {
+    /// An input.
+    Given,
+    /// Calculated from speeds and sizes.
+    Computed,
+    /// The default of zero.
+    Default,
+}
+
+row! {
+    /// A conductance of the thermal network.
+    pub(crate) struct Conductance {
+        [skip] name: &'static str = "conductance";
+        value: Option<f64>;
+        origin: ConductanceOrigin = "origin";
+    }
+}
+
+row! {
+    /// Uncertainty band of a number.
+    pub(crate) struct BandRow {
+        [skip] name: String = "number, phase";
+        low: Option<f64> = "low";
+        value: f64 = "value";
+        high: Option<f64> = "high";
+    }
+}
+
+answer! {
+    /// Warm state of an axis.
+    pub(crate) struct WarmMembers {
+        [skip_serializing_if = "Maybe::is_none"] warm: Maybe<NumbersOf<WarmNumbers>>;
+        [skip_serializing_if = "Maybe::is_none"] conductances: Maybe<Keyed<Conductance>>;
+        [skip_serializing_if = "Maybe::is_none"] band: Maybe<Keyed<BandRow>>;
+    }
+}
 
 impl WarmState {
     /// Builds the table of conductances. Each conductance is given, computed from speeds and sizes,
     /// or has its default of zero.
-    fn conductances(&self, numbers: &Numbers) -> Table {
+    fn conductances(&self, numbers: &Numbers) -> Keyed<Conductance> {
         let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
         let row = |row: &Row| {
             let (name, [value, ..]) = (row.quantity.name, row.values);
             let is_given = InputKey::named(name).is_ok_and(|key| self.given.contains(key));
             let origin = match value {
-                _ if is_given => "given",
-                Some(0.0) => "default",
-                _ => "computed",
+                _ if is_given => ConductanceOrigin::Given,
+                Some(0.0) => ConductanceOrigin::Default,
+                _ => ConductanceOrigin::Computed,
             };
-            vec![json!(name), json!(value), json!(origin)]
+            Conductance { name, value, origin }
         };
-        Table::of(CONDUCTANCES, of_state.map(row)).keyed()
+        Keyed(of_state.map(row).collect())
     }
 }
 
@@ -162,15 +205,16 @@ impl Warm {
     pub(crate) fn add_to(warm: Option<&Self>, answer: Answer) -> Answer {
         let Some(warm) = warm else { return answer };
         let numbers = read(warm, |_| true).where_finite();
-        let conductances = state(warm).map(|state| Content::Table(state.conductances(&numbers)));
-        answer
-            .with("warm", Content::numbers(numbers, "warm"))
-            .with_some("conductances", conductances)
-            .with_some("band", warm.band().map(Content::Table))
+        let conductances = state(warm).map(|state| state.conductances(&numbers));
+        answer.with_members(WarmMembers {
+            warm: Maybe(Some(NumbersOf::new(numbers, "warm"))),
+            conductances: Maybe(conductances),
+            band: Maybe(warm.band()),
+        })
     }
 
     /// Builds the table of the uncertainty band.
-    fn band(&self) -> Option<Table> {
+    fn band(&self) -> Option<Keyed<BandRow>> {
         let state = state(self)?;
         let band = state.band.as_ref()?;
         let moving = state.steady.heated.phases.iter().enumerate();
@@ -182,15 +226,15 @@ impl Warm {
         let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
             let [no_low, no_high] = open_ends(&band.none, &name);
             let [low, high] =
-                [(low, no_low), (high, no_high)].map(|(end, open)| (!open).then_some(end));
-            vec![json!(name), json!(low), json!(value), json!(high)]
+                [(low, no_low), (high, no_high)].map(|(end, open)| (!open).then_some(*end));
+            BandRow { name, low, value: *value, high }
         };
         let rows = names.zip(&band.values).zip(&band.ends);
         let is_there = |((name, value), _): &((String, &f64), &[f64; 2])| {
             let tension = name == "screw_tension_N" && state.tension.is_none();
             !(tension || value.is_nan())
         };
-        Some(Table::of(RANGES, rows.filter(is_there).map(row)).keyed())
+        Some(Keyed(rows.filter(is_there).map(row).collect()))
     }
 
     /// Returns notes on the assumptions behind the temperatures.

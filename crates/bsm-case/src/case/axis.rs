@@ -11,6 +11,7 @@ use bsm_design::{
 use bsm_dyn::DrivenPart;
 
 use crate::case::cycle::Cycle;
+use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{MotorCurveRow, Named, SteelFactor};
@@ -40,6 +41,8 @@ pub(crate) struct Machine {
     pub(crate) drive: DriveTrain,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` if the length is unknown.
     pub(crate) screw: Option<(f64, f64)>,
+    /// Mass of the nut \[kg\], given or calculated from its groove.
+    pub(crate) nut_mass: Option<f64>,
     /// Moment of inertia of a driven nut \[kg·m²\]; `None` if the screw is driven.
     pub(crate) nut_inertia: Option<f64>,
     /// Length of the thread \[m\]; `None` if the stroke is unknown.
@@ -169,7 +172,7 @@ fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
         // estimated groove does.
         let pitch_circle_diameter_mm = case.pitch_circle_diameter_mm;
         let line = Case { pitch_circle_diameter_mm, ..case.without_estimates() };
-        return Ok((Some((nut, thread)), RatedScrew::of(&line)?, None));
+        return Ok((Some((nut, thread)), RatedScrew::of(&line, balls_and_turns(case).1)?, None));
     }
     let body = rated_nut::body(case, &nut, &thread)?;
     let warning = rated_nut::compared(case, &nut)?;
@@ -219,6 +222,12 @@ impl Machine {
             (mass, stated.unwrap_or(own))
         });
         let screw = screw.filter(|(mass, _)| !mass.is_nan());
+        // The mass is calculated in the same way as with the ratings.
+        let own_mass = || -> Option<f64> {
+            let (nut, thread) = groove.as_ref()?;
+            Some(rated_nut::body(case, nut, thread).ok()?.mass(nut, thread))
+        };
+        let nut_mass = case.nut_mass_kg.or_else(own_mass);
         let nut_inertia = (driven == DrivenPart::Nut).then(|| {
             case.nut_inertia_kg_m2.unwrap_or_else(|| {
                 let tube = body.tube_inertia(size.pitch_diameter);
@@ -266,6 +275,7 @@ impl Machine {
             carriage,
             drive,
             screw,
+            nut_mass,
             nut_inertia,
             thread,
             stroke,
@@ -290,18 +300,20 @@ impl Machine {
         let length = self.axis.shaft.map_or(f64::INFINITY, |shaft| shaft.length);
         // The comparison allows for rounding errors of decimal lengths in millimeters.
         if thread > length * (1.0 + 1e-12) {
-            let nut = self.body.length / MM;
+            let (nut, is_estimated) = (self.body.length / MM, case.nut_length_mm.is_none());
             let overrun = mount(case).overrun_of(self.axis.screw.lead) / MM;
             return Err(bad(
                 "unsupported_length_mm",
                 format!(
-                    "is {} mm, but the thread is {} mm long (stroke {} mm, nut {} mm, overrun {} mm at each end), so the nut would \
-                     run into the bearings. Increase unsupported_length_mm, or give a smaller overrun_mm",
+                    "is {} mm, but the thread is {} mm long (stroke {} mm, {}nut {} mm, overrun {} mm at each end), so the nut would \
+                     run into the bearings. Increase unsupported_length_mm, or give a smaller {}overrun_mm",
                     trimmed(length / MM),
                     trimmed(thread / MM),
                     trimmed(stroke / MM),
+                    if is_estimated { "estimated " } else { "" },
                     trimmed(nut),
-                    trimmed(overrun)
+                    trimmed(overrun),
+                    if is_estimated { "nut_length_mm or " } else { "" }
                 ),
             ));
         }

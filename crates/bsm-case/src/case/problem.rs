@@ -6,6 +6,8 @@ use bsm_dyn::{
     Control, Model, Problem,
     model::{RacewayFriction, Traction},
 };
+use schemars::JsonSchema;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::case::reader::has_grooves;
@@ -102,6 +104,23 @@ impl From<Model> for Settings {
     }
 }
 
+/// Settings in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct SettingsJson {
+    /// Name of the model.
+    name: &'static str,
+    /// Largest error of the efficiency that model `auto` accepts.
+    tolerance: f64,
+    /// Accuracy of the friction of model `traction`.
+    accuracy: f64,
+    /// Creep speed that smooths the friction law of model `traction` / speed of the ball.
+    creep: f64,
+    /// Controlling raceway of model `raceway-control`.
+    control: Option<&'static str>,
+    /// Location at which model `raceway-control` calculates lubricated friction.
+    friction: &'static str,
+}
+
 impl Settings {
     /// Keys of the JSON object of the settings.
     const KEYS: [&str; 6] = ["name", "tolerance", "accuracy", "creep", "control", "friction"];
@@ -185,15 +204,20 @@ impl Settings {
 
     /// Converts the settings to a JSON object.
     pub fn to_json(&self) -> Value {
+        json!(self.members())
+    }
+
+    /// Returns the settings as members of a JSON object.
+    pub(crate) fn members(&self) -> SettingsJson {
         let Self { model, tolerance, accuracy, creep, control, friction } = *self;
-        json!({
-            "name": model.name(),
-            "tolerance": tolerance,
-            "accuracy": accuracy,
-            "creep": creep,
-            "control": control.map(Control::name),
-            "friction": friction.name(),
-        })
+        SettingsJson {
+            name: model.name(),
+            tolerance,
+            accuracy,
+            creep,
+            control: control.map(Control::name),
+            friction: friction.name(),
+        }
     }
 
     /// Checks settings that a user has given. The model must use every setting that differs from

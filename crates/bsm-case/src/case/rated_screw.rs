@@ -5,10 +5,11 @@ use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
 use crate::case::axis::nut_set;
 use crate::case::manufacturer_sizes::offered_sizes;
+use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::{digits, trimmed};
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
@@ -63,7 +64,9 @@ pub(crate) struct RatedScrew {
 impl RatedScrew {
     /// Returns the screw of a checked case, calculated from catalog data without a groove. All
     /// inputs are optional.
-    pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
+    ///
+    /// * `estimated_turns`: loaded turns of an estimated groove.
+    pub(crate) fn of(case: &Case, estimated_turns: Option<f64>) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
@@ -108,12 +111,21 @@ impl RatedScrew {
             "core and nominal diameter, accurate to 20 % (Z31)",
         );
         let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
-        let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns, nut_set(case));
-        let by = if case.loaded_turns.is_some() {
-            "loaded_turns (D10), (BB6)".to_owned()
-        } else {
-            let turns = NutBody::TURNS_OF_RATINGS;
-            format!("{turns} loaded turns, because loaded_turns is not given (D10), (BB6)")
+        let given_turns = balls_and_turns(case).1;
+        let turns = given_turns.or(estimated_turns);
+        let usual = NutBody::of_ratings(nominal, lead / starts, turns, nut_set(case));
+        let by = match (given_turns, estimated_turns) {
+            (Some(_), _) => "loaded_turns (D10), (BB6)".to_owned(),
+            (None, Some(turns)) => {
+                format!(
+                    "the {} loaded turns of the estimated groove (D10), (BB6)",
+                    digits(turns, 3)
+                )
+            }
+            (None, None) => {
+                let turns = NutBody::TURNS_OF_RATINGS;
+                format!("{turns} loaded turns, because loaded_turns is not given (D10), (BB6)")
+            }
         };
         let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
@@ -141,7 +153,7 @@ impl RatedScrew {
 
     /// Works like [`of`](Self::of), and adds a note if the case contains only a part of the groove.
     pub(crate) fn without_groove(case: &Case) -> Result<Self, CaseError> {
-        let mut size = Self::of(case)?;
+        let mut size = Self::of(case, None)?;
         if case.given().meets(inputs! { contact_angle_deg nut_conformity screw_conformity }) {
             let missing = rated_nut::NEEDS.missing(rated_nut::given(case)).join(", ");
             size.assumed.push(format!(
@@ -150,4 +162,12 @@ impl RatedScrew {
         }
         Ok(size)
     }
+}
+
+/// Returns the typical length of the nut set \[mm\], or `None` if the lead or the number of loaded
+/// turns is unknown.
+pub(crate) fn usual_nut_length_mm(case: &Case) -> Option<f64> {
+    let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
+    let (pitch, turns) = (case.lead()? * MM / starts, balls_and_turns(case).1?);
+    Some(nut_set(case).usual_length(pitch, turns) / MM)
 }

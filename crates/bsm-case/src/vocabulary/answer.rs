@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use bsm_design::Band;
 use serde_json::{Map, Value, json};
 
+use crate::vocabulary::members::row;
 use crate::{DisplayUnit, Numbers, Output, OutputName, Scope, trimmed};
 
 /// An answer of the program, such as an axis sheet.
@@ -88,30 +89,10 @@ pub struct Table {
 pub struct Column {
     /// Name in JSON. A column with an empty name is only shown on the screen.
     pub name: &'static str,
-    /// Kind of the cells, with the name used in the schema of answers. Defaults to `number`.
-    pub kind: &'static str,
     /// Unit of the column as text.
     pub unit: &'static str,
     /// Heading on the screen; `None` for a column that appears only in JSON.
     pub head: Option<Cow<'static, str>>,
-}
-
-impl Column {
-    /// Parses the definition of a column: `name`, `name=head`, `=head` (screen only) or `-name`
-    /// (JSON only). If the cells are not numbers, `name:kind` takes the place of `name`.
-    pub(crate) fn of(text: &'static str) -> Self {
-        let (shown, head) = text.split_once('=').map_or((text, None), |(a, b)| (a, Some(b)));
-        let (name, kind) = shown.split_once(':').unwrap_or((shown, "number"));
-        match name.strip_prefix('-') {
-            Some(name) => Self { name, kind, unit: "", head: None },
-            None => Self { name, kind, unit: "", head: head.or(Some(name)).map(Cow::from) },
-        }
-    }
-
-    /// Parses column definitions that are separated by vertical bars.
-    pub fn all_of(text: &'static str) -> impl Iterator<Item = Self> {
-        text.split('|').map(|column| Self::of(column.trim()))
-    }
 }
 
 /// A rule that limits a number.
@@ -215,44 +196,64 @@ impl Criterion {
         Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
     }
 
-    /// Returns the cells of the rule for the columns in [`RULES`].
-    fn cells(&self) -> Vec<Value> {
-        vec![
-            json!(self.title),
-            json!(self.name),
-            json!(self.symbol),
-            json!(self.unit.text),
-            json!(self.value),
-            json!(self.sign()),
-            json!(self.limit),
-            json!(self.margin()),
-            json!(self.verdict().passes()),
-            json!(self.source),
-            json!(self.remedy),
-        ]
+    /// Returns the rule as a row of the table of rules.
+    fn row(&self) -> RuleRow {
+        RuleRow {
+            rule: self.title,
+            name: self.name,
+            symbol: self.symbol,
+            unit: self.unit.text,
+            value: self.value,
+            must_be: self.sign(),
+            limit: self.limit,
+            margin: self.margin(),
+            passes: self.verdict().passes(),
+            source: self.source.clone(),
+            remedy: self.remedy.clone(),
+        }
     }
 }
 
-/// Columns of the rule table.
-pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean? | source:string | remedy:string?";
+row! {
+    /// A rule in JSON.
+    pub(crate) struct RuleRow {
+        /// Title of the rule.
+        rule: &'static str;
+        /// Name of the number, with its unit as a suffix.
+        name: &'static str;
+        /// Symbol of the number.
+        symbol: &'static str;
+        /// Unit of the number.
+        unit: &'static str;
+        /// Value of the number; null if it cannot be calculated.
+        #[schemars(with = "Option<f64>")]
+        value: f64;
+        /// `>=` or `<=`.
+        must_be: &'static str;
+        /// Limit of the number.
+        limit: Option<f64>;
+        /// Margin of the rule, which is met if the margin is at least 1.
+        margin: Option<f64>;
+        /// True if the rule is met, false if it is violated, null if it is undecided.
+        passes: Option<bool>;
+        /// Source of the rule.
+        source: Cow<'static, str>;
+        /// Change of an input with which the rule would be met.
+        remedy: Option<String>;
+    }
+}
 
-/// Columns of the table that lists missing inputs.
-pub(crate) const NOT_GIVEN: &str = "number:string | text:string";
+row! {
+    /// A missing input that was treated as zero.
+    pub(crate) struct NotGivenRow {
+        /// Name of the affected number.
+        number: &'static str;
+        /// Sentence that names the missing input.
+        text: String;
+    }
+}
 
 impl Table {
-    /// Creates a table from column definitions (see [`Column::all_of`]) and rows.
-    pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
-        let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
-        Self { columns, rows, ..Self::default() }
-    }
-
-    /// Returns the table with the JSON form of an object of objects, whose keys are in the first
-    /// column.
-    #[must_use]
-    pub(crate) fn keyed(self) -> Self {
-        Self { keyed: true, ..self }
-    }
-
     fn to_json(&self) -> Value {
         let named = |row: &[Value]| -> Value {
             let cells = self.columns.iter().zip(row).skip(usize::from(self.keyed));
@@ -305,15 +306,6 @@ impl Answer {
     pub fn with(mut self, member: &'static str, content: Content) -> Self {
         self.sections.push(Section { member: Some(member), content });
         self
-    }
-
-    /// Adds a section if `content` has a value.
-    #[must_use]
-    pub(crate) fn with_some(self, member: &'static str, content: Option<Content>) -> Self {
-        match content {
-            Some(content) => self.with(member, content),
-            None => self,
-        }
     }
 
     /// Adds a section that is only shown on the screen.
@@ -421,13 +413,14 @@ impl Answer {
             }
         }
         if !self.rules.is_empty() {
-            let rules = Table::of(RULES, self.rules.iter().map(Criterion::cells));
-            map.insert("rules".to_owned(), rules.to_json());
+            let rules: Vec<_> = self.rules.iter().map(Criterion::row).collect();
+            map.insert("rules".to_owned(), Table::of(&rules).to_json());
         }
         if !self.not_given.is_empty() {
-            let cells = |lack: &NotGiven| vec![json!(lack.number), json!(lack.text)];
-            let lacks = Table::of(NOT_GIVEN, self.not_given.iter().map(cells));
-            map.insert("not_given".to_owned(), lacks.to_json());
+            let row =
+                |NotGiven { number, text }: &NotGiven| NotGivenRow { number, text: text.clone() };
+            let lacks: Vec<_> = self.not_given.iter().map(row).collect();
+            map.insert("not_given".to_owned(), Table::of(&lacks).to_json());
         }
         map.insert("notes".to_owned(), json!(self.notes));
         map.insert("warnings".to_owned(), json!(self.warnings));

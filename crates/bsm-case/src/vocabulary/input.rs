@@ -470,7 +470,7 @@ inputs! {
         screw_mass_kg_m ["kg/m"] Above(0.0), None,
             "mass per meter of the screw, if its groove is not known; defaults to an estimate";
         nut_mass_kg ["kg"] Above(0.0), None,
-            "mass of the nut as stated by the manufacturer; defaults to a value calculated from its groove";
+            "mass of the nut; as stated by the manufacturer, or by default calculated from its groove";
         catalog_efficiency [""] Within(0.01, 1.0), Some(0.9),
             "efficiency of the screw according to its catalog, if its groove is not known; usually 0.85 to 0.95";
         catalog_back_efficiency [""] Within(0.01, 1.0), Some(0.8),

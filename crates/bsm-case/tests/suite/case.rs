@@ -546,7 +546,7 @@ fn contact_columns_show_values_of_their_own_contact() {
         let columns = row.quantity.columns.iter();
         for ((head, column), value) in Scope::Contacts.members().iter().zip(columns).zip(row.values)
         {
-            let contact = if *head == "unloaded flank" { "unloaded_flank" } else { head };
+            let contact = if *head == "far flank" { "unloaded_flank" } else { head };
             assert_eq!(column.name, format!("{contact}_{tail}"));
             assert_eq!(
                 value.is_some(),

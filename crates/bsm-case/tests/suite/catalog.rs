@@ -37,7 +37,7 @@ fn the_catalog_contains_the_published_nuts() {
     assert_eq!(has(&[small.as_slice(), &numbers].concat()), 1);
     let large = ["ball_diameter_mm=10", "loaded_turns=6", "nut_conformity=0.55"];
     let numbers =
-        ["pitch_circle_diameter_mm=63.35", "preloaded_stiffness_N_um>=3234", "mass_kg<=7.3"];
+        ["pitch_circle_diameter_mm=63.35", "preloaded_stiffness_N_um>=3234", "nut_mass_kg<=7.3"];
     assert_eq!(has(&[large.as_slice(), &numbers].concat()), 1);
     assert!(Catalog::standard().expect("compiled in").indices().len() > 50_000);
 }
@@ -156,10 +156,11 @@ fn invalid_lists_are_rejected() {
         assert!(error.contains(words), "{error}");
     }
     for (text, words) in [
-        ("mass>=1", "did you mean `mass_kg`?"),
-        ("mass_kg>1", "does not have the form"),
-        ("mass_kg>=heavy", "does not have the form"),
-        ("mass_kg", "does not have the form"),
+        ("mass>=1", "did you mean `nut_mass_kg`?"),
+        ("nut_mass_kg>1", "does not have the form"),
+        ("nut_mass_kg>=heavy", "`heavy` is not a number"),
+        ("passes=true", "conditions and sorting need a column of numbers"),
+        ("nut_mass_kg", "does not have the form"),
     ] {
         let error = Condition::parse(text, &columns()).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");

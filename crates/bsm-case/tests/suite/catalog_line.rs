@@ -375,8 +375,8 @@ given,15,10,3.175,3,12.32,9600,19300";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
     let rows = ManufacturerRow::all(&nuts, None).expect("ratings");
     let row = |name: &str| rows.iter().find(|row| row.name == name).expect("a row");
-    assert_eq!(row("line").groove.as_deref(), Some("estimated, ball 6.35 mm estimated"));
-    assert_eq!(row("ball").groove.as_deref(), Some("estimated, ball 6.35 mm given"));
+    assert_eq!(row("line").groove.as_deref(), Some("estimated together with the ball of 6.35 mm"));
+    assert_eq!(row("ball").groove.as_deref(), Some("estimated for the given ball of 6.35 mm"));
     assert_eq!(row("misprint").groove.as_deref(), Some("none"));
     assert_eq!((&row("given").groove, &row("given").contradiction), (&None, &None));
     assert!(row("line").value("our_stiffness_N_um").is_some_and(|stiffness| stiffness > 300.0));
@@ -707,4 +707,38 @@ fn friction_coefficient_that_the_case_lacks_is_fitted_with_an_interval() {
     let missing = fitted(&line);
     assert!(missing.1.is_some_and(|band| band.low < missing.0 && missing.0 < band.high));
     assert_eq!(given, missing);
+}
+
+/// A test by a stranger found an estimated groove with 7.5 turns of 5 mm lead in a nut of 30 mm,
+/// whose length was ordered without the word "estimated".
+#[test]
+fn estimated_nut_length_fits_the_turns_of_the_estimated_groove() {
+    let line = r#"{"nominal_diameter_mm": 32, "lead_mm": 5, "ball_diameter_mm": 2.381, "rated_dynamic_load_N": 18848, "rated_static_load_N": 62204,
+        "axial_load_N": 2000, "feed_m_min": 6, "stroke_mm": 500}"#;
+    let sheet = |settings: &[&str]| {
+        AxisReport::of(&case(line, settings), &Settings::default()).expect("a sheet")
+    };
+    let report = sheet(&[]);
+    let number = |name: &str| report.number(named(name)).expect("a number");
+    // The length is P (i + 3) (D10).
+    let (turns, length) = (number("loaded_turns"), number("nut_length_mm"));
+    assert!(turns > 5.0, "{turns}");
+    assert_relative_eq!(length, 5.0 * (turns + 3.0), max_relative = 1e-12);
+    // All possible grooves belong to a nut with this length, so lengths have no interval.
+    assert!(report.answer.band("loaded_turns").is_some());
+    for name in ["nut_length_mm", "thread_length_mm", "critical_speed_rpm", "screw_mass_kg"] {
+        assert_eq!(report.answer.band(name), None, "{name}");
+    }
+    let note = report.answer.notes.iter().find(|note| note.starts_with("nut_length_mm"));
+    assert!(note.is_some_and(|note| note.contains("loaded turns of the estimated groove")));
+    // The order marks the length of the nut and every length that contains it.
+    assert_eq!(report.order.to_string().matches(" mm (estimated)").count(), 3, "{}", report.order);
+    let given = sheet(&["nut_length_mm=53"]);
+    let order = given.order.to_string();
+    assert!(order.contains("single nut 53 mm, thread 563 mm, "), "{order}");
+    let long = sheet(&["unsupported_length_mm=700"]).order.to_string();
+    assert!(long.contains("length between bearings 700 mm, "), "{long}");
+    // `nut` calculates the same body.
+    let nut = ratings(&case(line, &[]).with_groove().expect("a groove")).expect("ratings");
+    assert_eq!(nut.number(output!(nut_length_mm)), Some(length));
 }

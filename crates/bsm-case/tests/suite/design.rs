@@ -1,8 +1,8 @@
 //! Tests of requirements and fits.
 
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalog, DesignReport, Fit, FittedInput, NutProblem,
-    RequirementFile, SelectionLimit, Settings, output, ratings,
+    AxisReport, Case, CaseError, Catalog, ColumnValues, DesignReport, Fit, FittedInput, ListColumn,
+    NutFilter, NutProblem, RequirementFile, SelectionLimit, Settings, output, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
@@ -455,6 +455,64 @@ fn no_screw_longer_than_the_listed_lengths_is_selected() {
     let row = report.rows.iter().find(|row| row.name == "unsupported_length_mm").expect("a limit");
     assert!(row.passes && row.requirement.is_some(), "{row:?}");
     assert!(report.case.nominal_diameter_mm.is_some_and(|mm| mm >= 14.0), "{:?}", report.case);
+}
+
+/// A test by a stranger found that the order named a nominal diameter of 16 mm for the chosen size
+/// 15 x 10 mm, because 16 mm is closer to its pitch circle of 15.75 mm.
+#[test]
+fn selected_case_and_order_have_the_nominal_diameter_of_the_chosen_row() {
+    let catalog = Catalog::manufacturers().expect("compiled in");
+    let json = br#"{"moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"objective":"mass",
+        "support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]}"#;
+    let requirement = RequirementFile::from_json(json, &[], catalog.lists.clone());
+    let requirement = requirement.expect("a requirement");
+    let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
+    let Case { nominal_diameter_mm, pitch_circle_diameter_mm, lead_mm, .. } = report.case;
+    let chosen = (nominal_diameter_mm, pitch_circle_diameter_mm, lead_mm);
+    assert_eq!(chosen, (Some(15.0), Some(15.75), Some(10.0)));
+    let order = report.order.expect("a screw");
+    assert!(order.starts_with("15 x 10 mm, 2 x 2.8 turns"), "{order}");
+    // THK does not publish the ball diameter of this size.
+    assert!(report.notes.iter().any(|note| note.contains("ball diameter is estimated")));
+    // Standard lists state the nominal diameter, too.
+    let lists = Catalog::standard().expect("compiled in");
+    let requirement = RequirementFile::from_json(json, &[], lists.lists.clone());
+    let standard = DesignReport::standard(&requirement.expect("a requirement"), &lists);
+    let standard = standard.expect("sizes");
+    let nominal = standard.case.nominal_diameter_mm.expect("a listed size");
+    assert!(lists.lists.diameters.iter().any(|listed| (listed * 1e3 - nominal).abs() < 1e-9));
+    let order = standard.order.expect("a screw");
+    assert!(order.starts_with(&format!("{nominal} x ")), "{order}");
+}
+
+/// A test by a stranger found that a list could only be sorted by the mass of the nut alone.
+#[test]
+fn list_of_sizes_is_sorted_by_the_mass_of_nut_and_screw() {
+    let catalog = Catalog::manufacturers().expect("compiled in");
+    let requirement = RequirementFile::from_json(
+        br#"{"axial_load_N": 500, "feed_m_min": 6, "stroke_mm": 300, "required_life_h": 1000}"#,
+        &[],
+        catalog.lists.clone(),
+    );
+    let (columns, name) = (ListColumn::of_sizes(true), "mass_of_nut_and_screw_kg");
+    let filter = NutFilter::new(&["nominal_diameter_mm=20".to_owned()], &columns, false)
+        .and_then(|filter| filter.sorted_by(name, false, &columns))
+        .expect("columns");
+    let list = filter.choose(catalog, Some(&requirement.expect("a requirement")));
+    let values = list.values(0..list.chosen.len());
+    let of = |name: &str| {
+        let place = list.columns().iter().position(|column| column.output.name == name);
+        match &values[place.expect("a column")] {
+            ColumnValues::Numbers(values) => values.clone(),
+            ColumnValues::Texts(_) => panic!("{name} is text"),
+        }
+    };
+    let both = of(name);
+    assert!(both.len() > 5 && both.is_sorted(), "{both:?}");
+    for ((nut, screw), both) in of("nut_mass_kg").iter().zip(of("screw_mass_kg")).zip(both) {
+        // The sizes of the case are rounded to 12 digits.
+        assert!((nut + screw - both).abs() < 1e-9 * both, "{nut} {screw} {both}");
+    }
 }
 
 /// An audit found that `nut` ignored the cycle of a selected case and assumed a preloaded pair.

@@ -306,7 +306,7 @@ fn warns_about_a_film_between_rigid_contacts() {
     let warned = |settings: &[&str]| {
         let case = oiled_case(settings);
         let warnings = solved(&case, Model::RacewayControl).warnings(&case);
-        warnings.iter().any(|words| words.starts_with("M = "))
+        warnings.iter().any(|words| words.starts_with("The load parameter M = "))
     };
     assert!(!warned(&[]));
     assert!(warned(&[

@@ -235,7 +235,7 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
     );
     refused(
         cycle(json!({ "distance_mm": 300, "time_s": 0.5 })),
-        "one of profile and acceleration_m_s2",
+        "either profile or acceleration_m_s2",
     );
     refused(
         cycle(json!({ "distance_mm": 300, "profile": "triangular" })),

@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalog, ManufacturerNut, ManufacturerRow, NutProblem, Output,
-    Record, RequirementFile, Settings, TableFormat, Verdict, output,
+    AxisReport, Case, CaseError, Catalog, ColumnValues, Content, ManufacturerNut, ManufacturerRow,
+    NutProblem, Output, Record, RequirementFile, Settings, TableFormat, Verdict, output,
 };
 use bsm_dyn::ModelWorkspace;
+use serde_json::json;
 
 use crate::named;
 
@@ -247,8 +248,114 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);
     let rows = ManufacturerRow::all(&heavy, Some(&requirement)).expect("sheets");
-    let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("mass_kg"))).collect();
+    let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("nut_mass_kg"))).collect();
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
+    for row in &rows {
+        let [nut, screw, both] = ["nut_mass_kg", "screw_mass_kg", "mass_of_nut_and_screw_kg"]
+            .map(|name| row.value(name).expect("a mass"));
+        assert_relative_eq!(nut + screw, both, max_relative = 1e-12);
+    }
+}
+
+/// A test by a stranger found rows of a list that failed without naming the failed rule.
+#[test]
+fn rows_that_fail_name_the_failed_rules() {
+    let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
+weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
+    let catalog = Catalog::standard().expect("compiled in");
+    let requirement =
+        br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
+    let requirement =
+        RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
+    let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
+    let failed: Vec<_> = rows.iter().map(|row| (&*row.name, &row.failed_rules[..])).collect();
+    assert_eq!(failed, [("strong", &[][..]), ("weak", &["static safety", "life"])]);
+    let rows: Vec<_> = rows.iter().collect();
+    let columns = ManufacturerRow::table(&rows);
+    let (.., cells) = columns.iter().find(|(name, ..)| name == "failed_rules").expect("a column");
+    let texts = ColumnValues::Texts(vec![None, Some("static safety; life".to_owned())]);
+    assert_eq!(*cells, texts);
+    let answer = ManufacturerRow::answer(&rows, 2, |_| true);
+    let Content::Table(shown) = &answer.sections[0].content else { panic!("{answer:?}") };
+    let heads: Vec<_> = shown.columns.iter().filter_map(|column| column.head.as_deref()).collect();
+    assert!(heads.contains(&"failed rules"), "{heads:?}");
+    assert_eq!(answer.to_json()[1]["failed_rules"], json!(["static safety", "life"]));
+}
+
+/// A test by a stranger found that the column stiffness_N_um of a table had no effect on the axis.
+/// Tables state the stiffness at 0.3 of the dynamic load rating, so K (F/0.3 C_a)^(1/3) times 0.8
+/// is the stiffness of the nut.
+#[test]
+fn stiffness_in_a_table_enters_the_stiffness_of_the_axis() {
+    let catalog = Catalog::standard().expect("compiled in");
+    let requirement = br#"{"axial_load_N": 2000, "feed_m_min": 6, "stroke_mm": 500}"#;
+    let requirement =
+        RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
+    let row = |heads: &str, cells: &str| {
+        let table = format!(
+            "nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,loaded_turns,rated_dynamic_load_N,rated_static_load_N{heads}\n\
+             SFU2510-4,25,10,4.762,4,28969,71540{cells}"
+        );
+        let nuts = ManufacturerNut::from_csv(table.as_bytes(), &TableFormat::default());
+        let rows = ManufacturerRow::all(&nuts.expect("a row"), Some(&requirement));
+        rows.expect("a sheet").remove(0)
+    };
+    let stiffness = |row: &ManufacturerRow| row.value("axis_stiffness_N_um").expect("a number");
+    let stated = row(",stiffness_N_um", ",490");
+    assert_eq!(stated.value("stiffness_N_um"), Some(490.0));
+    let sheet = AxisReport::of(&stated.case, &Settings::default()).expect("a sheet");
+    let of_nut = 0.8 * 490.0 * (2000.0_f64 / (0.3 * 28969.0)).cbrt();
+    let name = "nut_stiffness_at_largest_load_N_um";
+    assert_relative_eq!(number(&sheet, name), of_nut, max_relative = 1e-12);
+    assert_relative_eq!(
+        number(&sheet, "axis_stiffness_N_um"),
+        stiffness(&stated),
+        max_relative = 1e-12
+    );
+    // The stated stiffness does not depend on the estimated groove.
+    assert_eq!(stated.band("axis_stiffness_N_um"), None);
+    let estimated = row("", "");
+    assert!(
+        stiffness(&estimated) > stiffness(&stated) && estimated.value("stiffness_N_um").is_none()
+    );
+    // The names of the input have the same meaning.
+    let by_input = row(",rated_rigidity_N_um,rated_rigidity_at", ",490,0.3 Ca");
+    assert_eq!(by_input.value("stiffness_N_um"), Some(490.0));
+    assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());
+}
+
+/// A test by a stranger found that the remedy for a motor torque did not state the permitted load,
+/// but recommended less acceleration for an axis without acceleration.
+#[test]
+fn remedy_for_the_motor_torque_states_the_permitted_load() {
+    let lift = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13000, "estimate_groove": false,
+        "seal_torque_Nm": 0.1, "feed_m_min": 1.5, "axial_load_N": 3000}"#;
+    let rule = |load: &str, limit: &str, title: &str| {
+        let report = sheet(lift, &[load, limit]).expect("a sheet");
+        let found = report.answer.rules.iter().find(|rule| rule.title == title).cloned();
+        found.expect("a rule")
+    };
+    // Torque h F/0.9 + 0.1 N m with h = lead / (2 pi).
+    let most = ((1.9 - 0.1) * 0.9 * TAU / 5e-3).floor();
+    for (limit, title) in [
+        ("motor_peak_torque_Nm=1.9", "peak torque of the motor"),
+        ("motor_rated_torque_Nm=1.9", "rated torque of the motor"),
+    ] {
+        let remedy = rule("axial_load_N=3000", limit, title).remedy.expect("a remedy");
+        let load = format!("an axial load of at most {most} N instead of 3000 N");
+        assert_eq!(remedy, format!("a larger motor, a smaller lead, or {load}"));
+        assert!(rule(&format!("axial_load_N={most}"), limit, title).passes());
+        assert!(!rule(&format!("axial_load_N={}", most + 1.0), limit, title).passes());
+    }
+    let cycle = r#"cycle=[{"distance_mm": 300, "time_s": 1, "profile": "trapezoidal", "force_N": 3000}, {"distance_mm": -300, "time_s": 1, "profile": "trapezoidal", "force_N": 3000}]"#;
+    let moved =
+        sheet(lift, &[cycle, "stroke_mm=300", "moved_mass_kg=10", "motor_peak_torque_Nm=1.9"]);
+    let moved = moved.expect("a sheet");
+    let rules = &moved.answer.rules;
+    let remedy = rules.iter().find(|rule| rule.title == "peak torque of the motor");
+    let remedy = remedy.and_then(|rule| rule.remedy.clone()).expect("a remedy");
+    assert!(remedy.ends_with(", or less acceleration"), "{remedy}");
 }
 
 /// The travel error is limited by the accuracy grade. For C3 over 1 m, it is 21 + 15/2 um, which
@@ -416,7 +523,7 @@ fn rating_and_load_factors_match_hand_calculation() {
     let plain = of(&[]);
     let rated = of(&["accuracy_grade=T10"]);
     assert_eq!(rated.number(output!(cycle_life_h)), plain.number(output!(cycle_life_h)));
-    assert!(has_note(&rated, "as printed for grade T10"));
+    assert!(has_note(&rated, "the catalog value for grade T10"));
     let soft = of(&["hardness_HRC=50", "accuracy_factor=0.9", "steel=electro-slag"]);
     let near = |name: &str, expected: f64| {
         assert_relative_eq!(number(&soft, name), expected, max_relative = 1e-12);
@@ -491,6 +598,72 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
     let hours =
         number(&report, "cycle_life_h") * one_way / number(&report, "cycle_life_revolutions");
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
+}
+
+/// A test by a stranger found that F_m was labeled as the constant load with the same life,
+/// although both flanks carried load. Hand calculation: half of all revolutions are under 3 kN, the
+/// other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube root of 2.
+#[test]
+fn life_follows_from_the_equivalent_loads_of_both_flanks() {
+    let cycle = |second: f64| {
+        let json = format!(
+            r#"{{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "load_factor": 1,
+                "cycle": [{{"time_s": 1, "feed_m_min": 10, "force_N": 3000}}, {{"time_s": 1, "feed_m_min": -10, "force_N": {second}}}]}}"#
+        );
+        sheet(&json, &["estimate_groove=false"]).expect("a sheet")
+    };
+    let life = |report: &AxisReport| number(report, "cycle_life_revolutions");
+    let of = |load: f64| 1e6 * (52000.0 / load).powi(3);
+    let both = cycle(-2000.0);
+    let names = ["equivalent_load_N", "equivalent_load_of_other_flank_N"];
+    let loads = names.map(|name| number(&both, name));
+    for (load, expected) in loads.into_iter().zip([3e3, 2e3]) {
+        assert_relative_eq!(load, expected / 2.0_f64.cbrt(), max_relative = 1e-12);
+    }
+    let [one, other] = loads.map(of);
+    let by_hand = (one.powf(-10.0 / 9.0) + other.powf(-10.0 / 9.0)).powf(-0.9);
+    assert_relative_eq!(life(&both), by_hand, max_relative = 1e-12);
+    // If only one flank carries load, its equivalent load is the constant load with the same life.
+    let one_flank = cycle(2000.0);
+    assert_eq!(one_flank.number(output!(equivalent_load_of_other_flank_N)), None);
+    assert_relative_eq!(life(&one_flank), of(number(&one_flank, names[0])), max_relative = 1e-12);
+}
+
+/// A test by a stranger found that the sheet stated the torque of lowering, because lowering has the
+/// same load as lifting and comes later in the cycle, and that the torque of a press was negative,
+/// because its feed is negative.
+#[test]
+fn screw_torque_of_the_sheet_is_the_largest_one_at_the_largest_load() {
+    let cycle = |phases: &str| {
+        let json = format!(
+            r#"{{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 9000, "rated_static_load_N": 15000, "estimate_groove": false,
+                "seal_torque_Nm": 0.15, "cycle": [{phases}]}}"#
+        );
+        sheet(&json, &[]).expect("a sheet")
+    };
+    let lift = r#"{"time_s": 1, "feed_m_min": 9, "force_N": 98}"#;
+    let lower = r#"{"time_s": 1, "feed_m_min": -18, "force_N": 98}"#;
+    for phases in [[lift, lower], [lower, lift]] {
+        let report = cycle(&phases.join(","));
+        // h F/0.9 with h = lead / (2 pi), and the torque of the seals.
+        let torque = 98.0 * 5e-3 / TAU / 0.9 + 0.15;
+        assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
+        let efficiency = report.phases.iter().filter_map(|p| p.number(output!(screw_efficiency)));
+        assert_eq!(report.number(output!(screw_efficiency)), efficiency.reduce(f64::max));
+        let note = report.answer.notes.iter().find(|note| note.contains("usual efficiencies give"));
+        // Usual efficiencies are 0.85 to 0.95.
+        let range = [0.95, 0.85].map(|eta| 98.0 * 5e-3 / TAU / eta + 0.15);
+        let range = format!("{:.3} to {:.3} N m", range[0], range[1]);
+        assert!(note.is_some_and(|note| note.contains(&range)), "{note:?}, not {range}");
+    }
+    let press = cycle(r#"{"time_s": 1, "feed_m_min": -9, "force_N": -98}"#);
+    let torque = press.phases[0].torque().expect("a torque");
+    assert!(torque < 0.0, "{torque}");
+    assert_relative_eq!(number(&press, "screw_torque_Nm"), -torque, max_relative = 1e-12);
+    // If only lowering has the largest load, a torque against the load is still positive.
+    let heavy = r#"{"time_s": 1, "feed_m_min": -9, "force_N": 9800}"#;
+    let torque = number(&cycle(heavy), "screw_torque_Nm");
+    assert_relative_eq!(torque, 9800.0 * 5e-3 / TAU * 0.8 - 0.15, max_relative = 1e-12);
 }
 
 /// A constant process force on a horizontal axis has the same effect as an equal weight on a

@@ -211,16 +211,18 @@ fn sheet_states_preload_torque_temperature_and_back_driving() {
     // The torque is the product of 0.05/sqrt(tan), with tan = 10/(pi 41.75) to six digits, the
     // preload of 3000 N and the lead of 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
-    let measure = note(&level, "A measurement of the preload").expect("a preload");
+    let measure =
+        note(&level, "According to the manufacturers' rule, a measurement").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % according to C3)", "with the seals 1.165 N m"] {
         assert!(measure.contains(part), "{measure}");
     }
     assert_eq!(note(&level, "Without motor power"), None);
     let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
-    let coarse = note(&coarse, "A measurement of the preload").expect("a preload");
+    let coarse =
+        note(&coarse, "According to the manufacturers' rule, a measurement").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
     // The note for a screw without a grade used to read as if the standard contained no value.
-    let ungraded = note(&axis(&NUT[..7]), "A measurement of the preload");
+    let ungraded = note(&axis(&NUT[..7]), "According to the manufacturers' rule, a measurement");
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
@@ -444,7 +446,7 @@ fn select_accepts_only_nuts_that_pass_their_axis_sheet() {
         assert_agrees_with_sheet(&report, Model::RacewayControl, settings[0]);
         // Every listed nut that meets the requirement also passes all rules of its own axis sheet.
         let listed = catalog.map(&catalog.indices(), |place, nut| {
-            (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(nut.nut)
+            (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(*nut)
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
             let sheet =

@@ -159,7 +159,7 @@ fn missing_solution_causes_exit_code_3_and_a_reason() {
     assert_eq!(output.status.code(), Some(3));
     let text = stdout(&output);
     assert!(text.contains("no_solution"), "{text}");
-    assert!(text.contains("critical lead angle of this point is 7.075"), "{text}");
+    assert!(text.contains("above a critical lead angle of 7.075"), "{text}");
 }
 
 /// Invalid input must cause one paragraph on standard error, exit code 2 (1 for a file error),
@@ -349,7 +349,7 @@ fn malformed_tables_are_reported() {
     // An input that is missing in every row is reported only once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("a case or --set"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("in a case or with --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 

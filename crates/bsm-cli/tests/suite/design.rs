@@ -55,7 +55,7 @@ fn error_for_an_unattainable_requirement_names_the_violated_limit() {
         "{text}"
     );
     for (setting, words) in [
-        ("screw_torque_Nm=12", "give one of axial_load_N and screw_torque_Nm"),
+        ("screw_torque_Nm=12", "give either axial_load_N or screw_torque_Nm"),
         ("lead_mm=-2", "`lead_mm` = -2 must be a finite number > 0"),
         ("loaded=3", "unknown key `loaded`"),
     ] {
@@ -71,7 +71,7 @@ fn error_for_an_unattainable_requirement_names_the_violated_limit() {
 fn catalog_nuts_are_filtered_sorted_and_written() {
     let dir = folder();
     let wanted = ["--where", "dynamic_load_rating_N>=50000", "--where", "lead_mm=10"];
-    let lightest = ["--sort", "mass_kg", "--first", "5"];
+    let lightest = ["--sort", "nut_mass_kg", "--first", "5"];
     let args =
         [&["select", "--from", "standard"], &wanted[..], &lightest[..], &["--json"]].concat();
     let output = bsm(dir.path(), &args, "");
@@ -81,7 +81,7 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
     let rows = rows.as_array().expect("rows");
     let number = |row: &Value, name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     assert_eq!(rows.len(), 5);
-    assert!(rows.windows(2).all(|w| number(&w[0], "mass_kg") <= number(&w[1], "mass_kg")));
+    assert!(rows.windows(2).all(|w| number(&w[0], "nut_mass_kg") <= number(&w[1], "nut_mass_kg")));
     assert!(rows.iter().all(|row| number(row, "dynamic_load_rating_N") >= 5e4));
 
     // All table formats must contain the same rows. The JSON file contains the first nut as a case.
@@ -113,7 +113,8 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
         [&["select", "--from", "standard"], &wanted[..], &["--pareto", "--first", "1", "--json"]]
             .concat();
     let first = json(&stdout(&bsm(dir.path(), &args, "")));
-    for name in ["mass_kg", "edge_load_N", "preloaded_stiffness_N_um", "screw_root_diameter_mm"] {
+    for name in ["nut_mass_kg", "edge_load_N", "preloaded_stiffness_N_um", "screw_root_diameter_mm"]
+    {
         let ratio = number(&picked, name) / number(&first[0], name);
         assert!((ratio - 1.0).abs() < 1e-12, "{name}: {ratio}");
     }
@@ -145,8 +146,14 @@ fn bad_catalog_requests_are_reported() {
         "no nut was selected: life under the cycle according to ISO 3408-5 must be >= 100000 h";
     assert!(stdout(&output).contains(limit), "{}", stdout(&output));
     for (args, words) in [
-        (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),
+        (["select", "--where", "mass>=1"], "did you mean `nut_mass_kg`?"),
         (["select", "--sort", "weight_kg"], "no column is named `weight_kg`"),
+        (["select", "--where", "passes=true"], "conditions and sorting need a column of numbers"),
+        (["select", "--where", "lead_mm=ten"], "`ten` is not a number"),
+        (
+            ["select", "--columns", "nut,lead_mm"],
+            "`nut` is a column only of a manufacturer's table",
+        ),
         (["select", "-o", "table.txt"], "must end with .csv, .jsonl, .parquet, .xlsx or .json"),
     ] {
         let output = bsm(dir.path(), &args, "");

@@ -214,14 +214,17 @@ fn contradictory_nut_inputs_are_rejected() {
         (json!({ "nut_gidance": "free" }), "did you mean `nut_guidance`?"),
         (json!({ "nut_guidance": "loose" }), "`nut_guidance`: `loose` is not one of"),
         (json!({ "nut_EA_N": 1e8 }), "needs the position where the force leaves: nut_anchor"),
-        (json!({ "nut_anchor": "low", "nut_anchor_z_mm": 3 }), "nut_anchor and nut_anchor_z_mm"),
+        (
+            json!({ "nut_anchor": "low", "nut_anchor_z_mm": 3 }),
+            "either nut_anchor or nut_anchor_z_mm",
+        ),
         (
             json!({ "screw_torsion": true }),
             "`screw_torsion` needs the position where force and torque",
         ),
         (
             json!({ "screw_torsion": true, "screw_EA_N": 1e8, "screw_anchor": "low" }),
-            "screw_torsion and screw_EA_N",
+            "either screw_torsion or screw_EA_N",
         ),
         (
             json!({ "loaded_balls_per_turn": 0.1 }),
@@ -230,8 +233,11 @@ fn contradictory_nut_inputs_are_rejected() {
         (json!({ "lead_error": [{ "amplitude_um": 1 }] }), "`lead_error[0]` must be a wave"),
         (json!({ "ball_deviation_um": [1, 2] }), "has 2 numbers, but the nut has 60 balls"),
         (json!({ "radial_load_x_N": 10 }), "because the guides prevent the displacement"),
-        (json!({ "radial_load_x_N": 10, "radial_x_um": 1 }), "radial_load_x_N and radial_x_um"),
-        (json!({ "preload_N": 10, "ball_oversize_um": 1 }), "preload_N and ball_oversize_um"),
+        (
+            json!({ "radial_load_x_N": 10, "radial_x_um": 1 }),
+            "either radial_load_x_N or radial_x_um",
+        ),
+        (json!({ "preload_N": 10, "ball_oversize_um": 1 }), "either preload_N or ball_oversize_um"),
         (json!({ "starts": 1.5 }), "`starts` = 1.5 must be a whole number, 1 or more"),
         (json!({ "loaded_turns": null }), "loaded_turns (or circuits) is required for a nut"),
     ] {
@@ -498,6 +504,25 @@ fn a_preload_force_applies_to_the_cold_nut() {
     }
 }
 
+/// The limit load used to be negative for a load in the negative direction, but was compared with the
+/// magnitude of the load, so that a symmetric pair failed in this direction.
+#[test]
+fn remaining_preload_does_not_depend_on_the_direction_of_the_load() {
+    let margin = |load: f64| {
+        let axis = json!({ "axial_load_N": load, "stroke_mm": 800, "support": "fixed-supported" });
+        let dir = folder();
+        let output = bsm(dir.path(), &["axis", "-", "--json"], &pair(&axis).to_string());
+        let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        let rules = sheet["rules"].as_array().expect("rules");
+        let rule = rules.iter().find(|rule| rule["rule"] == "remaining preload").expect("a rule");
+        assert_eq!(rule["passes"], Value::Bool(true), "{rule}");
+        number(rule, "margin")
+    };
+    // Both nuts of the pair are equal, so the margins differ only by the tolerance of the root of
+    // the limit load.
+    assert!((margin(-3000.0) / margin(3000.0) - 1.0).abs() < 1e-6);
+}
+
 /// Regression test: the axis sheet used temperature rises to calculate the lives, but stated that
 /// the preload does not depend on temperature.
 #[test]
@@ -515,7 +540,10 @@ fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
         assert_eq!(nut[key], sheet["screw"][key], "{key}");
     }
     assert_eq!(nut["limit_load_N"], sheet["results"]["limit_load_N"]);
-    assert!(sheet["notes"].to_string().contains("2500 N cold, 4111 N warm"), "{sheet}");
+    assert!(
+        sheet["notes"].to_string().contains("2500 N cold, and 4111 N with the temperature rises"),
+        "{sheet}"
+    );
     let life = number(&sheet["results"], "cycle_life_revolutions");
     // The life of the warm pair according to ISO 3408-5 equals the life from `bsm nut`, apart from
     // rounding errors.

@@ -325,6 +325,25 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
     }
 }
 
+/// A plotted output used to be missing in the table of the same run, because kernels wrote only one
+/// of its two columns.
+#[test]
+fn a_table_is_the_same_with_and_without_a_plot_of_its_output() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    for model in ["auto", "rigid", "raceway-control", "elastic", "traction"] {
+        let args = ["sweep", &drive, "--model", model, "--vary=axial_load_N=1000:20000:20"];
+        let columns = ["--columns", "efficiency,ball_torque_Nm", "-o"];
+        let plain = bsm(dir.path(), &[&args[..], &columns, &["plain.csv"]].concat(), "");
+        assert_eq!(plain.status.code(), Some(0), "{}", stderr(&plain));
+        let to = ["plotted.csv", "-o", "plot.svg"];
+        let plotted = bsm(dir.path(), &[&args[..], &columns, &to].concat(), "");
+        assert_eq!(plotted.status.code(), Some(0), "{}", stderr(&plotted));
+        let read = |name: &str| fs::read_to_string(dir.path().join(name)).expect("a table");
+        assert_eq!(read("plotted.csv"), read("plain.csv"), "{model}");
+    }
+}
+
 /// The interval of lubricated friction must have the same ends in a column and in the answer to a
 /// single point.
 #[test]

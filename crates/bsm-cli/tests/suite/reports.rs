@@ -73,7 +73,11 @@ fn check_fails_if_its_reference_value_is_changed() {
     fs::write(&file, table.lines().next().expect("a header")).expect("written");
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("checks.csv: the table has no rows"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("checks.csv: the table contains no rows"),
+        "{}",
+        stderr(&output)
+    );
     fs::remove_file(&file).expect("removed");
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(1));

@@ -573,12 +573,12 @@ fn large_catalog_is_not_copied_in_memory() {
     // needs only about 20 MB in addition to its own size.
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", program_size_in_kb() + 46_000);
     let limits = limits.as_str();
-    let args = ["select", "--from", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
+    let args = ["select", "--from", "lists.json", "--sort=nut_mass_kg", "-o", "nuts.csv"];
     let Some(output) = run_with_limits(limits, &args, dir.path()) else { return };
     assert_exit_and_message(&output, 0, "The list contains 180000 nuts");
     let table = fs::read_to_string(dir.path().join("nuts.csv")).expect("table");
     assert_eq!(table.lines().count(), 180_001);
-    let column = table.lines().next().expect("names").split(',').position(|n| n == "mass_kg");
+    let column = table.lines().next().expect("names").split(',').position(|n| n == "nut_mass_kg");
     let mass = |row: &str| row.split(',').nth(column.expect("there")).expect("cell").parse::<f64>();
     let masses: Vec<_> = table.lines().skip(1).map(|row| mass(row).expect("a number")).collect();
     assert!(masses.is_sorted());

@@ -278,7 +278,7 @@ fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
     fs::write(at("lists.json"), "{\"nominal_diameter_mm\": [40], \"lead_mm\": [10]}")
         .expect("lists");
     run(dir.path(), &["select", "--from", "lists.json", "-o", "nuts.xlsx"], 0);
-    assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("mass_kg"));
+    assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("nut_mass_kg"));
 
     // A table with more rows than a worksheet can hold is rejected before any row is solved.
     let many = ["sweep", &drive, "--vary", "lead_mm=5:20:1048575", "-o", "many.xlsx"];

@@ -32,8 +32,8 @@ impl<D: Scalar> Angles<D> {
         self.sines().slip_factor()
     }
 
-    /// Returns the efficiency, which is negative if the screw is self-locking in this direction
-    /// (C2), (C3).
+    /// Returns the efficiency (C2), (C3). It is negative if the screw is self-locking in the given
+    /// direction of the power flow.
     ///
     /// ```math
     /// \eta_{rl} = 1 - \frac{f}{\cos^2\alpha\,\sin\beta\,(D + f\sin\beta)}, \qquad
@@ -57,12 +57,12 @@ impl<D: Scalar> Angles<D> {
     ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
     /// ```
     ///
-    /// If the load back-drives the screw, the efficiency is the reciprocal of this ratio.
+    /// If the load back-drives the screw, the efficiency is the reciprocal of this expression.
     ///
     /// * `friction`: friction coefficient `$f \ge 0$`.
     /// * `size_ratio`: ratio of ball radius to pitch circle radius `$r_b/r_m$`.
     /// * `slip_angle`: slip angle at the screw `$\psi_B$` \[rad\]. The slip angle at the nut
-    ///   differs by π.
+    ///   differs from it by π.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Equation 11. Difference
     /// from the source: the sign of friction in the numerator; see `docs/theory/errata.md`.
@@ -118,15 +118,16 @@ impl<D: Scalar> Angles<D> {
 }
 
 impl Angles<f64> {
-    /// Returns true if the screw is self-locking in this direction (C6), (C7).
+    /// Returns true if the screw is self-locking in the given direction of the power flow (C6),
+    /// (C7).
     ///
     /// Source: Lin, Velinsky and Ravani (1994), Equations 16 and 19.
     pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
         self.sines().self_locking(direction.is_back(), friction)
     }
 
-    /// Returns the friction coefficient above which the screw is self-locking in this direction
-    /// (C6), (C7).
+    /// Returns the friction coefficient above which the screw is self-locking in the given
+    /// direction of the power flow (C6), (C7).
     pub fn locking_friction(&self, direction: Direction) -> f64 {
         // f = sinβ/D                                                      (C6)
         // f = D/sinβ                                                      (C7)
@@ -135,8 +136,9 @@ impl Angles<f64> {
     }
 
     /// Returns the contact angle \[rad\] at the limit of self-locking for a lead angle \[rad\]
-    /// (C14), (C15). The screw is self-locking for contact angles up to the limit (rotary to
-    /// linear) or from the limit (linear to rotary).
+    /// (C14), (C15). For conversion from rotary to linear motion, the screw is self-locking at this
+    /// contact angle and at all smaller angles; for conversion from linear to rotary motion, at
+    /// this contact angle and at all larger angles.
     ///
     /// The result is π/2 if the screw is self-locking for every contact angle, and `None` if it is
     /// not self-locking for any contact angle.
@@ -155,8 +157,9 @@ impl Angles<f64> {
     }
 
     /// Returns the lead angle \[rad\] at the limit of self-locking for a contact angle \[rad\]
-    /// (C20). The screw is self-locking for lead angles from the limit (rotary to linear) or up to
-    /// the limit (linear to rotary). The result is `None` if the screw is self-locking for every
+    /// (C20). For conversion from rotary to linear motion, the screw is self-locking at this lead
+    /// angle and at all larger angles; for conversion from linear to rotary motion, at this lead
+    /// angle and at all smaller angles. The result is `None` if the screw is self-locking for every
     /// lead angle (rotary to linear) or for no lead angle (linear to rotary).
     pub fn locking_lead_angle(
         direction: Direction,
@@ -170,7 +173,7 @@ impl Angles<f64> {
     }
 }
 
-/// Contact angle with the best efficiency, and this efficiency.
+/// Contact angle with the best efficiency, together with this efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
     /// Optimal contact angle `$\beta^*$` \[rad\].
@@ -214,8 +217,8 @@ impl Optimum {
         (cosine <= 1.0).then(|| cosine.acos())
     }
 
-    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the best efficiency, which
-    /// does not depend on the lead angle.
+    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the best efficiency. This
+    /// value does not depend on the lead angle.
     pub fn constant(direction: Direction, friction: f64) -> f64 {
         // y* = (1 ± f/√(1+f²))/2                                          (C8)
         (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()
@@ -242,8 +245,8 @@ pub struct Sines<D> {
     pub cos_b: D,
 }
 
-/// In all methods, `back` is true if the load back-drives the screw, and `friction` is the friction
-/// coefficient `$f \ge 0$`.
+/// In all methods, `back` is a mask that is true if the load back-drives the screw, and `friction`
+/// is the friction coefficient `$f \ge 0$`.
 impl<D: Real> Sines<D> {
     /// Returns the tangent of the lead angle, `$\tan\alpha$`.
     #[inline(always)]
@@ -258,8 +261,8 @@ impl<D: Real> Sines<D> {
         (self.cos_b.square() + self.tan_a().square()).sqrt()
     }
 
-    /// Returns `$\sin\beta$` and `$D$` in this order, or in reverse order if the load back-drives
-    /// the screw.
+    /// Returns `$\sin\beta$` and the slip factor `$D$` in this order, or in reverse order if the
+    /// load back-drives the screw.
     #[inline(always)]
     fn by_direction(&self, back: D::Mask) -> [D; 2] {
         let (s, d) = (self.sin_b, self.slip_factor());

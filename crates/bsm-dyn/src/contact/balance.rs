@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 /// happens if the inertia forces exceed the load by many orders of magnitude.
 pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
-/// Error that is returned if the ball does not orbit. For such a ball, the spin moment would be an
-/// additional unknown.
+/// Error that is returned if the ball does not orbit the screw axis. For such a ball, the spin
+/// moment would be an additional unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     quantity: "ratio of precession rate P to relative speed W",
     value: 0.0,
@@ -142,7 +142,7 @@ pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D
 /// wrench `contact` on the ball (B7).
 ///
 /// The torque on the screw maintains the motion. The torque on the nut is equal and opposite,
-/// because the net moment on a ball in steady motion about the axis is zero.
+/// because the net moment about the screw axis on a ball in steady motion is zero.
 ///
 /// Source: Lin, Velinsky and Ravani, Equation 9 (moment equation).
 pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
@@ -188,7 +188,8 @@ impl<D: Real> Load<D> {
 /// Returns the efficiency for a given torque on the screw (B8). `ideal` is the torque of the screw
 /// without friction.
 ///
-/// A negative efficiency means that the screw is self-locking in this direction.
+/// A negative efficiency means that the screw is self-locking in the given direction of the power
+/// flow.
 ///
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
@@ -197,8 +198,8 @@ pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
-/// Returns the torque on the screw for a given efficiency, which is the inverse of [`efficiency`]
-/// (B8).
+/// Returns the torque on the screw for a given efficiency (B8). This function is the inverse of
+/// [`efficiency`].
 ///
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
@@ -218,15 +219,15 @@ pub fn ideal_torque<F: Real>(axial_load: F, pitch_radius: F, tan_lead_angle: F) 
 pub struct Power<F = f64> {
     /// Power that is supplied at the driving side.
     pub input: F,
-    /// Power at the driven side; negative if power must be supplied at both sides.
+    /// Power at the driven side; negative if power must be supplied to both sides.
     pub output: F,
     /// Power loss, which is `input` minus `output`.
     pub dissipated: F,
 }
 
 impl<F: Real> Power<F> {
-    /// Returns the powers that belong to a torque on the screw \[N·m\], the torque of the
-    /// frictionless screw \[N·m\] and the relative speed \[rad/s\].
+    /// Calculates the powers from the torque on the screw \[N·m\], the torque of the frictionless
+    /// screw \[N·m\] and the relative speed \[rad/s\].
     #[inline(always)]
     pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
@@ -277,8 +278,8 @@ mod tests {
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// Input and output powers are positive in both directions and for both signs of the screw
-    /// torque.
+    /// Input and output powers are positive for both directions of the power flow and for both
+    /// signs of the screw torque.
     #[test]
     fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);

@@ -14,8 +14,8 @@ use super::transition::Transition;
 /// coefficient. This applies to a point contact (F1) and to every point of a contact ellipse (E4).
 ///
 /// The closed forms, the reduced equations of the rigid and the elastic model, and the vectorized
-/// sums over an ellipse are valid only for a constant [`Coulomb`] coefficient. They take this
-/// coefficient instead of a friction law.
+/// sums over a dry contact ellipse are valid only for a constant [`Coulomb`] coefficient. They take
+/// this coefficient instead of a friction law.
 pub trait FrictionLaw<D> {
     /// Returns the friction coefficient at a point of the contact.
     ///
@@ -23,9 +23,9 @@ pub trait FrictionLaw<D> {
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 
-    /// Returns the transition along a line across a contact ellipse at which the slope of the
-    /// friction coefficient changes. Returns `None` if the coefficient depends neither on pressure
-    /// nor on speed; the integration then needs fewer nodes.
+    /// Returns the transition at which the friction coefficient changes its slope along a line
+    /// across a contact ellipse. Returns `None` if the coefficient depends neither on pressure nor
+    /// on speed; the integration then needs fewer nodes.
     fn bend(&self) -> Option<Transition> {
         Some(Transition::SMOOTH)
     }
@@ -82,8 +82,8 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     })
 }
 
-/// Returns the friction force \[N\] that opposes a slip (F1). The argument `size` is the friction
-/// force divided by the slip speed.
+/// Returns the friction force \[N\] that opposes a slip (F1). `size` is the magnitude of the
+/// friction force divided by the slip speed.
 pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
     // F = −f Q v/|v|                                                      (F1)
     slip * -size
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_without_slip_is_an_error() {
+    fn friction_without_slip_is_rejected() {
         assert!(friction_force(&Coulomb(0.07), 130.0, &Vector3::zeros()).is_err());
         assert!(friction_force(&Coulomb(0.07), 130.0, &Vector3::repeat(f64::NAN)).is_err());
     }

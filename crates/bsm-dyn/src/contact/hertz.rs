@@ -197,7 +197,7 @@ impl<D: Scalar> Hertz<D> {
         Ok(hertz)
     }
 
-    /// Creates several contacts together, which takes only as long as creating one contact.
+    /// Creates several contacts side by side, in about the time that a single contact takes.
     ///
     /// # Errors
     ///
@@ -276,13 +276,13 @@ struct Iterations {
 }
 
 /// Numbers of iterations for curvature ratios up to [`Axes::PRACTICE`]. The error of the starting
-/// value is at most 0.3, and the errors after the three Newton steps are at most 4e-3, 2e-7 and the
-/// rounding error. For `$\kappa \le 700$`, the errors of the arithmetic-geometric means are below
-/// rounding errors.
+/// value is at most 0.3. The errors after the first two Newton steps are at most 4e-3 and 2e-7, and
+/// the error after the third step is a rounding error. For `$\kappa \le 700$`, the errors of the
+/// arithmetic-geometric means are below rounding errors.
 const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
-/// Numbers of iterations for curvature ratios up to 1e30, which no groove in double precision
-/// exceeds.
+/// Numbers of iterations for curvature ratios up to 1e30. No groove in double precision has a
+/// larger curvature ratio.
 const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {
@@ -304,8 +304,9 @@ impl<D: Real> Axes<D> {
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
             let [found, wanted] = [at.below(), target * q.square() * at.above()];
-            // Newton's method is applied to the logarithms of both sides. The logarithm ln x is
-            // approximated by 2 (x−1)/(x+1), and the step uses the inverse of this approximation.
+            // Newton's method is applied to the logarithms of both sides of (H7). The logarithm ln
+            // x is approximated by 2 (x−1)/(x+1), and the step uses the inverse of this
+            // approximation.
             let up = (found - wanted) * (at.above() * at.below());
             let down = (found + wanted) * at.slope();
             q = q * ((down + up) / (down - up));
@@ -374,7 +375,7 @@ struct CurvatureEquation<D> {
     k: D,
     /// Half of the parameter of the elliptic integrals, `$m/2$`.
     half: D,
-    /// Terms `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
+    /// Terms `$r = w m/2$` and `$w$` of (H7). For a circular contact, `$w = 1/4$`.
     r: D,
     w: D,
 }
@@ -394,7 +395,7 @@ impl<D: Real> CurvatureEquation<D> {
         }
         // (K − E)/K = m/2 + Σ 2^{i−1} c_i², c₁ = (1 − q)/2. Near a circle, all terms after c₁² are
         // of order c₁⁴ or of the order of the squared rounding error, 1e-33. Adding 1e-16 to c₁²
-        // keeps them from affecting the result.
+        // keeps these terms from affecting the result.
         let first = below.square() * 0.25 + 1e-16;
         let half = below * above * 0.5;
         let w = (sum + first) / (first * above.square());
@@ -439,7 +440,7 @@ mod tests {
 
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-    fn lin(member: Raceway) -> Hertz {
+    fn lin_contact(member: Raceway) -> Hertz {
         let groove = Groove { member, conformity: 0.53 };
         let angle = f64::to_radians;
         let curvatures = groove.curvatures(24.3e-3, 4.37e-3, angle(10.0), angle(45.0));
@@ -447,17 +448,17 @@ mod tests {
     }
 
     /// The constants of Lin's screw with conformities of 0.53 agree with independent values, which
-    /// are given with eight to eleven digits.
+    /// are stated with eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
-        let nut = lin(Raceway::Nut);
+        let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The reference states 1.88829920e-5, which deviates from the reference ratio a/κ by a
-        // relative 2e-8.
+        // The reference states 1.88829920e-5. Its relative difference from the reference ratio a/κ
+        // is 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
-        let screw = lin(Raceway::Screw);
+        let screw = lin_contact(Raceway::Screw);
         assert_relative_eq!(screw.ratio(), 6.961_155_4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axis, 1.151_921_66e-4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axes(1.0).1, 1.654_785_16e-5, max_relative = 1e-8);
@@ -505,7 +506,7 @@ mod tests {
     }
 
     #[test]
-    fn curvatures_without_an_ellipse_are_rejected() {
+    fn curvatures_that_give_no_ellipse_are_rejected() {
         for (longitudinal, transverse) in [(1.0, 2.0), (1.0, 0.0), (1.0, -1.0), (f64::NAN, 1.0)] {
             let domain_error = Hertz::of(&Curvatures { longitudinal, transverse }, 1e11);
             assert!(
@@ -532,10 +533,10 @@ mod tests {
     ];
 
     #[test]
-    fn axes_match_reference_values_from_circle_to_needle() {
+    fn ellipse_axes_match_reference_values_from_circle_to_needle() {
         for (target, flatness, k, e) in AXES {
             let [axes] = Axes::of([target]);
-            // Each value may differ by a few rounding errors.
+            // Each value may differ from its reference by a few rounding errors.
             assert_relative_eq!(axes.flatness, flatness, max_relative = 1e-15);
             assert_relative_eq!(axes.k, k, max_relative = 1e-15);
             assert_relative_eq!(axes.e, e, max_relative = 1e-15);
@@ -554,9 +555,9 @@ mod tests {
             let at = |a: f64, e: f64| {
                 Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
-            // The tolerance covers the truncation error h² and the rounding error of (H7). The
-            // rounding error of the difference quotient is 1e-16/h, divided by the logarithm of the
-            // curvature ratio, which is small near a circle.
+            // The tolerance allows for the truncation error, which is of order h², and for the
+            // rounding error of (H7). In the difference quotient, the rounding error is 1e-16/h
+            // divided by the logarithm of the curvature ratio, which is small near a circle.
             let h = 1e-4;
             let tol = 1e-6 + 1e-11 / log_ratio;
             let read: [fn(&Hertz) -> f64; 4] =

@@ -40,7 +40,8 @@ impl<D: Scalar> Wedge<D> {
         (self.angles[0] + self.angles[1]) * 0.5
     }
 
-    /// Returns the friction forces across the grooves at nut and screw \[N\] (M7).
+    /// Returns the components of the friction forces across the grooves, at nut and screw \[N\]
+    /// (M7).
     pub fn across(&self) -> [D; 2] {
         // F_X = f Q |cosψ|                                                (M7)
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
@@ -70,8 +71,8 @@ impl<D: Scalar> Wedge<D> {
         magnitude(push) / (self.load_across() * (self.opening() * 0.5).cos())
     }
 
-    /// Returns the critical friction coefficients at nut and screw, calculated as printed in the
-    /// source (M18).
+    /// Returns the critical friction coefficients at nut and screw, calculated with the formula as
+    /// printed in the source (M18).
     ///
     /// Source: Dong et al. (2020), Equation 16.
     pub fn critical_friction_printed(&self) -> [D; 2] {
@@ -86,8 +87,8 @@ impl<D: Scalar> Wedge<D> {
         magnitude((self.opening() * 0.5).tan())
     }
 
-    /// Returns the critical friction coefficient without centrifugal force, calculated with the
-    /// corrected formula (M10).
+    /// Returns the critical friction coefficient of a ball without centrifugal force, calculated
+    /// with the corrected formula (M10).
     pub fn critical_friction_corrected(&self) -> D {
         let share = self.load_across() / (self.loads[0] + self.loads[1]);
         // f_lock |cosψ| = tan(|D|/2)                                      (M10)
@@ -227,8 +228,8 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Returns the friction force along the track that the loaded balls of one turn exert on the ball
-/// ahead \[N\] (M16).
+/// Returns the force along the track with which friction drives the loaded balls of one turn
+/// against the ball ahead \[N\] (M16).
 ///
 /// * `balls`: number of balls per turn.
 /// * `friction`: friction coefficient `$f$`.
@@ -322,17 +323,17 @@ mod tests {
         }
     }
 
-    /// Hand calculation: at a 45 degree apex without friction, the thrust is half of the impact
-    /// force multiplied by √2. Friction increases the thrust by this value multiplied by the
-    /// friction coefficient.
+    /// Hand calculation: without friction, the thrust at an apex with a half angle of 45 degrees is
+    /// half of the impact force multiplied by √2. Friction increases the thrust by this value
+    /// multiplied by the friction coefficient.
     #[test]
     fn apex_thrust_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
 
-    /// Friction across the groove does not push the ball, and friction along the groove pushes it
-    /// with its full magnitude.
+    /// Friction across the groove does not push the ball, whereas friction along the groove pushes
+    /// the ball with its full magnitude.
     #[test]
     fn only_friction_along_the_track_pushes_the_ball() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
@@ -340,7 +341,7 @@ mod tests {
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
     }
 
-    /// For a linear spring, the impact force is proportional to the speed and satisfies Equation 19
+    /// For a linear spring, the impact force is proportional to the speed. It satisfies Equation 19
     /// of Dong et al. with the approach of the spring.
     #[test]
     fn linear_impact_force_satisfies_eq_19_of_dong() {
@@ -377,7 +378,7 @@ mod tests {
     /// A step of zero height only deflects the ball. Near the maximum height, the thrust grows
     /// without bound, and no thrust can lift the ball over a higher step.
     #[test]
-    fn entry_step_thrust_is_unbounded_near_the_maximum_height() {
+    fn thrust_at_entry_step_grows_without_bound_near_the_maximum_height() {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);

@@ -23,7 +23,7 @@ impl<D: Scalar> Jones<D> {
     /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
     ///
     /// This is the closed-form inverse of (J1) to (J5). It allows the loads themselves to be
-    /// unknowns, and a tilt of the order of the inertia forces keeps all its significant digits.
+    /// unknowns, and a small tilt due to the inertia forces keeps all its significant digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
     /// Bearings*, ASME J. Basic Eng. 82 (1960), applied to the groove arcs of a screw and a nut.
@@ -54,8 +54,8 @@ impl<D: Scalar> Jones<D> {
 
     /// Returns the contact angle at the screw \[rad\] and the axial displacement of the nut \[m\]
     /// for two approaches \[m\] and a contact angle at the nut \[rad\] (J9). This function is used
-    /// under high centrifugal loads. The contact angle at the nut is then small, and it would lose
-    /// significant digits if it were calculated as mean angle minus tilt.
+    /// under high centrifugal loads. The contact angle at the nut is then small, and calculating it
+    /// as mean angle minus tilt would lose significant digits.
     ///
     /// # Errors
     ///
@@ -90,7 +90,7 @@ impl<D: Scalar> Jones<D> {
 ///
 /// * `lengths`: distances between arc centers and ball center, at nut and screw.
 /// * `sines`: sines of the contact angles.
-/// * `unloaded`: distance of the arc centers along the binormal at first contact, `$(l_{A0} +
+/// * `unloaded`: distance between the arc centers along the binormal at first contact, `$(l_{A0} +
 ///   l_{B0})\sin\beta_0$`.
 #[inline(always)]
 pub(crate) fn binormal_displacement<P: Real, D: RealOver<P>>(
@@ -115,7 +115,7 @@ mod tests {
     /// Returns the contact angles and approaches at nut and screw. The arguments are the
     /// displacement of the ball center along binormal and principal normal \[m\], and the
     /// displacement of the nut along the binormal \[m\].
-    fn sides([axial, radial]: [f64; 2], nut: f64) -> ([f64; 2], [f64; 2]) {
+    fn contact_angles_and_approaches([axial, radial]: [f64; 2], nut: f64) -> ([f64; 2], [f64; 2]) {
         let (sin, cos) = SCREW.contact_angle.sin_cos();
         // (z, r) = (l_A0 sinβ₀ + X, l_A0 cosβ₀ + R)                       (J1)
         let (z, r) = (SCREW.nut_offset * sin + axial, SCREW.nut_offset * cos + radial);
@@ -148,8 +148,8 @@ mod tests {
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let (opposite, same) = SCREW.opposite([nut, screw], mean - tilt).unwrap();
-            // The tolerance is larger for small angles, because the cosine hardly depends on the
-            // angle there.
+            // The tolerance exceeds the usual rounding errors, because a small angle is calculated
+            // from a cosine that hardly depends on it.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
         }
@@ -166,18 +166,18 @@ mod tests {
         /// The closed-form formula for the difference between the contact angles agrees with the
         /// directly calculated difference.
         #[test]
-        fn closed_form_angle_difference_is_correct(
+        fn closed_form_angle_difference_agrees_with_direct_calculation(
             axial in -1e-4..1e-4_f64, radial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64,
         ) {
-            let ([a, b], approaches) = sides([axial, radial], nut);
+            let ([a, b], approaches) = contact_angles_and_approaches([axial, radial], nut);
             let (l_a, l_b) = (SCREW.nut_offset + approaches[0], SCREW.screw_offset + approaches[1]);
             let both = SCREW.nut_offset + SCREW.screw_offset;
             let square = (both * 0.78_f64.sin() + nut).powi(2) + (both * 0.78_f64.cos()).powi(2);
             // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]      (J6)
             let half = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
             let direct = (0.5 * (b - a)).tan().powi(2);
-            // The numerator is a difference of squared lengths, and its rounding error is 1e-16
-            // times the squares.
+            // The numerator is a difference of squared lengths, so its rounding error is 1e-16
+            // times these squares.
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 
@@ -195,7 +195,7 @@ mod tests {
             let ((sin, cos), (sin_0, cos_0)) = ((mean - tilt).sin_cos(), 0.78_f64.sin_cos());
             let center = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
-            let ([a, b], approaches) = sides(center, displacement);
+            let ([a, b], approaches) = contact_angles_and_approaches(center, displacement);
             // The tolerance allows for rounding errors of lengths of 3e-4 m, and for rounding
             // errors of angles multiplied by a slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);

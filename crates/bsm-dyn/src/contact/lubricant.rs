@@ -28,7 +28,7 @@ pub struct Lubricant<D = f64> {
     pub film_factor: D,
     /// Ratio `$c_R \ge 0$` of the rolling force to the rolling force with fully flooded inlets.
     pub rolling_factor: D,
-    /// Fraction `$c_h \ge 0$` of the elastic energy that is lost during rolling (hysteresis).
+    /// Fraction `$c_h \ge 0$` of the elastic energy that is lost by hysteresis during rolling.
     pub hysteresis_loss: D,
     /// Parameters of the power losses outside the contacts.
     pub losses: Losses<D>,
@@ -97,7 +97,7 @@ pub enum Temperature<D = f64> {
     },
 }
 
-/// Root mean square roughness of the surfaces \[m\], positive.
+/// Root mean square (RMS) roughness of the surfaces \[m\], positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roughness<D = f64> {
     /// Roughness of the balls.

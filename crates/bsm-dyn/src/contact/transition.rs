@@ -1,5 +1,5 @@
-//! Position on a line across a contact ellipse at which the slope of the friction coefficient of an
-//! oil changes.
+//! Transition of the friction coefficient of an oil: the position on a line across a contact
+//! ellipse at which the slope of the coefficient changes.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y34).
 
@@ -13,7 +13,7 @@ use crate::contact::lubricant::oil::PRESSURE_SLOPE;
 const TINY: f64 = 1e-300;
 
 /// Transition of the friction coefficient along a line across a contact ellipse. It occurs at the
-/// pressure at which the oil stiffens.
+/// pressure at which the shear stress of the oil reaches about half of the Eyring stress.
 #[derive(Debug, Clone, Copy)]
 pub struct Transition {
     /// Twice the argument of the inverse hyperbolic sine in (Y11) at a slip speed of one.
@@ -26,8 +26,9 @@ impl Transition {
     /// Transition for a friction coefficient that varies slowly with pressure.
     pub(crate) const SMOOTH: Self = Self { shear: 1.0, scale: 1.0 };
 
-    /// Returns the pressure at the transition for a given slip speed, and the distance of the
-    /// complex poles from this pressure. Both are divided by the maximum pressure.
+    /// Returns the pressure at the transition for a given slip speed, and the distance from this
+    /// pressure to the complex poles of the friction coefficient. Both are divided by the maximum
+    /// pressure.
     ///
     /// * `square`: square of the slip speed.
     #[inline(always)]
@@ -38,7 +39,7 @@ impl Transition {
         let log = log.max(one.constant(0.0)).min(one.constant(40.0));
         let room = (-(log * PRESSURE_SLOPE) + 1.0).recip();
         let largest = part.max(one.constant(1e-4)).recip() * self.scale;
-        // The poles are at a distance of π/2 in l: dp*/dl = a_p/(1 − b_p l)²
+        // The complex poles are at a distance of π/2 in l: dp*/dl = a_p/(1 − b_p l)²
         (log * room * largest, room * room * largest * FRAC_PI_2)
     }
 }

@@ -12,8 +12,8 @@ use super::slip::{EllipseSlip, half_length};
 /// A block of neighboring lines across a contact ellipse.
 #[derive(Clone, Copy)]
 pub(super) struct Chords {
-    /// Positions of the lines on the long axis, divided by the semi-axis, and the fractions of the
-    /// load on the lines.
+    /// Positions of the lines on the long axis, divided by the semi-axis, and the fraction of the
+    /// load that each line carries.
     pub(super) xi: Block,
     pub(super) weight: Block,
     /// Half lengths of the lines, divided by the short semi-axis of the ellipse.
@@ -30,7 +30,7 @@ impl Chords {
     };
 
     /// Calculates the positions, load fractions and half lengths of the lines at a block of
-    /// quadrature nodes, and the nodes along the lines.
+    /// quadrature nodes, and the numbers of nodes along the lines.
     ///
     /// * `frozen`: numbers of nodes along the lines, if they are already fixed.
     #[inline(always)]

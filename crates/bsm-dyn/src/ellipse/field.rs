@@ -7,8 +7,8 @@ use super::EllipseSlip;
 use crate::contact::FrictionLaw;
 
 impl EllipseSlip<f64> {
-    /// Returns the slip along and across the groove at a point, in the unit in which the speeds
-    /// were given.
+    /// Returns the slip along and across the groove at a point. The unit is that of the speeds from
+    /// which `self` was created.
     pub fn at(&self, xi: f64, upsilon: f64) -> [f64; 2] {
         let (b_0, spin) = (self.across_at(xi, 0.0).0, self.spin_speed);
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
@@ -108,7 +108,7 @@ mod tests {
         let expected: [f64; 2] = [wrench.force.x, wrench.force.dot(&across)];
         for (sum, expected) in force.into_iter().zip(expected) {
             // Integration over a grid of squares has an error of a few 1e-4 of f Q, because the
-            // friction changes its direction abruptly at the spin pole.
+            // friction direction changes abruptly at the spin pole.
             let error: f64 = sum / load * ellipse.load - expected;
             assert!(error.abs() < 1e-3 * 0.08 * ellipse.load, "{sum} {expected}");
         }

@@ -61,7 +61,7 @@ pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Number of sums for force, moment and power.
 pub(super) const VALUES: usize = SUMS + 1;
-/// Number of all sums, including the terms of the derivatives.
+/// Total number of sums, including the sums for the derivatives.
 pub(super) const ALL: usize = VALUES + 14;
 
 impl<F: Real> Patch<F> {
@@ -100,7 +100,7 @@ pub(super) struct NearPole<S: Simd> {
 }
 
 /// One side of a spin pole: its length in the variable of the sinh transformation, the exponentials
-/// at its ends, and their reciprocals.
+/// of this variable at both ends of the side, and the reciprocals of these exponentials.
 type NearSide<S> = (Lane<S>, [Lane<S>; 2], [Lane<S>; 2]);
 
 impl<S: Simd> NearPole<S> {
@@ -124,9 +124,9 @@ impl<S: Simd> NearPole<S> {
         2 * rule.near.len().div_ceil(2)
     }
 
-    /// Returns positions and weights of two nodes at equal distances from the two ends of a side,
-    /// which are calculated from one exponential. If the middle node is paired with itself, the
-    /// second weight is zero.
+    /// Returns positions and weights of two nodes at equal distances from the two ends of a side.
+    /// Both nodes are calculated from one exponential. If the middle node is paired with itself,
+    /// the second weight is zero.
     #[inline(always)]
     pub(super) fn pair(&self, rule: &Quadrature, pair: usize) -> [(Lane<S>, Lane<S>); 2] {
         let ((length, grow, fall), node) = (self.sides[pair % 2], pair / 2);
@@ -140,7 +140,8 @@ impl<S: Simd> NearPole<S> {
         ]
     }
 
-    /// Creates a node from the exponential of the variable and its reciprocal.
+    /// Creates a node from `exp(t)` and `exp(-t)`, where `t` is the variable of the sinh
+    /// transformation.
     #[inline(always)]
     fn node(&self, (grow, fall): (Lane<S>, Lane<S>), weight: Lane<S>) -> (Lane<S>, Lane<S>) {
         let half = self.width * 0.5;
@@ -226,8 +227,8 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         node: (Lane<S>, Lane<S>),
     );
 
-    /// Returns the sums along a block of lines whose spin poles are outside the ellipse, and the
-    /// number of nodes per line.
+    /// Returns the sums along a block of lines whose spin poles are all outside the ellipse, and
+    /// the number of nodes per line.
     ///
     /// * `inner`: number of nodes that each line needs for a constant friction coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
@@ -238,8 +239,8 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         line: &Chord<S>,
     ) -> (Moments<S, N>, usize);
 
-    /// Returns four sums: J, K, the sums for the slip across the groove, and the sums J for the
-    /// film thickness.
+    /// Returns four groups of sums: J, K, the sums for derivatives with respect to the slip across
+    /// the groove, and the sums J for derivatives with respect to the film thickness.
     fn variants<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
     /// Integrates friction over the whole ellipse at once if this is more efficient than
@@ -348,15 +349,15 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Accumulates the sums over all lines of two contacts. The terms of the derivatives are
+/// Accumulates the sums over all lines of two contacts. The sums for the derivatives are
 /// accumulated only if `JACOBIAN` is true.
 pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    /// Sums of force, moment and power, terms of their derivatives (if requested), and derivatives
-    /// with respect to the film thickness (for a lubricant).
+    /// Sums for force, moment and power, sums for their derivatives (if requested), and derivatives
+    /// with respect to the film thickness (with a lubricant).
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
@@ -401,8 +402,8 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // For every vector width, the number of vectors is chosen so that they hold one block
-        // together.
+        // For every vector width, the number of vectors is chosen so that together they hold one
+        // block.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),
@@ -542,8 +543,8 @@ pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
 /// A block of lines across a contact ellipse.
 pub(crate) struct Chord<S: Simd> {
-    /// Positions of the lines on the long axis, fractions of the load on the lines, and half
-    /// lengths of the lines.
+    /// Positions of the lines on the long axis, fractions of the load that the lines carry, and
+    /// half lengths of the lines.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
     pub(super) half_length: Lane<S>,
@@ -588,9 +589,9 @@ impl<S: Simd> Chord<S> {
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
     }
 
-    /// Calculates friction force, moment and power and, if `JACOBIAN` is true, the terms of their
-    /// derivatives. The arguments are the sums J and K along the lines, and the sums for the slip
-    /// across the groove (T23).
+    /// Calculates the contributions to friction force, moment and power and, if `JACOBIAN` is true,
+    /// the contributions to their derivatives. The arguments are the sums J and K along the lines,
+    /// and the sums for derivatives with respect to the slip across the groove (T23).
     #[inline(always)]
     pub(super) fn terms<const JACOBIAN: bool>(
         &self,
@@ -640,14 +641,14 @@ impl<F: Real> Resultants<F> {
         Self { values: [zero; SUMS], power: zero, slopes, by_film: [zero; SUMS] }
     }
 
-    /// Creates the integrated friction with its derivatives from the sums of all terms.
+    /// Creates the integrated friction and its derivatives from the accumulated sums.
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // These are the sums of T_v, T_b and C_b, and of their products with h and h².
+        // These elements are the sums of T_v, T_b and C_b, and of their products with h and h².
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
-        // These are the sums of T_n and C_n, of their products with h, and of the moment due to
-        // spin.
+        // These elements are the sums of T_n and C_n, of their products with h, and of the moment
+        // due to spin.
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
         let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
         // If the ellipse grows, x and Y grow by the same factor, and the distance h changes by dh =
@@ -658,8 +659,8 @@ impl<F: Real> Resultants<F> {
         let t_gh = w_n * t_nh + by_c * (t_vhh - r * t_vh) + by_t * (t_bhh - r * t_bh);
         let c_gh = w_n * c_nh + by_c * (t_bhh - r * t_bh) + by_t * (c_bhh - r * c_bh);
         let n_g = w_n * n_n + by_c * (t_nh - r * t_n) + by_t * (c_nh - r * c_n);
-        // Friction is the gradient of a potential with respect to the motion, so the matrix is
-        // symmetric.
+        // Friction is the gradient of a potential with respect to the motion, so the matrix of its
+        // derivatives is symmetric.
         let slopes = [
             [-t_v, -t_bh, -t_n, -t_vh, -t_g],
             [t_b, c_bh, c_n, t_bh, c_g],

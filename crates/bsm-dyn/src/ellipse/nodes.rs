@@ -11,8 +11,9 @@ use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
 use crate::cost;
 
-/// Returns all quadrature nodes with their coordinates, divided by the semi-axes, and their
-/// fractions of the load. The friction coefficient is constant or has a transition.
+/// Returns all quadrature nodes of an ellipse: for each node, the coordinates divided by the
+/// semi-axes, and the fraction of the load that the node represents. `bend` is the transition of
+/// the friction coefficient; `None` stands for a constant coefficient.
 pub(super) fn nodes(
     point: &Patch,
     nodes: Placement<'_>,

@@ -34,8 +34,8 @@ pub(super) struct PolarRule {
 }
 
 impl PolarRule {
-    /// Places the rings so that they are concentrated at the transition of the friction
-    /// coefficient.
+    /// Places the rings so that they are concentrated at the pressure at which the friction
+    /// coefficient changes its slope.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -79,8 +79,8 @@ impl PolarRule {
         rings
     }
 
-    /// Returns all quadrature nodes with their coordinates, divided by the semi-axes, and their
-    /// fractions of the load.
+    /// Returns all quadrature nodes: for each node, the coordinates divided by the semi-axes, and
+    /// the fraction of the load that the node represents.
     pub(super) fn nodes(&self, rule: &Quadrature, blocks: usize) -> Vec<(f64, f64, f64)> {
         let [cos, sin] = &rule.angles[blocks - 1];
         let part = part_of_a_node(blocks);
@@ -116,7 +116,8 @@ pub(super) struct HalfNode<S: Simd> {
 }
 
 impl<S: Simd> HalfChord<S> {
-    /// Places the nodes on the lines at `xi` so that they are concentrated at the transition.
+    /// Places the nodes on the lines at `xi` so that they are concentrated at the transition of the
+    /// friction coefficient.
     #[inline(always)]
     pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let half_length = half_length(xi);
@@ -272,7 +273,8 @@ impl PointLaw<4> for OilLaw {
         kinds
     }
 
-    /// Integrates friction on rings if rings need fewer nodes than lines.
+    /// Integrates friction on rings of equal pressure if rings need fewer nodes than lines. Returns
+    /// false if lines must be used.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         simd: S,

@@ -12,20 +12,22 @@ use super::placement::Placement;
 use super::quadrature::Gauss;
 use super::slip::{EllipseSlip, Pole, clamp};
 
-/// Maximum number of panels of two ellipses: each ellipse has two poles with a panel on each side.
-/// The ends of all panels fill whole SIMD vectors.
+/// Maximum number of panels of two ellipses. Each ellipse has two poles of the integrand, and each
+/// pole has a panel on either side. The ends of all panels fill whole SIMD vectors.
 const MAX_PANELS: usize = BLOCK;
 
 /// Panels on the long axes of two ellipses. The panels of the first ellipse come first.
 pub(super) struct Panels<'a> {
-    /// Ends of each panel. They are first stored as distances from the pole divided by the pole
-    /// width, and then in the variable of (T17).
+    /// Ends of each panel. They are first stored as distances from the pole of the integrand,
+    /// divided by the pole width, and then in the variable of (T17).
     ends: [[f64; 2]; MAX_PANELS],
-    /// Pole around which the nodes of the panel are concentrated, and the nodes of the panel.
+    /// For each panel: the pole of the integrand around which the nodes are concentrated, and the
+    /// quadrature nodes.
     parts: [(Pole<f64>, &'a Gauss); MAX_PANELS],
     /// Index range of the panels of each ellipse.
     of: [Range<usize>; 2],
-    /// Flags for the two poles of each ellipse: true if the pole splits its panel.
+    /// Flags for the two poles of each ellipse: true if the panel that contains the pole is split
+    /// at the pole.
     pub(super) split: [[bool; 2]; 2],
 }
 
@@ -50,7 +52,7 @@ struct PolesOfBoth<'a> {
 }
 
 impl WithSimd for PolesOfBoth<'_> {
-    /// First poles and second poles of both contacts.
+    /// The first poles of both contacts, and the second poles of both contacts.
     type Output = [(Pole<Block>, Block); 2];
 
     #[inline(always)]
@@ -91,7 +93,7 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // Poles need not be examined for splitting if the nodes are frozen, or if they are the
+        // Poles need not be checked for splitting if the nodes are frozen, or if the nodes are the
         // coarse nodes that are used before the solver has converged.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
@@ -150,7 +152,7 @@ impl<'a> Panels<'a> {
 }
 
 /// Iterator over the quadrature nodes of an ellipse. It stores the remaining panels, and the index
-/// of the next node in the first of these panels.
+/// of the next node in the first remaining panel.
 pub(super) struct PanelNodes<'a> {
     all: &'a Panels<'a>,
     left: Range<usize>,
@@ -212,7 +214,7 @@ impl<'a> PanelNodes<'a> {
 
 impl Nodes {
     /// Returns the positions of a block of lines on the long axis, starting with line `i`, and the
-    /// fraction of the load on each line.
+    /// fraction of the load that each line carries.
     #[inline(always)]
     pub(super) fn lines<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
         let Self { abscissa, part, from, length, at, width } = self;
@@ -223,8 +225,8 @@ impl Nodes {
     }
 }
 
-/// Returns the position of a line on the long axis and the fraction of the load on this line. The
-/// arguments are a node in the variable of (T17) and its weight.
+/// Returns the position of a line on the long axis and the fraction of the load that this line
+/// carries. The arguments are a node in the variable of (T17) and the weight of this node.
 #[inline(always)]
 pub(super) fn line<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
@@ -235,8 +237,8 @@ pub(super) fn line<S: Simd, const N: usize>(
     line_at(pole, (grow, grow.recip()), weight)
 }
 
-/// Returns the same values as [`line`], calculated from the exponential of the variable and its
-/// reciprocal.
+/// Returns the same values as [`line`], calculated from the exponential of the variable in (T17)
+/// and the reciprocal of this exponential.
 #[inline(always)]
 pub(super) fn line_at<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,

@@ -11,7 +11,7 @@ use super::quadrature::{Quadrature, UNRESOLVED};
 use super::slip::EllipseSlip;
 
 /// Node counts that are kept while the slip changes, so that the friction sums change smoothly. The
-/// sums are accurate near the slip for which the node counts were determined.
+/// sums are accurate for slips close to the slip from which the node counts were determined.
 #[derive(Debug, Clone)]
 pub(crate) enum FrozenRule {
     /// Number of blocks of angles on half a ring, for integration on rings.
@@ -37,9 +37,9 @@ pub(crate) struct InnerNodes {
 pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) frozen_rule: Option<&'a OnceCell<FrozenRule>>,
-    /// True for evaluations with a constant friction coefficient whose result is only a starting
-    /// value. The sums then have an accuracy of 1e-5, and spin poles inside the ellipse are not
-    /// resolved.
+    /// True for evaluations that only provide a starting value, with a constant friction
+    /// coefficient. The sums then have an accuracy of 1e-5, and spin poles inside the ellipse are
+    /// not resolved.
     pub(crate) coarse: bool,
 }
 
@@ -48,8 +48,8 @@ impl<'a> Placement<'a> {
         self.frozen_rule?.get()
     }
 
-    /// Returns the flags that mark the poles at which a panel is split, and the nodes of the lines,
-    /// if a frozen rule exists.
+    /// If a frozen rule exists, returns the flags that mark the poles at which a panel is split,
+    /// and the nodes of the lines.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
@@ -80,7 +80,8 @@ impl<'a> Placement<'a> {
         }
         let (mut inside, mut outside) = ([0.0; BLOCK], *squares);
         for (inside, square) in inside.iter_mut().zip(&mut outside) {
-            // NaN needs no special treatment here, because a single NaN makes every sum NaN.
+            // A NaN needs no special treatment in this comparison, because a single NaN makes every
+            // sum NaN.
             if *square < rule.least() {
                 (*inside, *square) = (1.0, f64::INFINITY);
             }

@@ -53,7 +53,8 @@ const MANY: usize = 4 * BLOCK;
 
 /// Adds the friction power along the lines of one panel.
 ///
-/// * `lines`: positions of the lines on the long axis, and the fractions of the load on the lines.
+/// * `lines`: positions of the lines on the long axis, and fractions of the load that the lines
+///   carry.
 /// * `square`: smallest `$\sinh^2\eta$` of the lines (T18).
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
@@ -89,9 +90,9 @@ fn add_power<S: Simd, const N: usize>(
     power
 }
 
-/// Returns two friction powers at nut and screw, divided by `$Q$`, for several points: one with the
-/// oil films, and one with a friction coefficient of one. The nodes of one point already fill the
-/// SIMD vectors, so the points are processed one after the other.
+/// Returns the friction powers at nut and screw, divided by `$Q$`, for several points. They are
+/// calculated twice: with the oil films, and with a friction coefficient of one. The nodes of one
+/// point already fill the SIMD vectors, so the points are processed one after the other.
 ///
 /// * `laws`: friction laws of the oil films at nut and screw.
 /// * `wanted`: mask of the points to calculate. The results for other points are NaN.

@@ -16,20 +16,20 @@ use super::slip::{EllipseSlip, Pole};
 /// the ellipse.
 pub(super) const MAX_INNER_NODES: usize = 24;
 
-/// Number of nodes along a line whose spin pole is inside the ellipse, for evaluations whose result
-/// is only a starting value.
+/// Number of nodes along a line whose spin pole is inside the ellipse, for evaluations that only
+/// provide a starting value.
 pub(super) const UNRESOLVED: usize = 8;
 
 /// Maximum number of nodes along a line for an oil. If a line needs more nodes, its spin pole
 /// counts as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
-/// Maximum number of rings of equal pressure. If more rings were needed, integration along lines
-/// would be more efficient for an oil.
+/// Maximum number of rings of equal pressure. If more rings were needed for an oil, integration
+/// along lines would be more efficient.
 pub(super) const MAX_RINGS: usize = 2 * BLOCK;
 
-/// Maximum number of blocks of angles on half a ring. If more blocks were needed, integration along
-/// lines would be more efficient for an oil.
+/// Maximum number of blocks of angles on half a ring. If more blocks were needed for an oil,
+/// integration along lines would be more efficient.
 const MAX_BLOCKS: usize = 4;
 
 /// Returns the fraction of a ring that each node represents.
@@ -58,13 +58,13 @@ pub struct Quadrature {
     /// Cosines and sines of the angles on half a ring, for an oil. The entries have 1, 2, ...
     /// blocks of [`BLOCK`] angles.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
-    /// For each number of angles, the minimum `$\cosh\eta$` of a pole for which this number is
-    /// sufficient. It decreases with the number of angles.
+    /// For each number of angles, the minimum `$\cosh\eta$` of a pole for which this number of
+    /// angles is sufficient. The minimum decreases with the number of angles.
     ring_pole_distance: Vec<f64>,
-    /// Nodes and weights along a line, indexed by their number (T19).
+    /// Nodes and weights along a line, indexed by the number of nodes (T19).
     pub(super) inner: &'static [Vec<(f64, f64)>],
-    /// For each number of nodes, the minimum `$\sinh^2\eta$` (T18) for which this number is
-    /// sufficient. It decreases with the number of nodes.
+    /// For each number of nodes, the minimum `$\sinh^2\eta$` (T18) for which this number of nodes
+    /// is sufficient. The minimum decreases with the number of nodes.
     pub(super) pole_distance: Vec<f64>,
 }
 
@@ -163,7 +163,7 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
 /// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
 const MAX_MORE: usize = 1;
 
-/// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules use this table,
+/// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules share this table,
 /// because creating it takes seven times as long as creating the rest of a rule.
 static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
     LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
@@ -175,16 +175,16 @@ fn part_of_panel(nodes: usize) -> usize {
 }
 
 impl Quadrature {
-    /// Returns a quadrature rule with which the error of friction force and moment is about
-    /// `accuracy`, relative to the friction force. The number of nodes per panel is
-    /// `$-2\log_{10}\epsilon$`, where `$\epsilon$` is the accuracy.
+    /// Returns a quadrature rule for a constant friction coefficient. The errors of friction force
+    /// and moment, relative to the friction force, are about `accuracy`. The number of nodes per
+    /// panel is `$-2\log_{10}\epsilon$`, where `$\epsilon$` is the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// Returns a quadrature rule for an oil, whose friction coefficient has a transition along each
-    /// line. Each half of a line has its own nodes, and lines with a nearby spin pole have many
-    /// nodes.
+    /// Returns a quadrature rule for an oil. Because the friction coefficient of an oil has a
+    /// transition along each line, each half of a line has its own nodes, and lines with a nearby
+    /// spin pole have many nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)
@@ -252,8 +252,8 @@ impl Quadrature {
     }
 
     /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, but one more
-    /// node along each line, because the same number of nodes along the lines would give the same
-    /// error along the lines.
+    /// node along each line. With equal numbers of nodes along the lines, both rules would have
+    /// equal errors along the lines, and the estimate would not detect these errors.
     pub(crate) fn check(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
@@ -282,8 +282,8 @@ impl Quadrature {
     /// Returns the number of nodes for a line with the given `$\sinh^2\eta$`, or `None` if the spin
     /// pole is so close that the maximum number is not sufficient.
     pub(super) fn count(&self, square: f64) -> Option<usize> {
-        // The limits decrease with the number of nodes, so counting the limits that are exceeded
-        // gives the number without branches.
+        // The limits decrease with the number of nodes, so the number is found without branches by
+        // counting the limits that are exceeded.
         let number =
             self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
         (number < self.pole_distance.len()).then_some(number)

@@ -5,8 +5,9 @@
 use bsm_kin::Real;
 use bsm_simd::{Lane, Simd};
 
-/// Upper limit of the distance of a pole from the center, and of the width of a pole, divided by
-/// the semi-axis. A pole beyond this limit hardly affects the positions of the nodes.
+/// Upper limit of the distance of a pole from the center of the ellipse, and of the width of a
+/// pole, both divided by the semi-axis. A pole beyond this limit hardly affects the positions of
+/// the nodes.
 pub(super) const FAR_LIMIT: f64 = 8.0;
 
 /// Lower limit of the magnitude of divisors, which prevents division by zero.
@@ -19,7 +20,8 @@ pub struct EllipseSlip<F> {
     /// Coefficients of the polynomial that gives the slip along the groove as a function of the
     /// position.
     pub(super) longitudinal: [F; 3],
-    /// Ball radius, and depth by which the contact surface drops at the end of the ellipse.
+    /// Ball radius, and the depth by which the contact surface drops from the center of the ellipse
+    /// to its end.
     pub(super) radius: F,
     pub(super) sagitta: F,
     /// Angular velocity about the tangent, and spin multiplied by the short semi-axis.
@@ -55,8 +57,8 @@ fn divisor<F: Real>(x: F) -> F {
     F::select(x.abs().lt(tiny), tiny, x)
 }
 
-/// A complex pole of the integrand along the long axis, given by its real part and by its distance
-/// from the real axis.
+/// A complex pole of the integrand along the long axis, given by the real part of its position and
+/// by its distance from the real axis.
 #[derive(Clone, Copy)]
 pub(super) struct Pole<F> {
     pub(super) at: F,
@@ -212,7 +214,7 @@ impl EllipseSlip<f64> {
     }
 }
 
-/// Returns the slip speed, divided by `$r_b W$`, at the ends of the longer ellipse for a ball that
+/// Returns the slip speed at the ends of the longer ellipse, divided by `$r_b W$`, for a ball that
 /// rotates at `$W$` relative to a raceway. The result is at least 1 (T9).
 ///
 /// * `semi_axes`, `pressed_radius`: semi-axes of the ellipses and radii of the contact surfaces

@@ -114,7 +114,7 @@ impl Auto {
         }
     }
 
-    /// Returns the result of the chosen model, together with its error bound if one is known.
+    /// Returns the result of the chosen model, together with the error bound if it is known.
     fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
@@ -126,8 +126,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives. The model is chosen from the values of
-    /// the inputs.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs. The model
+    /// is chosen from the values of the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -159,10 +159,11 @@ const MIN_CROSS_SLIP: f64 = 0.3;
 pub struct ModelErrors<F = f64> {
     /// Onset number `$S$` (W11).
     pub onset_number: F,
-    /// Error bound of raceway control (A4), infinite if friction may rotate a contact beyond the
-    /// end of its flank (A9).
+    /// Error bound of raceway control (A4). It is infinite if friction may rotate a contact beyond
+    /// the end of its flank (A9).
     pub rolling: F,
-    /// Error bound of gross slip divided by `range` (A5), infinite if the cross slip is too small.
+    /// Error bound of gross slip divided by `range` (A5). It is infinite if the cross slip is too
+    /// small.
     pub skidding: F,
     /// Difference between the efficiency of a rolling ball and the efficiency of a skidding ball
     /// without inertia.
@@ -173,8 +174,8 @@ impl<F: Real> ModelErrors<F> {
     /// Calculates the error bounds from the solution for a rolling ball.
     ///
     /// * `back`: true if the load back-drives the screw.
-    /// * `onset_number`, `cross_slip`: numbers of the rolling ball. If they are undefined (infinite
-    ///   or NaN), the error bounds are infinite or NaN, too.
+    /// * `onset_number`, `cross_slip`: onset number and cross slip of the rolling ball. If they are
+    ///   undefined (infinite or NaN), the error bounds are infinite or NaN, too.
     /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
     pub fn of(

@@ -218,8 +218,8 @@ mod tests {
     }
 
     proptest! {
-        /// The efficiency of back-driving is the reciprocal of the drive efficiency with negative
-        /// friction: η_lr(f) = 1/η_rl(−f).
+        /// The efficiency of back-driving is the reciprocal of the efficiency of driving with
+        /// negative friction: η_lr(f) = 1/η_rl(−f).
         #[test]
         fn back_driving_equals_driving_with_negative_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
@@ -320,8 +320,9 @@ mod tests {
             }
         }
 
-        /// The closed-form optimum is better than neighboring angles, has the stated efficiency,
-        /// and satisfies the published conditions (15) and (18).
+        /// The contact angle of the closed-form optimum gives a better efficiency than neighboring
+        /// angles. Its efficiency equals the stated efficiency, and it satisfies the published
+        /// conditions (15) and (18).
         #[test]
         fn closed_form_optimum_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {

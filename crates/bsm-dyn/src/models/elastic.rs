@@ -151,7 +151,7 @@ impl GrossSlip {
         self.steps
     }
 
-    /// Returns a root that serves as a starting value. Usually, this is the first root on the curve
+    /// Returns a root that serves as a starting value. This is usually the first root on the curve
     /// of force balance.
     ///
     /// # Errors
@@ -167,7 +167,7 @@ impl GrossSlip {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if there is no root, or if no root is found.
+    /// Returns [`NoAnswer`] if no root exists or if the search fails.
     pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
@@ -183,7 +183,7 @@ type ElasticRoot = ([f64; BALL], usize, f64);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if there is no root, or if no root is found.
+/// Returns [`NoAnswer`] if no root exists or if the search fails.
 fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
@@ -241,7 +241,7 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if there is no root, if no root is found, or if the power balance is
+    /// Returns [`NoAnswer`] if no root exists, if the search fails, or if the power balance is
     /// violated.
     pub(crate) fn solved(
         &self,

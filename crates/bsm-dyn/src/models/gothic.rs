@@ -34,8 +34,8 @@ use crate::models::ball::{
 /// A ball in gothic arches at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
-    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) uses the load in its
-    /// [`AxialCondition`] instead of the load of this operating point.
+    /// Screw, ball, friction and speeds. The load of this operating point is ignored by
+    /// [`solve`](GothicBall::solve), which has an [`AxialCondition`] as its argument.
     pub at: ElasticPoint<D>,
     /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
@@ -68,8 +68,8 @@ pub struct FlankContact {
 /// A ball in gothic arches in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicState {
-    /// Loaded contacts in the order nut +, nut −, screw +, screw −. `None` is an unloaded contact
-    /// (gap).
+    /// Loaded contacts in the order nut +, nut −, screw +, screw −. `None` stands for an unloaded
+    /// contact (gap).
     pub contacts: [Option<FlankContact>; FLANKS],
     /// Approaches of the four contacts \[m\]; a negative approach is a gap.
     pub approaches: [f64; FLANKS],
@@ -140,13 +140,13 @@ const FIRST_CREEP: f64 = 30.0;
 /// quadrature that is used along the continuation.
 const PATH_RESIDUAL: f64 = 1e-6;
 
-/// Scaled residual below which Newton steps reuse the Jacobian. Above it, the Jacobian is
-/// calculated together with every trial step, because few steps are rejected and the quadrature
-/// with derivatives costs little more than without.
+/// Scaled residual below which Newton steps reuse the Jacobian. Above this residual, the Jacobian
+/// is calculated together with every trial step, because few steps are rejected and the quadrature
+/// with derivatives costs little more than the quadrature without.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
-/// tried. For nine of ten balls, at most 11 steps are needed in total.
+/// tried. Nine of ten balls need at most 11 steps in total.
 const MAX_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
@@ -180,9 +180,9 @@ impl<D: Scalar> GothicBall<D> {
 impl GothicBall {
     /// Solves for the steady motion of the ball in gothic arches (AC5), (AC6).
     ///
-    /// Newton's method starts from the state `near`, if it is given, and then from the ball on two
-    /// contacts. If Newton's method does not converge from these states, a continuation starts from
-    /// the ball at rest and lowers the creep speed.
+    /// Newton's method first starts from the state `near`, if this state is given, and then from
+    /// the state of the ball on two contacts. If Newton's method converges from neither state, a
+    /// continuation starts from the ball at rest and lowers the creep speed.
     ///
     /// # Errors
     ///
@@ -203,8 +203,7 @@ impl GothicBall {
         };
         self.search(&grooves, condition, &at_rest, work, |start, traction| match start {
             Start::Near => near.map(|near| near.root),
-            // A ball at rest that is oversize loads all flanks, so there is no state with two
-            // contacts.
+            // An oversize ball at rest loads all flanks, so there is no state with two contacts.
             Start::TwoContacts if self.fit.oversize > 0.0 => None,
             Start::TwoContacts if force < 0.0 => {
                 let turned = self.back_driven();
@@ -345,8 +344,8 @@ impl GothicBall {
         Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
     }
 
-    /// Returns the ball with reversed speeds. It represents the ball in the other nut of a
-    /// preloaded pair, mirrored so that its + flanks are loaded.
+    /// Returns the ball with reversed speeds. The returned ball represents the ball in the other
+    /// nut of a preloaded pair, mirrored so that its + flanks are loaded.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -603,7 +602,7 @@ fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
 }
 
 impl<const M: usize> GothicBall<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
@@ -616,7 +615,8 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
-    /// Returns efficiency and torque with their derivatives for a root with a third contact.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs, for a root
+    /// with a third contact.
     fn third_contact_slopes(
         &self,
         ball: &GothicBall,
@@ -693,7 +693,7 @@ struct Search<'a> {
 struct Found {
     unknowns: [f64; UNKNOWNS],
     residual: f64,
-    /// Node counts of the quadrature, which stay fixed near the root.
+    /// Node counts of the quadrature, which are kept fixed near the root.
     rules: FrozenRules,
 }
 
@@ -712,8 +712,8 @@ impl Search<'_> {
         found.ok()
     }
 
-    /// Returns two starting values derived from a ball on two contacts, or `None` if the forces
-    /// balance at no position.
+    /// Returns two starting values derived from a ball on two contacts, or `None` if there is no
+    /// position at which the forces balance.
     ///
     /// In both starting values, the ball is at the position where the normal loads of all flanks
     /// balance the friction of the two contacts. One starting value has the motion of the ball on

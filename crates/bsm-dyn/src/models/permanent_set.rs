@@ -87,8 +87,8 @@ impl ElasticPoint {
 /// Number of unknowns of [`RadialClosure`].
 const CLOSURE: usize = 1;
 
-/// Closure condition for the triangle of ball center and arc centers in the radial direction. The
-/// unknown is the cotangent of the contact angle at the screw.
+/// Radial closure condition for the triangle that is formed by the ball center and the two arc
+/// centers. The unknown is the cotangent of the contact angle at the screw.
 struct RadialClosure {
     axial: [f64; 2],
     radial: f64,
@@ -167,7 +167,7 @@ mod tests {
     };
 
     /// Returns the screw of Dong et al. (2020) with 44 balls at 2500 rpm.
-    fn screw(axial: f64) -> ElasticPoint {
+    fn screw_of_dong(axial: f64) -> ElasticPoint {
         let raceways = Material { youngs_modulus: 200e9, poisson_ratio: 0.3 };
         let balls = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
         ElasticPoint {
@@ -184,7 +184,7 @@ mod tests {
         }
     }
 
-    fn state(solution: &Solution) -> ([f64; 2], [f64; 2]) {
+    fn loads_and_angles(solution: &Solution) -> ([f64; 2], [f64; 2]) {
         let ball = solution.solved().expect("converged").ball;
         let contacts = [ball.nut, ball.screw];
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
@@ -194,14 +194,14 @@ mod tests {
     /// without friction in the force balance.
     #[test]
     fn state_under_a_light_load_agrees_with_the_elastic_model() {
-        let screw = screw(44.0);
+        let screw = screw_of_dong(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         for o in [
             raceway.solve(&mut RacewayWorkspace::default()),
             traction.solve(&mut crate::model::TractionWorkspace::default()),
         ] {
-            let (loads, angles) = state(&o);
+            let (loads, angles) = loads_and_angles(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();
             // In this test, the permanent approach is 1e-5 times the elastic approach. It is 1e-8
             // times the distance between the arc centers, which determines the contact angles.
@@ -220,9 +220,9 @@ mod tests {
 
     #[test]
     fn permanent_deformation_increases_contact_angles_and_preserves_the_force_balance() {
-        let screw = screw(24e3);
+        let screw = screw_of_dong(24e3);
         let raceway = RacewayControl { at: screw, control: None };
-        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
+        let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));
         let deformed = screw.permanent_set(loads, angles).unwrap();
         for i in 0..2 {
             assert!(deformed.angles[i] > angles[i] + 1e-3, "{deformed:?}");
@@ -239,9 +239,9 @@ mod tests {
     /// contact angles differ by half a degree due to inertia.
     #[test]
     fn corrected_radical_gives_the_contact_angle_difference() {
-        let screw = screw(44.0);
+        let screw = screw_of_dong(44.0);
         let raceway = RacewayControl { at: screw, control: None };
-        let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
+        let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));
         let deformed = screw.permanent_set(loads, angles).unwrap();
         let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.point.ball.radius));
         let length = |i: usize, l: f64| l + deformed.elastic[i] + deformed.permanent[i];

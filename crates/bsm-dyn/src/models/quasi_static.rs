@@ -1,5 +1,5 @@
-//! Quasi-static model of a ball with two contacts and no inertia, with slip in the normal plane and
-//! rolling resistance.
+//! Quasi-static model of a ball with two contacts. It neglects inertia and considers slip in the
+//! normal plane and rolling resistance.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 

@@ -1,5 +1,6 @@
-//! Raceway control: elastic contacts, a force balance without friction, rolling kinematics, and
-//! friction power calculated from the slip that pure rolling leaves in the contacts.
+//! Raceway control: a model with elastic contacts, a force balance without friction, and rolling
+//! kinematics. The friction power is calculated from the slip that remains in the contacts during
+//! pure rolling.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
@@ -170,8 +171,9 @@ impl RollingBall {
     }
 
     /// Finds other states of the ball that satisfy the same equations. These are states with the
-    /// same controlling raceway and a larger difference between the contact angles. If each raceway
-    /// satisfies (W7) when it controls, the screw-controlled state is also included.
+    /// same controlling raceway and a larger difference between the contact angles. If both the
+    /// nut-controlled and the screw-controlled ball satisfy (W7), the screw-controlled state is
+    /// also included.
     fn alternatives(
         &self,
         contacts: &ElasticContacts,
@@ -196,16 +198,16 @@ impl RollingBall {
         alternatives
     }
 
-    /// Returns true if (W7) selects the same raceway no matter which raceway controls, and no other
-    /// roots exist.
+    /// Returns true if (W7) selects the same raceway regardless of which raceway controls, and if
+    /// no other roots exist.
     fn is_clear(&self, contacts: &ElasticContacts) -> bool {
         let (ball, sides) = (RacewayBall::from(contacts), self.sides(contacts));
         Control::ALL.iter().all(|raceway| Balance::new(contacts, *raceway).is_unique())
             && ball.is_control_clear(&sides, ball.nut_excess(&sides))
     }
 
-    /// Estimates the state of the nut-controlled ball to two digits. The estimate exists even if
-    /// the centrifugal force is too large for raceway control.
+    /// Estimates the state of the nut-controlled ball with an accuracy of two digits. An estimate
+    /// is available even if the centrifugal force is too large for raceway control.
     ///
     /// # Errors
     ///
@@ -324,8 +326,9 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball together with the number of other solutions and
-    /// with the efficiency among them that differs most.
+    /// Returns the steady state of a rolling ball, together with the number of other solutions and,
+    /// among their efficiencies, the one that differs most from the efficiency of this steady
+    /// state.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -354,7 +357,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::extreme::extreme;
+    use crate::extreme::random_extreme_screw;
     use crate::{
         Ball, Coulomb, Load, Material, OperatingPoint, Reason, Status,
         solution::{ContactState, Slip},
@@ -363,7 +366,7 @@ mod tests {
     /// Elastic constants of steel.
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-    fn lin(axial: f64, rpm: f64) -> RacewayControl {
+    fn lin_screw(axial: f64, rpm: f64) -> RacewayControl {
         let screw = ElasticPoint {
             point: OperatingPoint {
                 helix: Helix { radius: 24.3e-3, lead_angle: 10.0_f64.to_radians() },
@@ -391,7 +394,7 @@ mod tests {
     #[test]
     fn lin_screw_has_the_reference_efficiencies() {
         for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
-            let case = RacewayControl { control: Some(Control::Nut), ..lin(axial, 2000.0) };
+            let case = RacewayControl { control: Some(Control::Nut), ..lin_screw(axial, 2000.0) };
             let efficiency = solved(&case).transmission.efficiency;
             assert_relative_eq!(efficiency, eta, epsilon = 6e-5);
         }
@@ -405,7 +408,7 @@ mod tests {
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
                 let mut memory = RacewayWorkspace { quadrature, ..RacewayWorkspace::default() };
-                lin(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
+                lin_screw(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
             };
             let exact = eta(fine.clone());
             let ours = eta(Quadrature::of(RacewayControl::ACCURACY));
@@ -413,7 +416,7 @@ mod tests {
         }
     }
 
-    /// Returns a feed screw whose lead angle is a variable of the derivatives.
+    /// Returns a feed screw whose lead angle is the variable of differentiation.
     fn feed_screw<D: Scalar>(lead_angle: D) -> RacewayControl<D> {
         let steel = Material { youngs_modulus: D::from(207e9), poisson_ratio: D::from(0.3) };
         let ball = Ball::<f64>::of_density(3.175e-3, 7800.0);
@@ -450,7 +453,8 @@ mod tests {
             .sensitivities(&mut RacewayWorkspace::default());
         let exact = exact.expect("a solution").efficiency.eps[0];
         // With a step of 1e-4, the curvature of the efficiency causes an error of 1e-8, rounding
-        // causes an error of 1e-9, and the solve causes an error of less than 1e-6.
+        // causes an error of 1e-9, and the residual of the solution causes an error of less than
+        // 1e-6.
         let step = 1e-4 * lead_angle;
         let difference =
             (efficiency(lead_angle + step) - efficiency(lead_angle - step)) / (2.0 * step);
@@ -464,7 +468,7 @@ mod tests {
     #[test]
     fn raceway_with_the_closer_conformity_controls() {
         let spins = |conformity| {
-            let screw = ElasticPoint { conformity, ..lin(2113.0, 2000.0).at };
+            let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).at };
             let o = solved(&RacewayControl { at: screw, control: None });
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
@@ -476,14 +480,14 @@ mod tests {
     }
 
     proptest! {
-        /// The forces in the result are in equilibrium, both contact centers roll along the groove,
-        /// and the spin at one raceway is zero.
+        /// The forces in the result are in equilibrium, the ball rolls along the groove at both
+        /// contact centers, and the spin at one raceway is zero.
         #[test]
         fn ball_is_in_equilibrium_and_rolls_at_both_contacts(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
-            let base = lin(axial, if back { -rpm } else { rpm }).at;
+            let base = lin_screw(axial, if back { -rpm } else { rpm }).at;
             let speed = base.point.drive.screw_speed;
             let case = ElasticPoint { point: OperatingPoint { helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix }, contact_angle: beta.to_radians(), drive: Drive { screw_speed: speed, nut_speed: nut * speed }, ..base.point }, conformity: (f_n, f_s), ..base };
             let o = solved(&RacewayControl { at: case, control: None });
@@ -511,8 +515,8 @@ mod tests {
     #[test]
     fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(0.0), ..lin(500.0, 2000.0).at.point },
-            ..lin(500.0, 2000.0).at
+            point: OperatingPoint { friction: Coulomb(0.0), ..lin_screw(500.0, 2000.0).at.point },
+            ..lin_screw(500.0, 2000.0).at
         };
         let o = solved(&RacewayControl { at: screw, control: None });
         assert_relative_eq!(o.transmission.efficiency, 1.0);
@@ -522,7 +526,7 @@ mod tests {
     #[test]
     fn load_increases_contact_angles_and_speed_increases_their_difference() {
         let angles = |axial, rpm| {
-            let o = solved(&lin(axial, rpm));
+            let o = solved(&lin_screw(axial, rpm));
             (o.ball.nut.angle, o.ball.screw.angle)
         };
         let (slow, loaded, fast) = (angles(100.0, 1.0), angles(2000.0, 1.0), angles(100.0, 8000.0));
@@ -536,12 +540,12 @@ mod tests {
     /// nut-controlled ball and for the screw-controlled ball. If the two sides of (W7) are nearly
     /// equal, both balls or neither ball may satisfy it.
     #[test]
-    fn clear_selection_is_equal_for_nut_and_screw_control() {
+    fn clear_selection_is_the_same_for_nut_and_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
-            let mut screw = extreme(&mut rng);
+            let mut screw = random_extreme_screw(&mut rng);
             // Every second point has equal conformities, for which the two sides of (W7) are nearly
             // equal.
             if solved % 2 == 0 {
@@ -577,9 +581,9 @@ mod tests {
                 case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
             (none.status(), none.reason().clone())
         };
-        let still = lin(100.0, 0.0);
+        let still = lin_screw(100.0, 0.0);
         assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin(100.0, 100.0).at };
+        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).at };
         let (status, reason) = why(&RacewayControl { at: screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");

@@ -121,11 +121,11 @@ impl Rigid {
         self.ball().ok().map(|ball| ball.first_order())
     }
 
-    /// Returns the smallest lead angle above the lead angle of this operating point at which the
-    /// equations have a root \[rad\].
+    /// Returns the smallest lead angle \[rad\] at which the equations have a root, among all lead
+    /// angles above the lead angle of this operating point.
     ///
     /// Returns `None` if the operating point itself has a root, if no such lead angle is found, or
-    /// without friction or relative speed.
+    /// if there is no friction or no relative speed.
     pub fn critical_lead_angle(&self) -> Option<f64> {
         root::critical_lead_angle(&self.ball().ok()?)
     }

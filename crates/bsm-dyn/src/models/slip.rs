@@ -108,7 +108,8 @@ impl<D: Scalar> SteadyBall<D> {
         BallFrame::turned(self.helix.lead_angle, D::from(0.0))
     }
 
-    /// Returns the angular speed of the body (nut or screw) at the contact \[rad/s\].
+    /// Returns the angular speed of the body (nut or screw) that the ball touches at the contact
+    /// \[rad/s\].
     fn body_speed(&self, site: Site) -> D {
         match site {
             Site::Nut | Site::NutUnloaded => self.drive.nut_speed,
@@ -121,7 +122,8 @@ impl<D: Scalar> SteadyBall<D> {
         Contact::new(touch.site, touch.angle, &self.frame())
     }
 
-    /// Returns the motion of the ball relative to the body (nut or screw) at the contact.
+    /// Returns the motion of the ball relative to the body (nut or screw) that it touches at the
+    /// contact.
     pub fn relative_to(&self, site: Site) -> Motion<D> {
         self.motion.relative_to(self.body_speed(site), &self.frame())
     }
@@ -170,9 +172,9 @@ impl<D: Scalar> SteadyBall<D> {
         [angle, omega.x.atan2(-omega.z)]
     }
 
-    /// Returns the moment about the tangent that is needed to turn the angular velocity vector of
-    /// the ball together with the triad \[N·m\]. This moment is provided by the friction of all
-    /// contacts (X16).
+    /// Returns the moment about the tangent \[N·m\] that is needed to make the angular velocity
+    /// vector of the ball rotate together with the triad. This moment is provided by the friction
+    /// of all contacts (X16).
     ///
     /// * `inertia`: moment of inertia of the ball about a diameter \[kg·m²\].
     ///

@@ -29,8 +29,8 @@ pub struct GrooveForces<D = f64> {
     pub angle: D,
     /// Elastic energy `$V$` \[J\].
     pub energy: D,
-    /// Force on the groove of the nut that maintains the displacement, `$\partial V/\partial w$`
-    /// \[N\].
+    /// Force that maintains the displacement, `$\partial V/\partial w$` \[N\]. It acts on the
+    /// groove of the nut.
     pub force: [D; 2],
     /// Stiffness, which is the derivative of the force with respect to the displacement,
     /// `$\partial^2 V/\partial w^2$` \[N/m\].
@@ -117,8 +117,8 @@ impl StaticBall {
         }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
-        // The displacement at which the load is carried at the unloaded contact angle is an upper
-        // limit.
+        // The displacement at which the ball would carry the load at the unloaded contact angle is
+        // an upper limit.
         let max_displacement =
             (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         let signs = [f64::NEG_INFINITY, f64::INFINITY];
@@ -154,8 +154,8 @@ mod tests {
         nut_operating_point(axial, 98.0, speed)
     }
 
-    /// The reference values are all digits of an independent solution for a nut with 98 equally
-    /// loaded balls under 6340 N (case P01).
+    /// The reference values are stated with all digits of an independent solution, for a nut with
+    /// 98 equally loaded balls under 6340 N (case P01).
     #[test]
     fn ball_under_an_equal_load_share_matches_the_reference() {
         let screw = screw(6340.0, 1.0);
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn loose_ball_has_no_load_and_tensile_load_is_rejected() {
+    fn ball_with_clearance_has_no_load_and_tensile_load_is_rejected() {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));

@@ -43,8 +43,8 @@ impl Traction {
     /// most 1e-7.
     pub const ACCURACY: f64 = 1e-8;
     /// Accuracies of the quadrature, which are used one after the other until the error bound is
-    /// small enough. Starting with an accuracy of 1e-4 does not pay off, because its error bound
-    /// exceeds 0.01 for one in six balls in partial skid.
+    /// small enough. An accuracy of 1e-4 is not worth trying first, because its error bound exceeds
+    /// 0.01 for one in six balls in partial skid.
     pub const ACCURACIES: [f64; 2] = [1e-6, Self::ACCURACY];
     /// Default creep speed, which changes the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
@@ -62,8 +62,8 @@ impl Traction {
     /// Solves for the steady motion of the ball with friction integrated over the contact ellipses.
     ///
     /// The root is found with a coarse quadrature and then refined with a quadrature of the
-    /// requested accuracy. If one of the two fails, a search with a finer quadrature, which
-    /// includes continuation, decides whether a root exists.
+    /// requested accuracy. If either step fails, a search with a finer quadrature, which includes
+    /// continuation, decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let contacts = self.at.scaled()?;
@@ -78,9 +78,9 @@ impl Traction {
     /// most `tolerance`. Returns the root, the accuracy of its quadrature and the error bound.
     ///
     /// The error bound includes the effect of the creep speed. If the root cannot be refined with a
-    /// more accurate quadrature, the last root is returned, and its error bound is the whole power
-    /// loss. If the search finds a root that cannot be refined with the first quadrature, this root
-    /// is the starting value for the next quadrature.
+    /// more accurate quadrature, the last root is returned, and its error bound is set to the whole
+    /// power loss. If the search finds a root that cannot be refined with the first quadrature,
+    /// this root is the starting value for the next quadrature.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,

@@ -11,7 +11,7 @@ use crate::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
 
 /// Returns a random screw in the practical ranges of the inputs, as in the benchmarks. For most of
 /// these screws, the rigid model has a root.
-pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
+pub(crate) fn random_practical_screw(rng: &mut impl Rng) -> ElasticPoint {
     let radius = 24.3e-3;
     let speed = rng.random_range(50.0..6000.0) * PI / 30.0;
     let speed = if rng.random_bool(0.5) { speed } else { -speed };
@@ -33,7 +33,7 @@ pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
 
 /// Returns a random screw in the extreme ranges of the inputs. The logarithms of speeds, loads,
 /// sizes, moduli, friction coefficient and density are uniformly distributed.
-pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
+pub(crate) fn random_extreme_screw(rng: &mut impl Rng) -> ElasticPoint {
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
     let (axial, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));

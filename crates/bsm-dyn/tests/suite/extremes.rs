@@ -134,7 +134,7 @@ fn traction_solutions_at_extreme_points_are_consistent() {
 /// cotangent is infinite. The test sets one input at a time to extreme values, up to the smallest
 /// and the largest positive numbers.
 #[test]
-fn every_model_returns_in_time_at_extreme_inputs() {
+fn every_model_returns_in_time_for_extreme_inputs() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
     let absurd = move |input: usize, value: f64| {
         let mut screw = lin(10.0, 45.0, 2000.0, 100.0);

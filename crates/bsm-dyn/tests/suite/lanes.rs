@@ -18,7 +18,7 @@ const INPUTS: usize = 9;
 /// Number of results for each point.
 const OUTPUTS: usize = 13;
 
-/// Evaluates all formulas for a point whose ball radius is 1. `flags` states whether the load
+/// Evaluates all formulas for a point with a ball radius of 1. `flags` states whether the load
 /// back-drives the screw and whether the nut rotates.
 #[inline(always)]
 fn formulas<D: Real>(

@@ -18,12 +18,12 @@ fn lin() -> OperatingPoint {
     screws::lin(10.0, 45.0, 2000.0, 2113.0).point
 }
 
-fn solved(case: &OperatingPoint) -> SteadyState {
+fn expect_solution(case: &OperatingPoint) -> SteadyState {
     let solution = Rigid { point: *case }.solve(&mut RigidWorkspace::default());
     solution.answer.unwrap_or_else(|none| panic!("{case:?} {none:?}"))
 }
 
-fn reason(case: &OperatingPoint) -> (Status, Reason) {
+fn status_and_reason(case: &OperatingPoint) -> (Status, Reason) {
     let none = Rigid { point: *case }
         .solve(&mut RigidWorkspace::default())
         .answer
@@ -38,7 +38,7 @@ fn reason(case: &OperatingPoint) -> (Status, Reason) {
 fn root_satisfies_the_published_equations() {
     for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
         let case = OperatingPoint { drive: Drive { screw_speed: screw, nut_speed: nut }, ..lin() };
-        let o = solved(&case);
+        let o = expect_solution(&case);
         let motion = o.ball.motion.expect("a motion");
         let (a, b) = (case.helix.lead_angle, case.contact_angle);
         let (r_m, r_b, f_a) = (case.helix.radius, case.ball.radius, case.load.per_ball());
@@ -87,7 +87,7 @@ fn rigid_model_approaches_the_closed_form_at_small_inertia() {
         };
         let angles = Angles { lead: lin().helix.lead_angle, contact: lin().contact_angle };
         let closed = angles.efficiency(direction, 0.075);
-        let error = |axial| (solved(&at(axial)).transmission.efficiency - closed).abs();
+        let error = |axial| (expect_solution(&at(axial)).transmission.efficiency - closed).abs();
         let (coarse, fine) = (error(1e3), error(1e5));
         assert!(coarse < 1e-4, "{coarse}");
         // The error is proportional to the inertia ratio, so a load that is 100 times as large
@@ -99,12 +99,12 @@ fn rigid_model_approaches_the_closed_form_at_small_inertia() {
 
 /// The published critical lead angle is 7.08 degrees, for small inertia at f = 0.075 and β = 45°.
 #[test]
-fn no_solution_below_the_critical_lead_angle() {
+fn no_solution_exists_below_the_critical_lead_angle() {
     let at = |degrees: f64| OperatingPoint {
         helix: Helix { lead_angle: degrees.to_radians(), ..lin().helix },
         ..lin()
     };
-    let (status, why) = reason(&at(5.0));
+    let (status, why) = status_and_reason(&at(5.0));
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
     let critical = Rigid { point: at(5.0) }.critical_lead_angle().expect("critical angle");
@@ -113,9 +113,9 @@ fn no_solution_below_the_critical_lead_angle() {
 
     // At the critical lead angle, the slip at the loaded flank of the nut vanishes. A root exists
     // just above the critical lead angle, but not just below it.
-    let above = solved(&at(critical.to_degrees() + 1e-6));
+    let above = expect_solution(&at(critical.to_degrees() + 1e-6));
     assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
-    assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
+    assert_eq!(status_and_reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
     let again = Rigid { point: at(6.0) }.critical_lead_angle().expect("critical angle");
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
@@ -154,7 +154,7 @@ fn inputs_beyond_double_precision_are_rejected() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
         let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
         let case = OperatingPoint { drive, load: Load { axial, balls: 1.0 }, ..lin() };
-        let (status, why) = reason(&case);
+        let (status, why) = status_and_reason(&case);
         let domain_error = matches!(why, Reason::InertiaOutOfRange { .. } | Reason::Newton { .. });
         assert!(status != Status::Converged && domain_error, "{speed} {axial} {why:?}");
     }
@@ -202,12 +202,12 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
 #[test]
 fn points_without_a_solution_report_the_correct_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
-    assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
+    assert_eq!(status_and_reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
     let ideal = OperatingPoint { friction: Coulomb(0.0), ..lin() };
-    assert_eq!(reason(&ideal), (Status::InvalidInput, Reason::Frictionless));
+    assert_eq!(status_and_reason(&ideal), (Status::InvalidInput, Reason::Frictionless));
 
     let flat = OperatingPoint { contact_angle: 4.0_f64.to_radians(), ..lin() };
-    let (status, why) = reason(&flat);
+    let (status, why) = status_and_reason(&flat);
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::SelfLocking { .. }), "{why:?}");
     assert_eq!(
@@ -224,7 +224,7 @@ fn points_without_a_solution_report_the_correct_reason() {
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
         ..lin()
     };
-    let (status, why) = reason(&steep);
+    let (status, why) = status_and_reason(&steep);
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::UnloadedFlankWouldPull { .. }), "{why:?}");
 }
@@ -243,7 +243,7 @@ fn self_locking_screw_under_a_back_driving_load_has_no_root() {
     let angles = Angles { lead: case.helix.lead_angle, contact: case.contact_angle };
     assert!(angles.self_locking(Direction::LinearToRotary, case.friction.0));
     assert!(angles.efficiency(Direction::LinearToRotary, case.friction.0) < 0.0);
-    let (status, why) = reason(&case);
+    let (status, why) = status_and_reason(&case);
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
 }
@@ -255,7 +255,7 @@ fn efficiency_is_continuous_from_large_to_small_inertia() {
     let mut last = f64::NAN;
     for exponent in -40..=120 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
-        let o = solved(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() });
+        let o = expect_solution(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() });
         let (eta, balance) =
             (o.transmission.efficiency, o.transmission.power_balance.expect("a balance of forces"));
         assert!(balance.abs() <= 1e-9, "{axial}: {balance}");
@@ -268,12 +268,12 @@ fn efficiency_is_continuous_from_large_to_small_inertia() {
 }
 
 /// If the rounding error of the inertia forces at the screw speed exceeds the load, the result
-/// equals the limit for large inertia from the previous test.
+/// equals the limit for large inertia.
 #[test]
 fn efficiency_at_extreme_inertia_equals_the_large_inertia_limit() {
     for exponent in -160..-40 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
-        let eta = solved(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() })
+        let eta = expect_solution(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() })
             .transmission
             .efficiency;
         // The difference from the limit is proportional to the square root of the load.

@@ -1,5 +1,5 @@
-//! Block tridiagonal matrices of small blocks, with a border for a few unknowns that are coupled to
-//! all blocks.
+//! Block tridiagonal matrices with small blocks, and with a border for a few unknowns that are
+//! coupled to all blocks.
 
 use std::array::from_fn;
 
@@ -21,8 +21,8 @@ use crate::Singular;
 /// The factorization eliminates the chain of blocks from one end to the other, and then solves for
 /// the border with its Schur complement. The cost is proportional to the number of blocks instead
 /// of its cube. Rows are exchanged only within a block and within the border. This is safe for
-/// positive definite matrices and for blocks that dominate their neighbors. Other matrices may have
-/// a [`Singular`] block even if the whole matrix is regular.
+/// positive definite matrices and for block diagonally dominant matrices. In other matrices, a
+/// block may be [`Singular`] even if the whole matrix is regular.
 pub struct BorderedMatrix<const K: usize> {
     diagonal: Vec<Dense<K>>,
     /// Columns of the couplings to the next block. After the factorization, they contain the
@@ -35,7 +35,8 @@ pub struct BorderedMatrix<const K: usize> {
     right: Vec<[f64; K]>,
     /// Rows of the border, block by block, with the coefficients of the block unknowns.
     bottom: Vec<[f64; K]>,
-    /// Matrix of the border, row by row. After the factorization, it contains the Schur complement.
+    /// Coefficients of the border unknowns in the equations of the border, row by row. After the
+    /// factorization, they contain the Schur complement.
     corner: Vec<f64>,
     border: usize,
     schur: DynamicDense,
@@ -79,12 +80,12 @@ impl<const K: usize> BorderedMatrix<K> {
         self.corner.fill(0.0);
     }
 
-    /// Adds a number to the entry for the given equation and unknown.
+    /// Adds `value` to the entry in the given row (equation) and column (unknown).
     ///
     /// # Panics
     ///
-    /// Panics if the entry is outside the structure of the matrix, because the blocks are not
-    /// neighbors or the unknown does not exist.
+    /// Panics if the matrix has no such entry, either because the blocks are not neighbors or
+    /// because the equation or the unknown does not exist.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
         let border_index = |x: usize| {
@@ -136,7 +137,8 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // The couplings to the next block are cleared in both directions.
+        // In both directions, the entries of this unknown in the couplings to the next block are
+        // set to zero.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;
@@ -156,7 +158,7 @@ impl<const K: usize> BorderedMatrix<K> {
         rows[k] = from_fn(|j| if j == k { 1.0 } else { 0.0 });
     }
 
-    /// Returns the Schur complement row by row (N11), which is the matrix of the border after
+    /// Returns the Schur complement (N11), row by row. It is the matrix of the border after
     /// elimination of the chain. The matrix must have been factorized.
     pub fn condensed(&self) -> &[f64] {
         &self.corner

@@ -1,5 +1,4 @@
-//! Tests that compare bordered block matrices with dense matrices, and that use them in Newton's
-//! method.
+//! Tests of bordered block matrices: comparisons with dense matrices, and use in Newton's method.
 
 use bsm_newton::{BorderedMatrix, Dense, DynamicDense, Singular};
 
@@ -185,8 +184,8 @@ fn small_matrices_are_solved_with_pivoting() {
 
 /// Newton's method solves a system of points between two bodies with springs Q = k δ^{3/2} in five
 /// steps. The lower body is fixed, the upper body carries a load, and bars connect neighboring
-/// points, which is similar to many balls between two nuts. If all springs have the same k, the
-/// displacement is u = 2 (F/(n k))^{2/3}, regardless of the stiffness of the bars.
+/// points. The system resembles the balls between a screw and a nut. If all springs have the same
+/// k, the displacement is u = 2 (F/(n k))^{2/3}, regardless of the stiffness of the bars.
 #[test]
 fn newton_converges_with_a_bordered_block_matrix() {
     const N: usize = 200;

@@ -36,7 +36,8 @@ fn follow_curve(
     trace(&Curve(curve), &Seed { z, towards }, event, on, control)
 }
 
-/// A circle crosses a line twice in either direction, and the path is closed.
+/// A circle crosses a line twice, and the path is closed. This applies to both directions along the
+/// circle.
 #[test]
 fn closed_curve_is_traced_exactly_once() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
@@ -68,7 +69,7 @@ fn path_passes_through_a_fold() {
 }
 
 /// Two sign changes within a single step are found. If the curve only touches the line, there is no
-/// sign change, but the step is counted as unresolved because it may hide a pair of them.
+/// sign change, but the step is counted as unresolved because it may hide a pair of sign changes.
 #[test]
 fn close_pair_of_sign_changes_is_found_or_counted_as_unresolved() {
     let seed = ([1.0, 0.0], [0.0, 1.0]);

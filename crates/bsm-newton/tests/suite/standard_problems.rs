@@ -11,7 +11,7 @@ use bsm_newton::{
 /// Residual and rows of the Jacobian at a point.
 type Values<const N: usize> = Result<([f64; N], [[f64; N]; N]), EvalError>;
 
-/// A system that is defined by a function for residual and Jacobian.
+/// A system of equations, given by a function that returns its residual and its Jacobian.
 struct Problem<F>(F);
 
 impl<const N: usize, F> Equations<N> for Problem<F>
@@ -38,7 +38,7 @@ where
     }
 }
 
-fn run<const N: usize, F>(function: F, x: &mut [f64; N]) -> Report
+fn solve_equations<const N: usize, F>(function: F, x: &mut [f64; N]) -> Report
 where
     F: Fn(&[f64; N]) -> Values<N>,
 {
@@ -87,7 +87,7 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
 #[test]
 fn rosenbrock_needs_at_most_ten_steps() {
     let mut x = [-1.2, 1.0];
-    let report = run(rosenbrock, &mut x);
+    let report = solve_equations(rosenbrock, &mut x);
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
     // These limits are the numbers of steps and evaluations that the monotone line search of Dennis
@@ -127,7 +127,7 @@ fn powell_badly_scaled_finds_the_published_root() {
 #[test]
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
-    let report = run(powell_singular, &mut x);
+    let report = solve_equations(powell_singular, &mut x);
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     for pair in report.steps.windows(2).skip(1) {
         let ratio = pair[1].residual / pair[0].residual;
@@ -139,7 +139,7 @@ fn powell_singular_converges_linearly() {
 
 #[test]
 fn convergence_is_quadratic_at_the_root() {
-    let report = run(logarithm, &mut [1.1]);
+    let report = solve_equations(logarithm, &mut [1.1]);
     assert_eq!(report.status, Termination::Converged);
     let r: Vec<f64> = report.steps.iter().map(|s| s.residual).collect();
     assert!(r.len() >= 3, "{report:?}");
@@ -151,15 +151,15 @@ fn convergence_is_quadratic_at_the_root() {
 #[test]
 fn step_out_of_the_domain_is_halved() {
     let mut x = [4.0];
-    let report = run(logarithm, &mut x);
+    let report = solve_equations(logarithm, &mut x);
     assert_eq!(report.status, Termination::Converged);
     assert!((x[0] - 1.0).abs() < 1e-10);
     assert!(report.steps[0].lambda < 1.0);
     assert_eq!(report.n_jacobian, report.steps.len());
 }
 
-/// Residual and details belong to the returned point, even if a refining step was rejected. The
-/// slopes belong to the point of the last Jacobian.
+/// The residual and the details belong to the returned point, even if a refining step was rejected.
+/// The slopes belong to the point at which the last Jacobian was evaluated.
 #[test]
 fn outcome_contains_residual_and_details_at_the_returned_point() {
     let rough = |x: &[f64; 1]| {
@@ -205,11 +205,12 @@ fn failed_chord_step_is_replaced_by_a_newton_step() {
     assert_eq!(report.steps.iter().map(|s| s.residual).collect::<Vec<_>>(), [1.0, 0.05]);
 }
 
-/// The failure is expected: x² + 1 has no root, so the line search ends near the minimum of its
-/// square.
+/// The failure is expected: x² + 1 has no root, so the line search ends near the minimum of the
+/// squared residual.
 #[test]
 fn equation_without_root_ends_with_failed_line_search_or_singular_jacobian() {
-    let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
+    let report =
+        solve_equations(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
     assert_eq!(report.status, Termination::LineSearchFailed, "{report:?}");
     assert!(report.residual >= 1.0);
 }
@@ -217,7 +218,7 @@ fn equation_without_root_ends_with_failed_line_search_or_singular_jacobian() {
 /// The failure is expected because the Jacobian has a zero column.
 #[test]
 fn singular_jacobian_is_reported() {
-    let report = run(
+    let report = solve_equations(
         |x: &[f64; 2]| Ok(([x[0] - 1.0, x[0] - 2.0], [[1.0, 0.0], [1.0, 0.0]])),
         &mut [0.0, 0.0],
     );
@@ -230,8 +231,10 @@ fn singular_jacobian_is_reported() {
 /// The failure is expected because the model returns NaN, which the solver detects.
 #[test]
 fn nan_residual_is_reported() {
-    let report =
-        run(|x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])), &mut [1.0, 1.0]);
+    let report = solve_equations(
+        |x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])),
+        &mut [1.0, 1.0],
+    );
     assert_eq!(report.status, Termination::NotFinite);
     assert_eq!(report.worst_equation, 1);
 }
@@ -239,7 +242,7 @@ fn nan_residual_is_reported() {
 /// The failure is expected because the starting point is outside the domain.
 #[test]
 fn start_outside_the_domain_is_reported() {
-    let report = run(logarithm, &mut [-1.0]);
+    let report = solve_equations(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Termination::OutsideDomain);
 }
 
@@ -247,7 +250,7 @@ fn start_outside_the_domain_is_reported() {
 /// exceeds its tolerance.
 #[test]
 fn iteration_with_tiny_steps_is_reported_as_stalled() {
-    let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
+    let report = solve_equations(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
     assert_eq!(report.status, Termination::Stalled, "{report:?}");
 }
 
@@ -325,7 +328,7 @@ fn path_direction_has_the_sign_of_the_determinant() {
 }
 
 #[test]
-fn root_without_derivatives_is_reported() {
+fn missing_derivatives_of_a_root_are_reported() {
     let work = &mut Workspace::default();
     let singular =
         implicit_slopes(&Problem(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);

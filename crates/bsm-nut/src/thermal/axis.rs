@@ -15,8 +15,8 @@ use super::{
 pub struct HeatSources {
     /// Friction in the contacts between balls and nut, and between balls and screw.
     pub contacts: [f64; 2],
-    /// All other losses of the balls: drag due to preload, losses in the ball returns, and
-    /// lubricant losses.
+    /// Losses of the balls other than contact friction: drag due to preload, losses in the ball
+    /// returns, and lubricant losses.
     pub balls: f64,
     /// Friction of the nut seals.
     pub seals: f64,

@@ -7,13 +7,13 @@ use super::{Guess, NoSteadyState, Steady, ThermalAxis, WarmNut};
 /// Results that are calculated from a warm state, together with their uncertainty band.
 #[derive(Debug, Clone)]
 pub struct StateInterval {
-    /// Results with the estimated values of all quantities.
+    /// Results calculated with the estimated values of all quantities.
     pub values: Vec<f64>,
     /// Lower and upper limit of the uncertainty band for each result. Changed estimates for which
-    /// no steady state exists are left out.
+    /// no steady state exists do not contribute to the band.
     pub ends: Vec<[f64; 2]>,
-    /// Changed estimates for which no steady state exists: the estimated quantity, its factor, and
-    /// the reason.
+    /// Changed estimates for which no steady state exists. Each entry contains the estimated
+    /// quantity, the factor by which it was multiplied, and the reason.
     pub none: Vec<(Guess, f64, NoSteadyState)>,
     /// Reason why no steady state exists if the missing heat sources have their typical values;
     /// `None` if a steady state exists.

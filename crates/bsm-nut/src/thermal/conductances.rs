@@ -42,8 +42,8 @@ impl Guess {
         }
     }
 
-    /// Returns the beginning of a clause about the quantity, which a text such as "2 times larger"
-    /// completes.
+    /// Returns the beginning of a clause about the quantity. A text such as "2 times larger"
+    /// completes the clause.
     pub fn clause(self) -> &'static str {
         match self {
             Self::Nut => "the conductance of the nut is",
@@ -74,7 +74,7 @@ impl Guess {
     }
 }
 
-/// Conductances of the thermal network \[W/K\].
+/// Conductances of the thermal network \[W/K\], and the film coefficient of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductances {
     /// Conductance between the nut (including bracket and table) and the air.

@@ -206,7 +206,7 @@ impl WarmNut<'_> {
     /// Returns the models that the balls choose at given temperature rises, for each phase of the
     /// duty cycle. Returns `None` if the model of any ball has no solution.
     ///
-    /// * `heated`: heat and loads of the nut at these temperature rises.
+    /// * `heated`: heat and loads of the nut at the given temperature rises.
     pub(super) fn models(
         &self,
         rises: &[f64; NODES],

@@ -17,7 +17,8 @@ pub struct ScrewBar {
     pub diameter: f64,
     /// Length between the bearings \[m\].
     pub length: f64,
-    /// Length of the travel \[m\]. It is the sum of stroke and nut length, and less than `length`.
+    /// Length of the travel \[m\], which is the sum of stroke and nut length. It must be less than
+    /// `length`.
     pub travel: f64,
     /// Cross-sectional area of the steel \[m²\].
     pub section: f64,

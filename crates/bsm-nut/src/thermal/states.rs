@@ -43,10 +43,10 @@ const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 /// Scale of the temperatures \[K\] and scale of the speed factor in the continuation.
 const SIZES: (f64, f64) = (20.0, 1.0);
 
-/// Maximum length of a continuation step, in units of [`SIZES`].
+/// Maximum length of a continuation step, in units of the scales [`SIZES`].
 const MAX_CONTINUATION_STEP: f64 = 0.5;
 /// Maximum length of a continuation step if the points on the branch are returned as results, in
-/// units of [`SIZES`].
+/// units of the scales [`SIZES`].
 const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
 /// Ratio of speed to fold speed, down to which the unstable states beyond the fold are traced.
@@ -79,9 +79,9 @@ pub struct Steady {
     pub heated: NutAtTemperature,
     /// Loop gain (I18), which is 0 without thermal feedback and 1 at the fold.
     pub gain: f64,
-    /// True if the balls would choose different models or controlling raceways in this state than
-    /// the models with which the friction was calculated. The friction is discontinuous in this
-    /// state, and its reported value is the value on one side of the discontinuity.
+    /// True if, in this state, the balls would choose models or controlling raceways other than
+    /// those with which the friction was calculated. The friction is discontinuous in this state,
+    /// and the reported friction is the value on one side of the discontinuity.
     pub on_jump: bool,
     /// Ball models with which the friction in this state was calculated.
     models: ModelsOfPhases,
@@ -199,7 +199,7 @@ struct HeatBalance<'a> {
     weight: f64,
     /// False if the nut had lost its preload when the heat balance was last evaluated.
     has_preload: Cell<bool>,
-    /// Models of the balls. They are held constant during a solve, because the friction is
+    /// Models of the balls. The models are held constant during a solve, because the friction is
     /// discontinuous where a ball changes its model.
     models: ModelsOfPhases,
 }
@@ -244,7 +244,7 @@ impl HeatBalance<'_> {
         Ok((self.left_with(rises, factor, &heated.heat), heated))
     }
 
-    /// Returns the residual of the heat balance for known values of the heat that is generated at
+    /// Returns the residual of the heat balance for given values of the heat that is generated at
     /// each node.
     fn left_with(&self, rises: &[f64; NODES], factor: f64, heat: &[f64; NODES]) -> [f64; NODES] {
         let (matrix, received) = self.nut.network(factor).balance();
@@ -255,7 +255,7 @@ impl HeatBalance<'_> {
     }
 
     /// Returns the derivatives `$P'$` of the heat with a relative error of 0.001, and the heat from
-    /// which they are calculated. They are used in Newton and continuation steps.
+    /// which they are calculated. The derivatives are used in Newton and continuation steps.
     fn slopes_of_step(
         &self,
         rises: &[f64; NODES],
@@ -276,8 +276,8 @@ impl HeatBalance<'_> {
     ) -> Result<HeatSlopes, EvalError> {
         let between_loads = if here.is_some() { STEP_FRICTION_TOLERANCE } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
-        // The temperatures of the screw ends influence the nut only if the screw is held at both
-        // ends, because they then change its axial tension.
+        // The temperatures of the screw ends influence the nut only if both ends of the screw are
+        // held, because only then do these temperatures change the axial tension of the screw.
         let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
@@ -303,8 +303,8 @@ impl HeatBalance<'_> {
         from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
     }
 
-    /// Returns the matrix `$P' M^{-1}$` for nut, screw and balls. Its nonzero eigenvalues are those
-    /// of `$M^{-1} P'$`.
+    /// Returns the matrix `$P' M^{-1}$` for nut, screw and balls. Its nonzero eigenvalues are the
+    /// nonzero eigenvalues of `$M^{-1} P'$`.
     fn loop_matrix(
         &self,
         slopes: &HeatSlopes,
@@ -329,7 +329,7 @@ impl HeatBalance<'_> {
 
     /// Returns the temperature rises in the steady state at a given speed factor, together with
     /// heat and loads of the nut. The search starts at the temperature rises `rises`. Returns
-    /// `None` if it does not converge.
+    /// `None` if the search does not converge.
     fn steady_rises(
         &self,
         mut rises: [f64; NODES],
@@ -385,8 +385,8 @@ impl HeatBalance<'_> {
         rises.iter().any(|rise| self.nut.set + rise > MAX_TEMPERATURE)
     }
 
-    /// Returns true if the last state of a continuation is below the temperature limit and still
-    /// has a preload.
+    /// Returns true if the nut still has a preload in the last state of a continuation and this
+    /// state is below the temperature limit.
     fn counts(&self, trace_branch: &Trace<{ NODES + 1 }>) -> bool {
         !self.is_too_hot(&trace_branch.last[..NODES]) && self.has_preload.get()
     }
@@ -550,9 +550,9 @@ impl WarmNut<'_> {
         self.steady_from(None)
     }
 
-    /// Calculates the same state as [`steady`](Self::steady), but starts at the temperature rises
-    /// of a neighboring solution, which saves iterations. If there are two stable states, the
-    /// result may be the other one.
+    /// Calculates a stable steady state like [`steady`](Self::steady), but starts at the
+    /// temperature rises of a neighboring solution, which saves iterations. If there are two stable
+    /// states, the two functions may return different states.
     ///
     /// # Errors
     ///
@@ -561,8 +561,8 @@ impl WarmNut<'_> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
-            // The ball models were chosen for the temperatures without frictional heat. No steady
-            // state exists with these models, so the balls now choose their models at every step.
+            // The ball models that were chosen for the temperatures without frictional heat do not
+            // lead to a steady state, so the balls now choose their models at every step.
             Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
                 return Self::steady_with_models(&balance.with_models(Vec::new()), rest, near);
             }
@@ -574,7 +574,7 @@ impl WarmNut<'_> {
         let decided = self.models(&state.rises, 1.0, &state.heated);
         let decided = decided.ok_or(NoSteadyState::NoFriction)?;
         // The state is at a discontinuity. A steady state may exist with the ball models on the
-        // other side.
+        // other side of this discontinuity.
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
@@ -714,7 +714,8 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
 mod tests {
     use super::*;
 
-    /// The test matrices are triangular, contain a plane rotation, or are zero.
+    /// The test matrices are triangular matrices, matrices that contain a plane rotation, and the
+    /// zero matrix.
     #[test]
     fn largest_real_part_matches_the_known_eigenvalues() {
         let cases = [
@@ -725,8 +726,8 @@ mod tests {
         ];
         for (matrix, largest) in cases {
             let found = largest_real_part(&matrix);
-            // The tolerance covers the rounding errors of a Schur decomposition of a matrix with
-            // entries up to ten.
+            // The tolerance is an upper bound on the rounding errors of a Schur decomposition of a
+            // matrix with entries up to ten.
             assert!((found - largest).abs() < 1e-12, "{matrix:?}: {found}, not {largest}");
         }
     }

@@ -86,7 +86,7 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
 }
 
 /// Returns a random support, which is free, guided or elastic. The axial load is at most about half
-/// of the dynamic load rating, and there are transverse loads and moments.
+/// of the dynamic load rating. Transverse loads and moments also act on the nut.
 pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     // For Z balls, half of C_a is about 250 N/mm² times the square of the ball diameter times
     // Z^0.8.
@@ -111,7 +111,7 @@ pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
 }
 
 /// Checks that the stiffness equals the slope of the forces as functions of the displacement. The
-/// displacement is prescribed along one direction that combines all degrees of freedom.
+/// prescribed displacement is a combination of all degrees of freedom.
 fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, point: u32) {
     let radius = nut.helix.radius;
     let arms = [1.0, -1.0, 1.0, 1.0 / radius, -1.0 / radius];
@@ -131,9 +131,8 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
         let along =
             |of: &Equilibrium| -> f64 { (0..5).map(|k| of.stiffness[i][k] * arms[k]).sum() };
         let slope = (above.carried[i] - below.carried[i]) / (2.0 * step);
-        // The slope is a mean stiffness between both ends of the step, because contacts may open or
-        // close within the step. Forces are balanced to 1e-12 of their sum for each of about ten
-        // unknowns.
+        // The slope is a mean stiffness over the step, because contacts may open or close within
+        // the step. In each of about ten equations, the forces are balanced to 1e-12 of their sum.
         let changes = (along(&above) - along(found)).abs() + (along(&below) - along(found)).abs();
         let allowed = changes + 1e-11 * forces / step / arm;
         let off = (slope - along(found)).abs();
@@ -144,7 +143,8 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
 /// Solves random nuts. Returns the number of solved nuts, the number of nuts that cannot carry
 /// their load, the largest residual and the largest number of steps.
 ///
-/// * `every`: if it is n, the stiffness of every nth nut is compared with finite differences.
+/// * `every`: the stiffness of every nth nut is compared with finite differences, where n is
+///   `every`.
 fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
@@ -171,8 +171,8 @@ fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usiz
                 let numbers = found.balls.iter().flat_map(|b| b.loads).chain(found.displacement);
                 assert!(numbers.into_iter().all(f64::is_finite), "{point}");
             }
-            // The nuts that cannot carry their load have only one flank, or few balls, all of which
-            // are far from the line of action of the load.
+            // In a nut that cannot carry its load, the balls can be loaded on only one flank, or
+            // the nut has few balls, all of which are far from the line of action of the load.
             Err(
                 NutError::NothingCarries { .. }
                 | NutError::BallLeavesFlank { .. }
@@ -184,7 +184,7 @@ fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usiz
     (solved, nothing, worst, most)
 }
 
-/// Solves random nuts and checks that their results have the required properties.
+/// Solves random nuts, and checks the results for the required properties.
 #[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_campaign(points: u32, seed: u64, every: u32) {
     let (solved, nothing, worst, most) = solve_random_nuts(points, seed, every);
@@ -192,7 +192,7 @@ fn check_campaign(points: u32, seed: u64, every: u32) {
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
     // A single flank carries loads in one direction only, so one twelfth of the nuts cannot carry
-    // their load. In about one of 25 nuts, a ball leaves its flank.
+    // their load. In about one nut out of 25, a ball leaves its flank.
     assert!(nothing < points / 7, "{nothing}");
 }
 
@@ -285,8 +285,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             size += load;
         }
         let left = (of_body[0][0] + of_body[1][0]).hypot(of_body[0][1] + of_body[1][1] - outward);
-        // The solver balances the forces on a ball to 1e-7 of the forces, or to the effect of
-        // rounding errors in the position, which is below 1e-6 of the forces in this test.
+        // The solver balances the forces on a ball to 1e-7 of the forces, or to within the effect
+        // of rounding errors in the position, which is below 1e-6 of the forces in this test.
         if left > 1e-6 * size {
             return Some(format!("ball {number} is out of balance by {:e}", left / size));
         }
@@ -313,8 +313,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
             Freedom::Loaded(load) => load,
             Freedom::Sprung { stiffness, load } => load - stiffness * found.displacement[i],
         };
-        // The solver stops at a residual of 1e-12 of the forces, or of 1e-10 if the bodies deform
-        // strongly.
+        // The solver stops at a residual of 1e-12 of the sum of all forces, or of 1e-10 if the
+        // bodies deform strongly.
         let left = (on_balls[i] - load).abs() / arms[i];
         if left > 1e-6 * (forces + load.abs() / arms[i]) {
             return Some(format!("freedom {i} is out of balance by {left:e} of {forces:e} N"));
@@ -324,7 +324,8 @@ fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<St
 }
 
 /// Checks that each extreme nut is either rejected with a reason, or is in equilibrium according to
-/// its loads and contact angles. Prints how many nuts are rejected and how many are in equilibrium.
+/// its loads and contact angles. Prints the number of rejected nuts and the number of nuts in
+/// equilibrium.
 #[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_extreme_campaign(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

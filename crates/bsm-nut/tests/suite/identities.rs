@@ -43,12 +43,13 @@ fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
     let equal = nut.equal(6340.0).expect("load");
     let found = nut.solve(&Support::guided(6340.0)).expect("load");
     for ball in &found.balls {
-        // Both calculations balance the forces to 1e-12.
+        // The nut solver and the calculation for equal load sharing both balance the forces to
+        // 1e-12.
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
-    // The search starts from equal ball loads, which is the solution here, so at most one step is
-    // needed.
+    // The search starts from equal ball loads, which are the solution in this case, so at most one
+    // step is needed.
     assert!(found.steps <= 1, "{}", found.steps);
     assert!(!nut.shares_equally(&Support::free(6340.0)));
     let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -77,8 +78,9 @@ fn stiffness_matches_the_slope_of_the_forces() {
         for i in 0..5 {
             let slope = (above[i] - below[i]) / (2.0 * step);
             let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
-            // The tolerance covers the rounding errors of forces of 1e4 N divided by steps of one
-            // nanometer, and the third derivative of the energy.
+            // The tolerance includes two errors of the finite difference: the rounding error of
+            // forces of 1e4 N divided by a step of 1 nm, and the truncation error due to the third
+            // derivative of the energy.
             let allowed = 1e-6 * size;
             assert!((slope - found.stiffness[i][k]).abs() < allowed, "{i} {k}");
         }
@@ -92,7 +94,7 @@ fn ball_forces_add_up_to_the_load() {
     let load = [8000.0, 300.0, -500.0, 20.0, 40.0];
     let found = nut_with_98_balls().solve(&Support(load.map(Freedom::Loaded))).expect("carried");
     for (carried, load) in found.carried.iter().zip(load) {
-        // The iteration stops when the residual is below 1e-12 of the sum of all forces.
+        // The iteration stops when the residual is below 1e-12 times the sum of all forces.
         assert!((carried - load).abs() < 1e-8, "{carried} {load}");
     }
     for i in 0..5 {
@@ -117,8 +119,9 @@ fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
         *bar = Some(Bar { stiffness, anchor: first });
     }
     let found = nut.solve(&Support::guided(10e3)).expect("carried");
-    // The theory is μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. Terms of second order
-    // and the finite spacing of the balls change this increase by about 1e-3.
+    // According to the theory, μ² l² = k_u l (1/EA_n + 1/EA_s) and max/mean = 1 + (μl)²/3.
+    // Second-order terms and the finite spacing of the balls change the increase (μl)²/3 by about
+    // 1e-3.
     let small = equal.stiffness * (last - first) * 2.0 / stiffness;
     let axial = |i: usize| found.balls[i].force[0];
     let mean = (0..98).map(axial).sum::<f64>() / 98.0;
@@ -166,8 +169,8 @@ fn torsion_reduces_the_stiffness_of_the_screw() {
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
 
-/// A nut with zero lead represents a deep-groove ball bearing and matches the results of a
-/// commercial program for ISO/TS 16281.
+/// A nut with zero lead represents a deep-groove ball bearing. Its results match those of a
+/// commercial program for bearing calculations according to ISO/TS 16281.
 #[test]
 fn nut_with_zero_lead_matches_a_ball_bearing() {
     let radius = 5.75e-3;
@@ -201,7 +204,7 @@ fn nut_with_zero_lead_matches_a_ball_bearing() {
 /// If the preload approaches zero, the limit load approaches 2√2 times the preload, and the
 /// stiffness approaches 3 F_p/δ_p.
 #[test]
-fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
+fn limit_load_and_stiffness_at_small_preload_match_hertzian_theory() {
     let pair = pair();
     let support = Support::guided(0.0);
     let force = 1.0;
@@ -210,7 +213,7 @@ fn limit_load_and_stiffness_of_small_preloads_match_hertzian_theory() {
     let found = nut.solve(&support).expect("at rest");
     // The offset is calculated with a relative error of 1e-13.
     assert_relative_eq!(found.preload(&nut, PreloadKind::Offset), force, max_relative = 1e-9);
-    // A preload of one newton changes the contact angles by 2e-4.
+    // A preload of 1 N changes the contact angles by 2e-4 rad.
     let stiffness = 3.0 * force / (0.5 * offset);
     assert_relative_eq!(found.stiffness[0][0], stiffness, max_relative = 1e-3);
     let limit = nut.limit_load(PreloadKind::Offset, &support, 1.0).expect("a limit");
@@ -260,7 +263,7 @@ fn cold_pair(x: bool) -> BallNut {
     let force = if x { 2500.0 } else { -2500.0 };
     let offset = nut.preload_displacement(PreloadKind::Offset, force, &Support::guided(0.0));
     let offset = offset.expect("a preload");
-    // The reference prints ∓11.784697 um, which has eight digits.
+    // The reference value is ∓11.784697 um, printed with eight digits.
     assert_relative_eq!(offset, force.signum() * 11.784_697e-6, max_relative = 1e-7);
     nut.preloaded(PreloadKind::Offset, offset)
 }
@@ -286,8 +289,8 @@ fn preload_is_set_at_assembly_and_changes_with_temperatures() {
             let warm = pair.warmed(rises, 11.5e-6);
             let found = warm.solve(&Support::guided(0.0)).expect("at rest");
             let left = found.preload(&warm, PreloadKind::Offset);
-            // The solver finds the offset with a relative error of 1e-13. The tolerance is due to
-            // the number of digits that the reference prints.
+            // The solver finds the offset with a relative error of 1e-13. The tolerance is the
+            // rounding error of the digits printed in the reference.
             assert_relative_eq!(left, expected, max_relative = 2e-9);
         }
     }
@@ -312,8 +315,8 @@ fn o_arrangement_is_stiffer_against_tilting_than_x_arrangement() {
     let tilt =
         |x: bool| cold_pair(x).solve(&Support::guided(0.0)).expect("at rest").stiffness[3][3];
     let ratio = tilt(false) / tilt(true);
-    // In the reference, a pair in O arrangement tilts by one fifteenth of the tilt of a pair in X
-    // arrangement.
+    // In the reference solution, the tilt of a pair in O arrangement is one fifteenth of the tilt
+    // of a pair in X arrangement.
     assert!((10.0..20.0).contains(&ratio), "{ratio}");
 }
 
@@ -329,8 +332,8 @@ fn a_ball_that_leaves_its_flank_is_rejected() {
     assert!(matches!(nut_with_98_balls().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
 }
 
-/// Nothing supports a load that points away from the only flank, so the nut would move without
-/// limit.
+/// The balls can be loaded on only one flank, and no flank supports the opposite load, so the nut
+/// would move without limit.
 #[test]
 fn a_load_away_from_the_only_flank_is_rejected() {
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -366,10 +369,10 @@ fn a_large_prescribed_displacement_deforms_the_bodies() {
     assert_relative_eq!(again.carried[0], 100e3, max_relative = 1e-9);
 }
 
-/// A nut on soft guides behaves like a free nut, and a nut on stiff guides behaves like a guided
-/// nut.
+/// A nut on soft guides behaves like a free nut, and a nut on stiff guides behaves like a rigidly
+/// guided nut.
 #[test]
-fn guide_springs_cover_the_range_from_free_to_guided() {
+fn soft_guides_act_like_no_guides_and_stiff_guides_like_rigid_guides() {
     let nut = nut_with_98_balls();
     let sprung = |stiffness: f64| {
         let mut support = Support::free(6340.0);
@@ -399,7 +402,8 @@ fn friction_of_equally_loaded_balls_adds_up() {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
-    // `solves` counts the solved balls. All balls carry the same load, so only one ball is solved.
+    // `solves` counts how many balls are solved. All balls carry the same load, so only one of them
+    // is solved.
     let mut solves = 0;
     let counted = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, |screw| {
         solves += 1;
@@ -430,8 +434,8 @@ fn friction_of_equally_loaded_balls_adds_up() {
     let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
     // The torques h F of the two bodies cancel, except for rounding errors of forces of 3000 N.
     assert_relative_eq!(drag, drive_torque, max_relative = 1e-6);
-    // According to K_p = T 2π/(F_p P_h), a dry friction coefficient of 0.06 gives K_p = 0.033, a
-    // value known to two digits.
+    // For a dry friction coefficient of 0.06, K_p = T 2π/(F_p P_h) is 0.033. This value is known to
+    // two digits.
     let factor = drag * TAU / (3000.0 * 10e-3);
     assert!((0.028..0.038).contains(&factor), "{factor}");
 }
@@ -454,7 +458,8 @@ fn oversize_balls_cause_a_drag_torque() {
     // contacts is proportional to the friction coefficient.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // In a pair with the same preload, the balls roll instead of sliding, and K_p is only 0.033.
+    // In a nut pair with the same preload as this nut with oversize balls, the balls roll instead
+    // of sliding, and K_p is only 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
@@ -470,8 +475,9 @@ proptest! {
         let here = nut_with_98_balls().solve(&load).expect("carried");
         let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
         let there = there.solve(&load).expect("carried");
-        // After a shift by two turns, helix angles have rounding errors of 1e-15. The elastic
-        // approach is only 1e-4 of the radius, so the relative errors of the loads are larger.
+        // After a shift by two turns, helix angles have rounding errors of 1e-15 relative to their
+        // value. The elastic approach is only 1e-4 of the radius, so the relative errors of the
+        // loads are larger.
         prop_assert!((here.max_load() / there.max_load() - 1.0).abs() < 1e-9);
     }
 
@@ -492,13 +498,13 @@ proptest! {
         nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
         let found = nut.solve(&Support::guided(axial)).expect("carried");
         let bound = nut.load_bound(axial).expect("a bound");
-        // The bound (U27) is linear in the excess of the ball radius, which makes it inaccurate by up to
-        // 1 %.
+        // The bound (U27) is linear in the excess of the ball radius. This linearization causes an
+        // error of up to 1 %.
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// A nut whose balls can be loaded on both flanks carries any load, and forces are balanced to
-    /// 1e-12.
+    /// A nut whose balls can be loaded on both flanks can carry any load. The solver balances the
+    /// forces to 1e-12.
     #[test]
     fn nut_with_contact_on_both_flanks_carries_any_load(
         load in prop::array::uniform5(-1.0..1.0_f64),
@@ -518,9 +524,9 @@ proptest! {
     }
 }
 
-/// In a single nut, the thermal expansion of the balls first takes up the play. The balls press
-/// against both flanks only after the play is closed. From then on, the preload equals the preload
-/// of balls whose oversize is the remaining expansion.
+/// In a single nut, the thermal expansion of the balls first reduces the play. The balls press
+/// against both flanks only after the play is closed. From then on, the preload is that of balls
+/// whose oversize equals the remaining expansion.
 #[test]
 fn thermal_expansion_of_balls_takes_up_the_play_first() {
     let rises = [0.0, 0.0, 10.0];
@@ -540,7 +546,7 @@ fn thermal_expansion_of_balls_takes_up_the_play_first() {
         assert!(preload(play).0.abs() <= 0.0, "{play:?}");
     }
     let (_, errors) = preload(Some(3.0 * taken));
-    // The tolerance is the rounding error of the difference between two plays.
+    // The tolerance is the rounding error of a difference between two values of play.
     assert_relative_eq!(errors.axial_play.expect("a play"), 2.0 * taken, max_relative = 1e-12);
     let (half, _) = preload(Some(0.5 * taken));
     let oversize = nut_with_98_balls().preloaded(PreloadKind::Oversize, growth);

@@ -1,4 +1,4 @@
-//! The screw that the tests use: nominal diameter 40 mm, lead 10 mm, ball diameter 6.35 mm.
+//! The nut and screw that the tests use: nominal diameter 40 mm, lead 10 mm, ball diameter 6.35 mm.
 
 use std::f64::consts::PI;
 

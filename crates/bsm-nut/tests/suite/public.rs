@@ -111,8 +111,8 @@ fn read_support(case: &Value) -> Support {
 }
 
 /// Compares calculated numbers with expected numbers. For values that are zero by symmetry, the
-/// tolerance is the rounding error of a sum over a hundred balls, 1e-12 of the largest value in the
-/// list.
+/// tolerance is the rounding error of a sum over a hundred balls, which is 1e-12 of the largest
+/// value in the list.
 fn assert_agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name} {what}");
     let size = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -135,7 +135,7 @@ fn nuts_match_the_reference_cases() {
         let nut = nut(&case["case"]);
         let found = nut.solve(&read_support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let expect = &case["expect"];
-        // The reference is printed with 14 digits, and the two solutions agree to 3e-11 or better.
+        // The reference values have 14 digits, and the two solutions agree to 3e-11 or better.
         let tolerance = number(case, "rel_tol").expect("tolerance");
         let load = |c: usize| found.balls.iter().map(|b| b.loads[c]).collect::<Vec<_>>();
         let largest = found.max_load();

@@ -57,8 +57,8 @@ impl Scene {
             fit: ArchFit {
                 axial_play: get("axial_play_um").unwrap_or(0.0) * 1e-6,
                 radial_gap: 0.0,
-                // The reference cases state the oversize of the ball diameter, and the nut model
-                // needs the oversize of the radius.
+                // The reference cases state the oversize as a difference in ball diameter, but the
+                // nut model needs the difference in ball radius.
                 oversize: 0.5e-6 * get("ball_oversize_um").unwrap_or(0.0),
             },
         }
@@ -183,7 +183,7 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
         assert!(expect["third_contact"] == body, "{name} {third:?}");
         let flank = if third.site == Site::Nut { 1 } else { 3 };
         let contact = found.contacts[flank].expect("a pressed contact").state;
-        // The reference contains only the slip along the groove.
+        // The reference contains only the slip component along the groove.
         let along = third.slip * contact.slip_angle.expect("a direction").sin().abs();
         for (key, value) in [
             ("third_contact_load_ratio", third.load / largest),
@@ -277,8 +277,8 @@ fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
-/// Returns a random fit of a ball in its arches: no play, an oversize ball, a radial gap, or an
-/// axial play.
+/// Returns a random fit of a ball in its gothic arches: no play, an oversize ball, a radial gap, or
+/// an axial play.
 fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     let (mut fit, um) = (ArchFit::default(), 1e-6 * ball);
     match rng.random_range(0..5) {
@@ -337,8 +337,9 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         for i in 0..FLANKS {
             // The residuals of both solutions are below 1e-10 of the friction force, but the loads
             // are less accurate. The elastic approach is calculated from the groove radius, which
-            // is much larger, so its rounding error is 1e-16 of the groove radius. The relative
-            // error of a load is 3/2 times the relative error of its approach.
+            // is much larger than the approach, so the rounding error of the approach is 1e-16 of
+            // the groove radius. The relative error of a load is 3/2 times the relative error of
+            // its approach.
             assert_near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
@@ -346,8 +347,8 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
         "contacts {contacts:?}, at most {most_steps} steps, imbalance {most_imbalance:e}; at the displacement {held} held by \
          friction alone, {refused} without a root, {skidding} with another motion"
     );
-    // A ball is more difficult to solve for a given displacement than for a given force, so a few
-    // exceptions are permitted.
+    // It is more difficult to solve a ball for a given displacement than for a given force, so a
+    // few exceptions are permitted.
     assert!(50 * held < campaign(5000) && 200 * (refused + skidding) < campaign(5000));
     assert!(contacts[..2] == [0, 0] && contacts[2..].iter().all(|n| *n > 20), "{contacts:?}");
     // The solver balances the forces to 1e-10 of the friction force.
@@ -417,8 +418,8 @@ fn random_nuts_with_third_contacts_have_a_friction_torque() {
             let creep = Traction::<f64>::CREEP;
             let in_arches = GothicBall { at, fit, far_friction, accuracy: 1e-6, creep };
             let gap = in_arches.far_gap_on_two_contacts(&state).expect("a moving ball");
-            // The friction integrals have a relative accuracy of 1e-6, and elastic approaches are a
-            // few micrometers, so calculated gaps are accurate to about 1e-11 m.
+            // The friction integrals have a relative accuracy of 1e-6, and the elastic approaches
+            // are a few micrometers. Calculated gaps are therefore accurate to about 1e-11 m.
             assert!(gap >= -1e-11, "{number}, ball {ball}: {gap:e}");
             on_two_contacts += 1;
         }
@@ -475,8 +476,8 @@ fn friction_is_continuous_under_a_growing_side_load() {
             }
             changes += 1;
             let step = above.1.1 / below.1.1 - 1.0;
-            // The two side loads differ by 1e-5 of their value, which changes the torque by about
-            // 1e-5, one hundredth of the tolerance.
+            // The two side loads differ by a relative amount of 1e-5, which changes the torque by
+            // about 1e-5 of its value. This is one hundredth of the tolerance.
             assert!(step.abs() < 1e-3, "{play:?}: {step:e} at {below:?} {above:?}");
         }
         assert!(changes > 2, "{changes}");
@@ -506,7 +507,7 @@ fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
 }
 
 /// Without friction, the loads equal the loads in the static nut model. The test uses a friction
-/// coefficient of one millionth, which changes the loads by about one millionth.
+/// coefficient of 1e-6, which changes the loads by about 1e-6 of their value.
 #[test]
 fn loads_without_friction_match_the_static_nut() {
     let nut = with_circuits(Vec::new());
@@ -545,12 +546,12 @@ fn torque_is_continuous_where_the_third_contact_begins() {
         let threshold = threshold.expect("friction reaches a far flank") * 1e6;
         let [above, below] = [1.0 + 1e-6, 1.0 - 1e-6].map(|part| at(threshold * part));
         assert!(!above.far_flank_carries() && below.far_flank_carries(), "{threshold}");
-        // The play exceeds the threshold play of about 30 um by one millionth, so the gap at the
-        // far flank is smaller than 1e-10 m.
+        // The play exceeds the threshold play of about 30 um by a relative amount of 1e-6, so the
+        // gap at the far flank is smaller than 1e-10 m.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
         assert_near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
-        // Above the threshold play, the gap at the far flank increases with the play. Increasing
-        // the play by one tenth hardly changes the torque.
+        // Above the threshold play, the gap at the far flank increases with the play, but an
+        // increase of the play by one tenth hardly changes the torque.
         let wide = at(threshold * 1.1);
         assert_near(
             "two contacts",
@@ -651,7 +652,7 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
 }
 
 /// If the friction coefficient at the far flanks is halved, the drag coefficient K_p decreases from
-/// 0.205 to 0.166. These values are three printed digits of the independent study.
+/// 0.205 to 0.166. Both values are taken from the independent study, which prints three digits.
 #[test]
 fn less_friction_at_the_far_flank_lowers_the_drag() {
     let work = &mut GothicWorkspace::default();
@@ -669,8 +670,8 @@ fn pair_drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
 
-/// The drag does not depend on the direction of rotation: if it is reversed, the balls of the two
-/// nuts exchange their roles.
+/// The drag torque does not depend on the direction of rotation: if the rotation is reversed, the
+/// two nuts of the pair exchange their roles.
 #[test]
 fn an_unloaded_pair_of_identical_nuts_has_equal_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
@@ -692,7 +693,8 @@ fn drag_does_not_increase_with_the_play() {
     }
 }
 
-/// A large external load unloads one nut of the pair, so that only the other nut carries load.
+/// Under a large external load, one nut of the pair is unloaded, so that only the other nut carries
+/// load.
 #[test]
 fn a_pair_without_remaining_preload_is_rejected() {
     let work = &mut GothicWorkspace::default();

@@ -93,7 +93,8 @@ impl Case {
         })
     }
 
-    /// Returns the friction of all balls if neighboring balls do not push each other.
+    /// Returns the friction of all balls under the assumption that neighboring balls do not push
+    /// against each other.
     fn friction_without_push_forces(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
@@ -119,8 +120,8 @@ impl Case {
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
-    /// Returns the ball advance, the friction torque, and the motion of the first ball, all of them
-    /// without push forces.
+    /// Returns the ball advance, the friction torque, and the motion of the first ball, all
+    /// calculated without push forces.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let found = self.equilibrium();
         let friction = self.friction_without_push_forces(&found);
@@ -170,7 +171,8 @@ fn ball_trains_match_the_reference() {
         ] {
             assert_eq!(expected[key], got, "{name} {key}");
         }
-        // The force residuals of the solutions are 1e-10 of the forces, with and without oil.
+        // In the solutions with and without oil, the residuals of the forces are 1e-10 of the
+        // forces.
         near("power balance", train.power_balance, 0.0, 1e-9);
         let (circuits, touch_angle) = (&expected["circuits"], advance.touch_angle);
         let circuits = circuits.as_array().expect("circuits");
@@ -209,8 +211,8 @@ fn reference(name: &str) -> Case {
     Case::from_reference(&one["case"])
 }
 
-/// Returns a nut with 38 balls, all of which have the same speed and a load of 65 N. The ball
-/// return requires a push force.
+/// Returns a nut with 38 balls, which all have the same speed and a load of 65 N. The ball return
+/// requires a push force.
 fn nut_with_equal_balls(return_push: f64) -> Case {
     let mut reference = reference("T01");
     reference.nut.circuits[0].arc = 4.0 * PI;
@@ -251,15 +253,15 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
-        // At each ball, friction between balls changes the push force by a fraction of 1.6 f_b.
-        // Over all balls, this adds up to 6e-4 of the push force.
+        // At each ball, the friction between balls changes the push force by the fraction 1.6 f_b.
+        // Over all balls, these changes add up to 6e-4 of the push force.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
-    // The push force from behind must be at most the decrease per ball at the first ball, and at
-    // most twice this decrease at the second ball.
+    // The push force from behind is at most the decrease per ball at the first ball, and at most
+    // twice this decrease at the second ball.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
     // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b over all balls is Z
-    // N_x, apart from the contribution of the first of the 38 balls.
+    // N_x, except for the contribution of the first of the 38 balls.
     let motion = reference.advance().2.expect("a motion");
     let speed = reference.drive.relative_speed();
     let power = 1e-5 * 38.0 * push * reference.nut.ball.radius * motion.rotation;
@@ -268,14 +270,15 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
 }
 
 #[test]
-fn friction_matches_single_balls_if_the_gap_is_sufficient() {
+fn friction_matches_single_balls_if_the_balls_do_not_touch() {
     let mut reference = back_driven_nut();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
     reference.inputs.gaps = vec![1.001 * needed];
     let train = solve_train(&reference);
     assert_eq!((train.touching, train.largest_push), (0, 0.0));
-    // Both calculations solve the same equations for the same balls, with residuals of 1e-10.
+    // The ball-train calculation and the calculation for single balls solve the same equations for
+    // the same balls, with residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
@@ -292,11 +295,11 @@ fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
             assert!(*low <= high + 1e-6, "ball {number}: {low} above {high}");
         }
     };
-    // The gaps of this test are larger than 0.05 mm, because the back-driven nut has push forces of
-    // 14 % of a ball load and several possible flows at such a small gap. The effect of the push
-    // force of the ball return is tested only with equal balls, which form a single queue. In a nut
-    // with several queues and a given ball gap, a larger push force in one queue reduces the push
-    // forces in the other queues.
+    // The gaps in this test are larger than 0.05 mm. At a gap of 0.05 mm, the back-driven nut has
+    // push forces of 14 % of a ball load, and several flows are possible. The effect of the push
+    // force that the ball return requires is tested only with equal balls, which form a single
+    // queue. In a nut with several queues and a given ball gap, a larger push force in one queue
+    // reduces the push forces in the other queues.
     for (mut reference, has_one_queue) in
         [(back_driven_nut(), false), (nut_with_equal_balls(0.5), true)]
     {
@@ -437,10 +440,11 @@ fn zero_gap_and_excessive_return_force_are_rejected() {
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
     let mut reference = nut_with_equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
-    // Both contacts of a ball carry 50 to 100 N. In full sliding with a friction coefficient of
-    // 0.06, they provide a push force of 6 to 12 N per ball. The friction between two balls is one
-    // tenth of the push force between them. If a push force exceeds 30 to 60 N, this friction stops
-    // the rotation of the ball, which then only transmits the push force to the next ball.
+    // Each contact of a ball carries 50 to 100 N. In full sliding with a friction coefficient of
+    // 0.06, the two contacts provide a push force of 6 to 12 N per ball. The friction between two
+    // balls is one tenth of the push force between them. If a push force exceeds 30 to 60 N, this
+    // friction stops the rotation of the ball, which then only transmits the push force to the next
+    // ball.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
@@ -449,8 +453,8 @@ fn zero_gap_and_excessive_return_force_are_rejected() {
 
 #[test]
 fn balls_that_cannot_rotate_transmit_the_push_force() {
-    // In a tilted nut, some balls next to the idle balls have such small loads that their neighbors
-    // stop their rotation.
+    // In a tilted nut, some balls next to the idle balls have such small loads that the neighboring
+    // balls stop their rotation.
     let mut reference = reference("T04");
     reference.inputs.contact_friction = 0.3;
     reference.inputs.idle_drag = 0.05;
@@ -536,7 +540,7 @@ fn defect_of(reference: &Case, train: &Train) -> Option<String> {
 /// For each random nut, the solver returns either a ball train, which is checked independently, or
 /// the reason why no ball train exists.
 #[test]
-fn random_ball_trains_have_a_solution_or_the_reason_is_stated() {
+fn random_ball_trains_are_solved_or_rejected_with_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
@@ -576,9 +580,9 @@ struct Track<'a> {
     length: f64,
     touch: f64,
     /// Precession rates for each section of the track, in the direction of travel. The track is
-    /// divided into equal sections. The list for a section contains the rate of a ball in the
-    /// middle of the section for several push forces from behind, and its middle element belongs to
-    /// a push force of 0.
+    /// divided into equal sections. The list for a section contains the rates of a ball in the
+    /// middle of the section for several push forces from behind. The middle element of the list is
+    /// the rate for a push force of 0.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
     positions: Vec<f64>,
@@ -587,7 +591,7 @@ struct Track<'a> {
 impl Track<'_> {
     /// Returns a function that maps the index of a push force to the rate of a ball at the given
     /// position. Rates are interpolated linearly between the sections.
-    fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
+    fn rate_law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
         let along = position.rem_euclid(self.length) / self.length * as_number(parts) - 0.5;
         let part = (1..parts - 1).take_while(|part| as_number(*part) <= along).count();
@@ -597,10 +601,10 @@ impl Track<'_> {
         }
     }
 
-    /// Returns the push force from behind with which a ball at a given position travels at a given
+    /// Returns the push force from behind that makes a ball at a given position travel at a given
     /// rate.
     fn push(&self, position: f64, rate: f64) -> f64 {
-        let law = self.law(position);
+        let law = self.rate_law(position);
         let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
         let k = numbers.partition_point(|k| law(*k) <= rate);
         let step = self.pushes[k + 1] - self.pushes[k];
@@ -616,7 +620,8 @@ impl Track<'_> {
     }
 
     /// Returns the rates of all balls. Balls that touch must not come closer to each other. Balls
-    /// that push each other have a common rate, at which the sum of their push forces is zero.
+    /// that push against each other have a common rate, at which the sum of their push forces is
+    /// zero.
     fn rates(&self) -> Vec<f64> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
@@ -626,7 +631,8 @@ impl Track<'_> {
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
-            let mut pool = (self.law(self.positions[number % balls])(self.pushes.len() / 2), 1);
+            let mut pool =
+                (self.rate_law(self.positions[number % balls])(self.pushes.len() / 2), 1);
             // If the pool behind is faster, it pushes the pool in front, and the two pools are
             // merged.
             while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
@@ -683,8 +689,8 @@ fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
     let (train, found) = (solve_train(&reference), reference.equilibrium());
     let (motions, mut work) =
         (reference.friction_without_push_forces(&found).motions, ModelWorkspace::default());
-    // The list contains push forces up to 1 N in both directions. The rate of a ball depends
-    // nonlinearly on the push force within a few tenths of a newton.
+    // The list contains push forces up to 1 N in both directions. For push forces of a few tenths
+    // of a newton, the rate of a ball depends nonlinearly on the push force.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
         let at =
@@ -715,24 +721,24 @@ fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
     };
     round(2.0);
     let mean = round(1.0);
-    // While a ball travels once around the track, every ball passes a given point once.
+    // While one ball travels once around the track, every ball passes a given point once.
     let (rate, ours) = (mean * touch * as_number(balls) / length, train.circuits[0].rate);
     let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
     let apart = free / (as_number(balls) + room / touch);
-    // The model keeps the positions of the balls fixed, whereas the balls of the simulation move
-    // along the track. This causes a difference of 1.6e-5.
+    // In the model, the positions of the balls are fixed, whereas the balls of the simulation move
+    // along the track. The resulting ball flows differ by 1.6e-5.
     assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
-    // The test is meaningful only if balls that do not push each other would have a different flow.
+    // The test is meaningful only if the flow of balls without push forces would be different.
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }
 
-/// The motions of many balls are interpolated from the motions of a few balls. The interpolation
-/// ends when the error is below 1e-7 at three consecutive nodes.
+/// The motions of many balls are interpolated from the motions of a few balls. No more balls are
+/// added when the error is below 1e-7 at three consecutive nodes.
 #[test]
 fn free_motions_can_be_interpolated_from_a_few_balls() {
     // The largest ball load is 9 times the smallest in a nut under a moment, and 450 times the
-    // smallest in the tilted nut. There, the rates of lightly loaded balls change rapidly with the
-    // load.
+    // smallest in a tilted nut. In the tilted nut, the rates of lightly loaded balls change rapidly
+    // with the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
         let (found, mut asked) = (reference.equilibrium(), 0.0);

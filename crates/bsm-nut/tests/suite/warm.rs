@@ -61,8 +61,8 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
 }
 
 /// Returns the friction of balls that are lubricated with ISO VG 68 oil. As in the reference cases,
-/// the nut raceway controls all balls.
-fn oiled(
+/// the nut raceway is the controlling raceway for all balls.
+fn friction_with_oil(
     nut: &BallNut,
     found: &Equilibrium,
     drive: &Drive<f64>,
@@ -165,7 +165,8 @@ fn axis(case: &Value) -> WarmNut<'static> {
     };
     let found = nut.solve(&guided).expect("preloaded");
     let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
-    let contacts = oiled(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
+    let contacts =
+        friction_with_oil(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
     let rule = drag_torque(preload, length_in_m(case, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
@@ -179,7 +180,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         preload: Some(PreloadKind::Offset),
         support: guided,
         phases,
-        friction: &oiled,
+        friction: &friction_with_oil,
         seal: number(case, "seal_torque_Nm").unwrap_or(0.0),
         bearings: number(case, "support_bearing_torque_Nm").unwrap_or(0.0),
         motor: 0.0,
@@ -297,9 +298,9 @@ fn warm_states_match_the_reference() {
 
 /// Case WS-P3 has a fold and an unstable state, case WS-P6 has a fold, and case WS-P2 has no fold
 /// up to a speed factor of 2.5. Speed factors must agree to 1e-5, and states must agree to the
-/// tolerance of the case. The reference prints the temperatures at the folds to 1 mK. Near a fold,
-/// the speed hardly changes along the branch: a temperature error of 0.05 K changes the speed by
-/// only 1e-6.
+/// tolerance of the reference case. The reference prints the temperatures at the folds to 1 mK.
+/// Near a fold, the speed hardly changes along the branch: a temperature error of 0.05 K changes
+/// the speed by only 1e-6.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -332,15 +333,15 @@ fn folds_match_the_reference() {
 }
 
 /// Counts how often the total friction of all balls is calculated in three searches: for a steady
-/// state, for the fold above it (including the unstable state), and for a state that does not
-/// exist. The limits are rounded measurements, so that the test fails if a change makes the
+/// state, for the fold at a higher speed (including the unstable state), and for a state that does
+/// not exist. The limits are rounded measurements, so that the test fails if a change makes the
 /// searches slower.
 #[test]
 fn fold_search_needs_at_most_400_friction_calculations() {
     let (reference, count) = (reference("WS-P3"), Cell::new(0));
     let counted = |nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64, to: f64| {
         count.set(count.get() + 1);
-        oiled(nut, found, drive, oil, to)
+        friction_with_oil(nut, found, drive, oil, to)
     };
     let nut = WarmNut { friction: &counted, ..axis(&reference["case"]) };
     let state = nut.steady().expect("steady");
@@ -384,7 +385,7 @@ fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 }
 
 /// At 0.99 times the fold speed of case WS-P3, a stable and an unstable state exist; at 1.01 times
-/// the fold speed, no state exists. Both starting speeds lead to the same fold speed, to the
+/// the fold speed, no state exists. From both speeds, the search finds the same fold speed to the
 /// accuracy of the reference (1e-5). The loop gain is 1 at the fold. It depends on the square root
 /// of the distance from the fold, so a speed error of 1e-6 changes the loop gain by 1e-3.
 #[test]
@@ -411,8 +412,8 @@ fn two_states_exist_below_a_fold_and_none_above() {
 }
 
 /// The heat that the surfaces dissipate equals the generated heat, and the mean temperature of the
-/// screw is consistent with its thermal expansion. The solver stops at 1e-10 of the heat, and the
-/// reference requires 1e-9.
+/// screw is consistent with its thermal expansion. The solver stops at a residual of 1e-10 of the
+/// heat, and the reference permits 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
     for reference in reference_cases() {
@@ -477,11 +478,12 @@ fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
     }
 }
 
-/// No state exists above the fold of case WS-P3. A sweep with decreasing speed, which starts from
-/// hotter, unstable states, finds the same states as a sweep with increasing speed. Whether an axis
-/// runs away thermally depends on its initial temperature. An axis that is hotter than the unstable
-/// state dissipates less heat than it generates, so it runs away. Between the stable and the
-/// unstable state, it dissipates more heat than it generates, so it cools down to the stable state.
+/// No steady state exists above the fold of case WS-P3. A sweep with decreasing speed, which starts
+/// from hotter, unstable states, finds the same states as a sweep with increasing speed. Whether an
+/// axis runs away thermally depends on its initial temperature. An axis that is hotter than the
+/// unstable state dissipates less heat than it generates, so it runs away. Between the stable and
+/// the unstable state, an axis dissipates more heat than it generates, so it cools down to the
+/// stable state.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let nut = axis(&reference("WS-P3")["case"]);
@@ -555,9 +557,9 @@ fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
     }
 }
 
-/// If the heat does not depend on temperatures, the solution of the linear network equals the state
-/// that the search for the warm state finds, because both use the same network. The tolerance is
-/// the residual heat of the search, 1e-10 of the total heat.
+/// If the heat does not depend on temperatures, the search for the warm state and the linear
+/// network must find the same state. The tolerance is the residual heat of the search, 1e-10 of the
+/// total heat.
 #[test]
 fn linear_network_matches_the_warm_state_with_constant_heat() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
@@ -645,14 +647,14 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
         nut.steady().expect("steady").rises
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
-        // The tolerance is the residual heat of 1e-10, divided by one minus the loop gain.
+        // The tolerance is the relative residual heat of 1e-10, divided by one minus the loop gain.
         assert_near("rise", three, one, 1e-9 * one);
     }
 }
 
 /// If there is no thermal resistance between nut and air, the nut stays cold. If there is no
-/// thermal resistance across the gap, nut and screw have the same temperature. Only the balls are
-/// warmer then, so the preloads in X and O arrangement are equal.
+/// thermal resistance across the gap between nut and screw, both have the same temperature. Only
+/// the balls are then warmer, so the preloads in X and O arrangement are equal.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
     let friction = load_proportional_friction(1.0);
@@ -698,16 +700,17 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // The tolerance covers the temperature differences that about 100 W cause at 1e5 W/K, and
-        // the influence of the screw ends, whose length is 1e-6 of the screw length.
+        // The tolerance is larger than the temperature differences that about 100 W cause at 1e5
+        // W/K, and larger than the influence of the screw ends, whose length is 1e-6 of the screw
+        // length.
         assert_near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
 /// The network assumes a uniform temperature along the travel. For a long screw, the resulting mean
 /// temperature rise matches a closed formula. It is lower than the mean temperature rise of an
-/// exact fin that is heated along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and
-/// 6 % at 12.
+/// exact fin that is heated along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2 and
+/// 3, 9 % at 7, and 6 % at 12.
 #[test]
 fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -726,15 +729,16 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
         let rise = along * network.screw.travel / matrix[1][1];
         assert_near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
-        // The specification prints these percentages as integers.
+        // The expected differences are rounded to whole percentages.
         assert_near(&format!("{x}"), 100.0 * (1.0 - rise / exact), percent, 0.6);
     }
 }
 
 /// The derivatives of the node temperatures with respect to the ambient temperature are calculated
 /// from two steady states. They satisfy the linearized heat balance, whose matrix `$M - P'$`
-/// contains the derivatives of the heat. The functions are nonlinear over a temperature range of 50
-/// K, so the tolerance of 1e-5 is the square of the step divided by 50 K.
+/// contains the derivatives of the heat. The functions are nonlinear over a temperature range of
+/// about 50 K, so finite differences with a step of 0.05 K have relative errors of about (0.05/50)²
+/// = 1e-6. The tolerance is ten times as large.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = load_proportional_friction(1.0);
@@ -785,9 +789,9 @@ fn o_pair_at_neutral_distance_is_insensitive_to_screw_temperature() {
     assert!(x > 0.05 && o.abs() < 0.02 * x, "{x} {o}");
 }
 
-/// Friction that is interpolated between a few loads agrees to 1e-7 with the sum over all balls,
-/// each of which is solved. The tolerance is due to the quadrature error of raceway control, which
-/// is 1e-6 and varies from load to load.
+/// Friction that is interpolated between a few loads agrees to 1e-7 with the sum of the separately
+/// calculated friction of all balls. The tolerance is due to the quadrature error of raceway
+/// control, which is 1e-6 and varies from load to load.
 #[test]
 fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     let nut = axis(&reference("WS-P4")["case"]);
@@ -805,10 +809,10 @@ fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     assert_near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
-/// Friction is limited by gross sliding (U33). Without this limit, each of the 57 balls of a body
-/// would suddenly cause its full rolling resistance, 2 % of the friction of the body, when it
-/// begins to carry load. The interpolated sum and the sum over all balls would jump at different
-/// loads.
+/// Friction is limited to the friction in gross sliding (U33). Without this limit, each of the 57
+/// balls of a body would suddenly cause its full rolling resistance, 2 % of the friction of the
+/// body, when it begins to carry load. The interpolated sum and the sum over all balls would jump
+/// at different loads.
 #[test]
 fn friction_is_continuous_when_balls_lose_their_load() {
     let axis = axis(&reference("WS-P4")["case"]);
@@ -823,7 +827,7 @@ fn friction_is_continuous_when_balls_lose_their_load() {
         let found = warm.solve(&Support::guided(load)).expect("carried");
         let unloaded = found.unloaded();
         lifted = lifted.max(unloaded);
-        let sum = oiled(&warm, &found, &drive, 320.0, BETWEEN_LOADS).expect("friction");
+        let sum = friction_with_oil(&warm, &found, &drive, 320.0, BETWEEN_LOADS).expect("friction");
         let lubricant = oil_68(320.0).expect("an oil");
         let mut work = ModelWorkspace::default();
         let solve = |at: ElasticPoint| {
@@ -835,8 +839,8 @@ fn friction_is_continuous_when_balls_lose_their_load() {
             .friction(&found, FlankFriction::default(), &drive, 0.0, solve)
             .torque
             .expect("friction");
-        // The interpolation between loads is accurate to 1e-9, unless a ball is close to gross
-        // sliding (U33).
+        // The interpolation between loads has a relative accuracy of 1e-9, unless a ball is close
+        // to gross sliding (U33).
         assert_near(&format!("{step}"), sum.torque, all, 1e-6 * all);
         steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
         last = Some(sum.torque);
@@ -850,9 +854,10 @@ fn friction_is_continuous_when_balls_lose_their_load() {
     assert!(most < 3.0 * median, "{most} {median}");
 }
 
-/// (I3) agrees with the difference between the preloads of two nuts whose temperatures differ by
-/// 0.1 K. The tolerance is 1 %, because the second-order term of the balls changes the preload by
-/// 1.3 % at 0.1 K, and its mean over this range is half as large.
+/// The first-order formula (I3) agrees with the difference between the preloads of two nuts whose
+/// temperatures differ by 0.1 K. The tolerance is 1 %, because the second-order term of the balls
+/// changes the preload by 1.3 % at 0.1 K, and the mean of this term between 0 and 0.1 K is half as
+/// large.
 #[test]
 fn preload_change_matches_the_first_order_formula() {
     let axis = axis(&reference("WS-P1")["case"]);
@@ -876,11 +881,12 @@ fn preload_change_matches_the_first_order_formula() {
     }
 }
 
-/// Each random axis has a stable state with balanced heat, a fold below its speed, or another
-/// reason why no state exists. With `CAMPAIGNS=whole`, 5000 axes are tested. The friction decreases
-/// with temperature like that of an oil, so the test does not need to solve ball models.
+/// For each random axis, the search finds a stable state with balanced heat, a fold at a lower
+/// speed, or another reason why no steady state exists. With `CAMPAIGNS=whole`, 5000 axes are
+/// tested. The friction decreases with temperature like the friction of an oil, so the test does
+/// not need to solve ball models.
 #[test]
-fn random_axes_have_a_steady_state_or_the_reason_is_stated() {
+fn random_axes_have_a_steady_state_or_are_rejected_with_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
     let (mut steady, mut folds, mut hot, mut lost) = (0, 0, 0, 0);
     let (mut case, whole) = (reference("WS-P4")["case"].clone(), campaign(5000));
@@ -945,7 +951,7 @@ fn random_axes_have_a_steady_state_or_the_reason_is_stated() {
         }
     }
     eprintln!("steady {steady}, folds {folds}, too hot {hot}, preload lost {lost}");
-    // At least one percent of the axes must have a fold, so that the test covers both outcomes of
+    // At least one percent of the axes must have a fold, so that the test includes both outcomes of
     // the search.
     assert!(100 * folds > whole, "{steady} {folds} {hot} {lost}");
 }

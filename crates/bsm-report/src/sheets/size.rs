@@ -399,7 +399,9 @@ fn section(report: &AxisReport) -> Option<Figure> {
         Curve::new("screw", 1, Stroke::Solid, grooves.screw),
         Curve::new("contacts", 3, Stroke::Dashed, vec![(-x, y), (x, -y)]),
     ];
-    let caption = format!("Unloaded; contact angle {:.1} degrees.", angle.to_degrees());
+    let estimated =
+        if report.case.has_estimated_groove() { " The groove is estimated." } else { "" };
+    let caption = format!("Unloaded; contact angle {:.1} degrees.{estimated}", angle.to_degrees());
     Some(Figure::new(
         ["size-groove", "Section across the groove", &caption],
         [Axis::linear("along the axis, mm"), Axis::equal("from the pitch circle, mm")],

@@ -38,7 +38,7 @@ const DRAWN: [Drawn; 6] = [
         &["stiffness_N_um", "our_stiffness_N_um"],
         1.0,
     ),
-    ("nuts-mass", "Mass of the nut against size", "mass of a nut, kg", &["mass_kg"], 1.0),
+    ("nuts-mass", "Mass of the nut against size", "mass of a nut, kg", &["nut_mass_kg"], 1.0),
     ("nuts-life", "Life in the axis against size", "life of the cycle, h", &["cycle_life_h"], 1.0),
     (
         "nuts-motor-torque",

@@ -20,7 +20,7 @@ const BALANCE: f64 = 1e-9;
 /// are determined, and both results are accepted because of their small residuals.
 const BATCH: f64 = 1e-7;
 
-/// Absolute tolerance that is added to the relative tolerance. It covers the rounding errors of
+/// Absolute tolerance that is added to the relative tolerance. It allows for the rounding errors of
 /// efficiencies that are almost zero because friction nearly holds the load.
 const ROUNDING: f64 = 1e-14;
 
@@ -53,7 +53,8 @@ pub(crate) struct Answer {
     /// Message of the program about the point.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Number of further solutions; `None` if the program did not search for them.
+    /// Number of further solutions of the point; `None` if the program did not search for further
+    /// solutions.
     pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
@@ -66,18 +67,18 @@ impl Answer {
         Self { order, kind, words, residual, others: None, balance, time, efficiency: None }
     }
 
-    fn turns_false(&mut self, what: &str) {
+    fn mark_as_false(&mut self, what: &str) {
         (self.order, self.kind) = (Order::False, format!("false {what}"));
     }
 
-    fn no_sensitivities(&mut self, reason: &Reason) {
+    fn mark_sensitivities_as_missing(&mut self, reason: &Reason) {
         let kind = format!("converged, no sensitivities: {}", name(reason));
         (self.order, self.kind) = (Order::NotConverged, kind);
     }
 }
 
 /// Solves a case with a model and classifies the outcome.
-pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
+pub(crate) fn classify(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
     let problem = match case.problem(&settings(model)) {
         Ok(problem) => problem,
         Err(error) => return Answer::new(Order::Invalid, format!("invalid_input: {error}")),
@@ -104,8 +105,8 @@ pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) ->
     answer.others = others;
     answer.balance = record.number(output!(power_balance)).unwrap_or(0.0).abs();
     answer.efficiency = record.number(output!(efficiency));
-    if let Some(wrong) = wrong(&record, case, &answer) {
-        answer.turns_false(&wrong);
+    if let Some(wrong) = find_defect(&record, case, &answer) {
+        answer.mark_as_false(&wrong);
     }
     answer
 }
@@ -130,13 +131,13 @@ pub(crate) fn with_sensitivities(
     match found {
         Err(_) => {
             *work = ModelWorkspace::default();
-            answer.turns_false("panic in the sensitivities");
+            answer.mark_as_false("panic in the sensitivities");
         }
-        Ok(Err(none)) => answer.no_sensitivities(none.reason()),
+        Ok(Err(none)) => answer.mark_sensitivities_as_missing(none.reason()),
         Ok(Ok((_, rows))) => {
             let mut slopes = rows.iter().flat_map(|row| [Some(row.efficiency), row.screw_torque]);
             if !slopes.all(|slope| slope.is_none_or(f64::is_finite)) {
-                answer.turns_false("sensitivity not finite");
+                answer.mark_as_false("sensitivity not finite");
             }
         }
     }
@@ -160,7 +161,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
     let task = Task::new(Case::default(), settings(model), vec![efficiency]);
     let Ok(batch) = catch_unwind(AssertUnwindSafe(|| task.solve(&chunk, &columns))) else {
         for answer in answers {
-            answer.turns_false("panic in the batch");
+            answer.mark_as_false("panic in the batch");
         }
         return;
     };
@@ -170,9 +171,9 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
         if answer.kind == ROUNDED && verdict.status == Status::Converged {
             answer.kind.push_str(", but not in the batch");
         } else if answer.order < Order::False && Order::from(verdict.status) != answer.order {
-            answer.turns_false("status in the batch");
+            answer.mark_as_false("status in the batch");
         } else if answer.order == Order::Converged && !alike {
-            answer.turns_false("efficiency in the batch");
+            answer.mark_as_false("efficiency in the batch");
         }
     }
 }
@@ -201,7 +202,7 @@ pub(crate) fn inertia(case: &Case) -> f64 {
 }
 
 /// Describes the first defect of a converged solution, or returns `None` if it has no defect.
-fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
+fn find_defect(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)
             && !x.is_finite()
@@ -231,8 +232,8 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
             return Some(format!("{} beyond 0 to 90", name.name()));
         }
     }
-    // Friction must not generate power. The tolerance covers the rounding errors of a very small
-    // power loss.
+    // Friction must not generate power. The tolerance allows for the rounding errors of a very
+    // small power loss.
     let taken =
         record.number(output!(dissipated_power_W)).zip(record.number(output!(input_power_W)));
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {

@@ -14,13 +14,13 @@ pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -
     rng.set_stream(number as u64);
     let mut case = draw(&mut rng, model);
     if edges {
-        to_an_edge(&mut case, &mut rng, model);
+        move_to_an_edge(&mut case, &mut rng, model);
     }
     case
 }
 
 /// Moves one input close to a value at which the behavior changes.
-fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
+fn move_to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let far = rng.log_uniform(1e-12, 0.1);
     let next = if rng.random_bool(0.5) { 1.0 + far } else { 1.0 - far };
     let radians = |angle: Option<f64>| angle.expect("drawn").to_radians();

@@ -36,7 +36,7 @@ use bsm_case::ModelChoice;
 use bsm_dyn::ModelWorkspace;
 use rayon::prelude::*;
 
-use answer::{ask, in_batch, with_sensitivities};
+use answer::{classify, in_batch, with_sensitivities};
 use tally::Tally;
 
 /// Folder to which the case files of anomalies are written.
@@ -59,7 +59,7 @@ struct Arguments {
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let Arguments { points, seed, model, edges } = asked(std::env::args().skip(1))?;
+    let Arguments { points, seed, model, edges } = parse_arguments(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
     // Panics must not print anything. They are counted as outcomes, and their cases are stored.
     std::panic::set_hook(Box::new(|_| {}));
@@ -84,7 +84,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(if sound { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn asked(mut words: impl Iterator<Item = String>) -> Result<Arguments, Box<dyn Error>> {
+fn parse_arguments(mut words: impl Iterator<Item = String>) -> Result<Arguments, Box<dyn Error>> {
     let mut asked = Arguments { points: 10_000, seed: 8, model: None, edges: false };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or_else(|| format!("{word} needs a value"));
@@ -109,7 +109,8 @@ fn campaign(model: ModelChoice, points: usize, seed: u64, edges: bool) -> Tally 
             let numbers = first..points.min(first + STRIDE);
             let cases: Vec<_> =
                 numbers.clone().map(|i| draw::point(seed, i, model, edges)).collect();
-            let mut answers: Vec<_> = cases.iter().map(|case| ask(case, model, work)).collect();
+            let mut answers: Vec<_> =
+                cases.iter().map(|case| classify(case, model, work)).collect();
             in_batch(&cases, model, &mut answers);
             for (case, answer) in cases.iter().zip(&mut answers).step_by(SENSITIVE) {
                 with_sensitivities(case, model, answer, work);

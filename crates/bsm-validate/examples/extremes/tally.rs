@@ -14,8 +14,8 @@ use crate::answer::{Answer, Order, inertia};
 /// Maximum number of cases that are written for each kind of anomaly.
 const EACH: usize = 5;
 
-/// Upper limits of the ranges of the inertia ratio `$m r_m W^2/F_a$` for which outcomes are
-/// counted. Points above the largest limit form a last range.
+/// Upper limits of the inertia-ratio ranges for which outcomes are counted. The inertia ratio is
+/// `$m r_m W^2/F_a$`. Points above the largest limit form a last range.
 const BANDS: [f64; 3] = [1e-6, 1e-2, 3.0];
 
 /// All points with the same kind of outcome. If the outcome is an anomaly, the cases of the first
@@ -32,7 +32,7 @@ struct Kind {
 pub(crate) struct Tally {
     points: usize,
     kinds: BTreeMap<(Order, String), Kind>,
-    /// Number of converged points with further solutions, without further solutions, and without a
+    /// Numbers of converged points with further solutions, without further solutions, and without a
     /// search for further solutions.
     others: [usize; 3],
     residual: (f64, usize),

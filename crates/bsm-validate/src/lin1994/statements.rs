@@ -35,8 +35,8 @@ fn angles(lead_deg: f64, contact_deg: f64) -> Angles<f64> {
     Angles { lead: lead_deg.to_radians(), contact: contact_deg.to_radians() }
 }
 
-/// Checks that the efficiencies of Eqs 3 and 4 equal the ratio of output work to input work
-/// according to Eqs 1 and 2.
+/// Checks that the efficiencies according to Eqs 3 and 4 equal the ratio of output work to input
+/// work according to Eqs 1 and 2.
 fn quotient() -> Check {
     let (size, mut worst) = (0.18, 0.0_f64);
     for lead in (4..=40).step_by(4).map(f64::from) {
@@ -193,8 +193,8 @@ fn optimum_range() -> Vec<Check> {
     let range = |direction: Direction, suffix: &str| {
         let constant = Optimum::constant(direction, F);
         let (largest, least) = (constant.acos(), constant.asin());
-        // The loss is minimized numerically slightly below and slightly above the largest lead
-        // angle with a peak.
+        // The loss is minimized numerically at lead angles slightly below and slightly above the
+        // largest lead angle at which the efficiency has a peak.
         let inside = |lead: f64| {
             let loss = |contact: f64| {
                 Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
@@ -233,7 +233,7 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // The tolerance is the rounding error of a sum. Its terms are as large as the
+                // The tolerance is the rounding error of a sum whose terms are as large as the
                 // friction coefficient divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }

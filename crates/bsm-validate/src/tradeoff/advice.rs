@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
 
-/// Fraction of the points that a recommended setting must solve at least. At least the same
-/// fraction of the solved points must have an error within the tolerance.
+/// Minimum fraction of the points that a recommended setting must solve, and minimum fraction of
+/// the solved points at which its error must be within the tolerance.
 const SHARE: f64 = 0.99;
 
 /// The fastest settings whose efficiency error is within a tolerance.
@@ -47,9 +47,9 @@ pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Returns the recommended setting for a tolerance. Among the settings that meet the tolerance, it
-/// is the most accurate of those that take little more time than the fastest one. Small differences
-/// in time are ignored, because measured times vary.
+/// Returns the recommended setting for a tolerance. Among the settings that meet the tolerance and
+/// take little more time than the fastest of them, this is the most accurate setting. Small
+/// differences in time are ignored, because measured times vary.
 fn pick(
     settings: &[SettingResult],
     group: Group,

@@ -49,7 +49,7 @@ pub struct OneCore {
     /// Number of quadrature nodes on the contact ellipses at which friction was evaluated to solve
     /// a point.
     pub nodes: Distribution,
-    /// Number of searches for the solution or for further solutions of a point.
+    /// Number of searches for a solution or for further solutions of a point.
     pub searches: Distribution,
     /// Fraction of the points for which a search was needed.
     pub searching: f64,
@@ -85,7 +85,7 @@ const OUTPUTS: [&str; 6] = [
     "screw_contact_angle_deg",
 ];
 
-/// Number of identical rows in the table with which a single point is measured.
+/// Number of identical rows in the table that is used to measure a single point.
 const ROWS: usize = 64;
 
 /// The kinds of times that are measured for a setting. The number in `Batch` is the index of a

@@ -54,11 +54,11 @@ impl From<Group> for &'static str {
 pub struct Distribution {
     /// Mean of the values at all points.
     pub mean: f64,
-    /// Median, which half of the points do not exceed.
+    /// Median: half of the points do not exceed this value.
     pub median: f64,
-    /// 90 % quantile, which 90 % of the points do not exceed.
+    /// 90 % quantile: 90 % of the points do not exceed this value.
     pub q90: f64,
-    /// 99 % quantile, which 99 % of the points do not exceed.
+    /// 99 % quantile: 99 % of the points do not exceed this value.
     pub q99: f64,
     /// Largest value at any point.
     pub max: f64,

@@ -17,7 +17,7 @@ pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
         let key = group.name().replace(' ', "-");
         figures.push(figure(settings, group, &key, group.name(), |times| times.single.mean));
     }
-    // If the table contains no points with a slip regime, the plot for this regime is removed.
+    // If no point has a given slip regime, the plot for this regime is removed.
     figures.retain(|figure| !figure.curves.is_empty());
     figures
 }
@@ -35,9 +35,9 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Settings of the creep speed are left out, because their marks would coincide with those
-        // of the accuracies. Errors of zero are left out, because a logarithmic axis cannot show
-        // them.
+        // Settings that change the creep speed are left out, because their marks would coincide
+        // with the marks of settings that change the accuracy. Errors of zero are left out, because
+        // a logarithmic axis cannot show them.
         if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
             continue;
         }

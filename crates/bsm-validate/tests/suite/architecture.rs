@@ -50,7 +50,7 @@ fn architecture_page_names_existing_files_and_items() {
             }
         }
     }
-    // If the numbers were smaller, the page would not have been parsed correctly.
+    // Fewer paths or names than this mean that the page was not parsed correctly.
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 
@@ -122,8 +122,8 @@ const MODELS: [(&str, &[&str]); 15] = [
     ("traction", &["raceway_control", "elastic"]),
     // Model `gothic` starts its iteration from the solution for a ball with two contacts.
     ("gothic", &["traction"]),
-    // The module `workspace` contains the buffers of the solvers. A model passes these buffers to
-    // the models that it uses.
+    // The module `workspace` contains the buffers of the solvers. A model passes these buffers on
+    // to the models that it calls.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
     // Model `lubricated_arch` adds the losses of a third contact to the losses of a lubricated
@@ -160,8 +160,8 @@ fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
             let before = &line[..at];
             let path = line[at..].split(|c| !is_name(c)).next().unwrap_or_default();
             let ups = path.split("::").take_while(|part| *part == "super").count();
-            // In `super::super`, the second `super` was already counted together with the first
-            // one.
+            // In `super::super`, the second `super` has already been counted together with the
+            // first.
             if before.ends_with("super::") || (word == "super::" && ups > module.len()) {
                 continue;
             }

@@ -13,7 +13,7 @@ use self::sources::files;
 /// `close`.
 fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     let (mut found, mut prose) = (Vec::new(), String::new());
-    // Every second piece of the text is a code block, beginning with the second one.
+    // Every second piece of the text, beginning with the second piece, is a code block.
     for (i, piece) in text.split("```").enumerate() {
         match piece.strip_prefix("math") {
             Some(formula) if i % 2 == 1 => found.push(formula.to_owned()),
@@ -72,7 +72,7 @@ fn every_formula_parses() {
     }
     for path in files(&root.join("docs"), "md") {
         // A formula on a line of its own is enclosed in double dollar signs, which are replaced by
-        // single ones.
+        // single dollar signs.
         let text = fs::read_to_string(&path).expect("UTF-8 text").replace("$$", "$");
         all.extend(formulas(&text, ("$", "$")).into_iter().map(|formula| (path.clone(), formula)));
     }

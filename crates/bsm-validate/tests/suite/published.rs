@@ -15,7 +15,7 @@ fn published_results_hold() {
     }
     let failed: Vec<_> = report.checks.iter().filter(|c| c.verdict == Verdict::Fail).collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    // All results must be finite numbers. A search that fails would give NaN.
+    // All results must be finite numbers, because a search that fails would return NaN.
     assert!(report.checks.iter().all(|c| c.measured.is_finite()));
     assert!(report.count(Verdict::Pass) >= 20);
 }
@@ -41,7 +41,7 @@ fn page_shows_every_check_and_figure() {
             // the paper; and Eq 13 is a single point on the curve of Eq 11.
             let least = match (figure.key.as_str(), curve.label.as_deref()) {
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
-                // The two points of this curve are the folds of two nut pairs in X arrangement.
+                // The curve of the folds has two points, one for each nut pair in X arrangement.
                 ("feed-axis", Some("fold: no steady state above this speed")) => 2,
                 (key, _) if key.starts_with("catalog-") => 3,
                 _ => 5,

@@ -1,4 +1,4 @@
-//! Finds the files whose text is examined by tests.
+//! Finds the source files whose text the tests examine.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -34,8 +34,8 @@ fn solutions_match_the_committed_data() {
         for (place, output) in &outputs {
             let golden: f64 = row[*place].parse().expect("a number");
             let ours = record.number((*output).into()).expect("a number");
-            // The tolerance covers the residuals of 1e-10 at which the solver stops, and the
-            // different rounding errors of other processors.
+            // The tolerance allows for the residuals of 1e-10 at which the solver stops, and for
+            // the different rounding errors of other processors.
             let off = (ours - golden).abs() / golden.abs();
             assert!(off < 1e-8, "{}: {ours} for {golden}", output.name);
         }
@@ -106,8 +106,8 @@ fn errors_and_times_are_measured() {
         }
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
-    // With this accuracy, the creep speed, which differs from that of the reference, causes the
-    // largest error.
+    // At this accuracy, the largest error is caused by the creep speed, which differs from the
+    // creep speed of the reference.
     assert!(max("traction --accuracy 1e-10") < 1e-6);
     // A higher accuracy must not increase the error. The error stops decreasing when the effect of
     // the creep speed dominates.

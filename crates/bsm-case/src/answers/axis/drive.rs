@@ -32,7 +32,44 @@ pub(super) struct Stop {
     pub(super) distance: f64,
 }
 
+/// The end of a phase with the largest motor torque or the largest utilization of the motor.
+pub(super) struct MotorPeak {
+    /// Axial load, including the force that accelerates the moved mass \[N\].
+    pub(super) load: f64,
+    /// Motor torque in the direction in which it acts \[N·m\].
+    torque: f64,
+    /// Part of the motor torque that does not depend on the load \[N·m\].
+    without_load: f64,
+}
+
+impl MotorPeak {
+    /// Returns the absolute axial load at which the motor torque has a given ratio to its value
+    /// \[N\]. Assumes that contact friction without preload is proportional to the load. Returns
+    /// `None` if no load has this torque.
+    pub(super) fn load_at(&self, ratio: f64) -> Option<f64> {
+        let of_load = self.torque - self.without_load;
+        let share = (ratio * self.torque - self.without_load) / of_load;
+        (of_load > 0.0 && share > 0.0).then(|| share * self.load.abs())
+    }
+}
+
 impl AxisState<'_> {
+    /// Returns the start or end of a phase at which a number has the largest magnitude.
+    pub(super) fn motor_peak(
+        &self,
+        number: impl Fn(&Self, &Torques) -> Option<f64>,
+    ) -> Option<MotorPeak> {
+        let size = |end: &&Torques| number(self, end).map_or(f64::NEG_INFINITY, f64::abs);
+        let ends = self.torques.iter().flat_map(|torques| &torques.ends);
+        let end = ends.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let torque = self.motor_torque(end)?;
+        let preloaded = self.preload.as_ref().and_then(|preload| preload.of_contacts);
+        let friction = end.friction()? - end.contacts.friction? + preloaded.unwrap_or(0.0);
+        let unloaded = PhasePoint { load: 0.0, ..end.point };
+        let without_load = torque.signum() * self.machine.drive.motor_torque(&unloaded, friction);
+        Some(MotorPeak { load: end.point.load, torque: torque.abs(), without_load })
+    }
+
     /// Returns the largest magnitude of a quantity at the starts and ends of all phases.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
         let ends = self.torques.iter().flat_map(|torques| &torques.ends);

@@ -379,11 +379,14 @@ impl AxisState<'_> {
     pub(super) fn by_catalog(&self) -> Vec<String> {
         let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
-            let torque = heaviest.at_screw()?;
+            let torque = heaviest.against_load()?;
             let drives = heaviest.point.load * heaviest.point.direction() < 0.0;
             let friction = contacts::by_catalog(self.case).friction(heaviest.ideal, drives);
-            let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
-                .map(|usual| torque + (usual - friction) * heaviest.point.direction());
+            let frictions = contacts::usual_frictions(heaviest.ideal, drives);
+            // Friction acts against the load, unless the load drives the screw.
+            let usual = frictions.map(|usual| if drives { friction - usual } else { usual - friction });
+            let [one, other] = usual.map(|more| torque + more);
+            let (low, high) = (one.min(other), one.max(other));
             Some(format!(
                 "The torque of {torque:.3} N m at the largest load during motion is calculated from the catalog efficiency; typical efficiencies give {low:.3} to {high:.3} N m."
             ))

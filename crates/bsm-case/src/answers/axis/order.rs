@@ -53,6 +53,9 @@ impl AxisState<'_> {
         let (in_mm, force, torque_unit) = (units.of("mm"), units.of("N"), units.of("N m"));
         let mm = |meters: f64| trimmed(in_mm.value(meters / MM));
         let length = |meters: f64| units.length(meters / MM);
+        // Without `nut_length_mm`, the length of the nut and the lengths that contain it are estimates.
+        let estimate = if self.case.nut_length_mm.is_none() { " (estimated)" } else { "" };
+        let with_nut = |meters: f64| length(meters) + estimate;
         // A calculated land diameter must not be stated as the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
@@ -81,14 +84,16 @@ impl AxisState<'_> {
             PreloadMethod::Offset => "nut with a shifted lead, length",
             PreloadMethod::Oversize => "nut with oversize balls, length",
         };
-        order.add("nut", "", format!("{method} {}", length(self.machine.body.length)));
+        order.add("nut", "", format!("{method} {}", with_nut(self.machine.body.length)));
         let preload = self.preload.as_ref();
         let cold = |preload: &Preload| format!("{:.0} {}", force.value(preload.cold), force.text);
         order.add("preload", "preload ", preload.map(cold));
         order.add("accuracy grade", "", self.grade().map(|grade| grade.name.to_owned()));
         let shaft = self.shaft();
-        order.add("thread", "thread ", self.machine.thread.map(length));
-        let between = shaft.map(|shaft| length(shaft.length));
+        order.add("thread", "thread ", self.machine.thread.map(with_nut));
+        let is_given = self.case.unsupported_length_mm.is_some();
+        let between =
+            shaft.map(|shaft| if is_given { length(shaft.length) } else { with_nut(shaft.length) });
         order.add("length between bearings", "length between bearings ", between);
         let percent = self.torque_percent();
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use bsm_design::{Axis, EndFixity, OPENS_AT, RatingBasis, RequiredLife, Shaft};
 
+use super::drive::MotorPeak;
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
 use crate::case::axis::{motor_speed, mount, preload_method, speed_number_limit, useful_travel};
@@ -30,6 +31,8 @@ struct RuleInputs<'a> {
     edge_load: Option<f64>,
     preload: Option<&'a Preload>,
     required_life: Option<RequiredLife>,
+    /// Peaks of the motor torque and of the utilization of the torque-speed curve.
+    motor_peaks: [Option<MotorPeak>; 2],
 }
 
 impl RuleInputs<'_> {
@@ -146,6 +149,24 @@ impl RuleInputs<'_> {
         (load <= self.case.support_bearing_axial_load_N?).then_some(0.5 * rise)
     }
 
+    /// Describes the remedies of a peak torque of the motor that is too large.
+    ///
+    /// * `margin`: permitted torque / torque.
+    fn remedies_of_peak(&self, peak: Option<&MotorPeak>, margin: f64) -> String {
+        let accelerates = self.axis.phases.iter().any(|phase| phase.acceleration != 0.0);
+        remedies_of_motor(peak, margin, accelerates.then_some("less acceleration"))
+    }
+
+    /// Describes the remedies of an RMS torque of the motor that is too large. In a cycle, the
+    /// permitted load cannot be stated, because the RMS torque depends on all phases.
+    ///
+    /// * `margin`: permitted torque / torque.
+    fn remedies_of_rms(&self, margin: f64) -> String {
+        let has_cycle = self.case.nut.cycle.is_some();
+        let peak = self.motor_peaks[0].as_ref().filter(|_| !has_cycle);
+        remedies_of_motor(peak, margin, has_cycle.then_some("longer dwells"))
+    }
+
     /// Returns the largest permitted preload for the preload method of the nut \[N\].
     fn most_preload(&self) -> f64 {
         preload_method(self.case).share() * self.axis.dynamic_rating
@@ -163,6 +184,21 @@ impl RuleInputs<'_> {
         let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
         word.grade.coarsest_within(required, travel).map(|grade| grade.name)
+    }
+}
+
+/// Describes the remedies of a motor torque that is too large.
+///
+/// * `other`: a remedy that applies to this axis.
+fn remedies_of_motor(peak: Option<&MotorPeak>, margin: f64, other: Option<&str>) -> String {
+    let load = peak.and_then(|peak| {
+        let most = at_most(peak.load_at(margin)?, 0);
+        Some(format!("an axial load of at most {most} N instead of {} N", number(peak.load.abs())))
+    });
+    let others = load.into_iter().chain(other.map(str::to_owned)).collect::<Vec<_>>();
+    match &others[..] {
+        [] => "a larger motor, or a smaller lead".to_owned(),
+        others => format!("a larger motor, a smaller lead, or {}", others.join(", or ")),
     }
 }
 
@@ -360,22 +396,22 @@ rules! {
         = of.needed(output!(peak_motor_torque_Nm), of.case.motor_peak_torque_Nm),
         at_most of.case.motor_peak_torque_Nm,
         "THK A-720",
-        "a larger motor, a smaller lead, or less acceleration";
+        of.remedies_of_peak(of.motor_peaks[0].as_ref(), margin);
     "rated torque of the motor" rms_motor_torque_Nm
         = of.needed(output!(rms_motor_torque_Nm), of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (BB3)",
-        "a larger motor, a smaller lead, or longer dwells";
+        of.remedies_of_rms(margin);
     "peak torque on the torque-speed curve of the motor" peak_torque_utilization
         = of.needed(output!(peak_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: torque at both ends of each phase / peak torque at the same speed",
-        "a larger motor, a smaller lead, or less acceleration";
+        of.remedies_of_peak(of.motor_peaks[1].as_ref(), margin);
     "continuous torque on the torque-speed curve of the motor" rms_torque_utilization
         = of.needed(output!(rms_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: RMS torque over the cycle / continuous torque at the mean speed",
-        "a larger motor, a smaller lead, or longer dwells";
+        of.remedies_of_rms(margin);
     "power of the motor" peak_motor_power_W
         = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
@@ -405,7 +441,7 @@ rules! {
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
         "load at which a contact ellipse reaches the end of its flank (G8)",
-        "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
+        "a larger land (a smaller nut_bore_mm or a larger screw_outer_diameter_mm), or more or larger balls";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
@@ -431,15 +467,17 @@ pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
 ///
 /// * `fold`: ratio of the fold speed to the given speed.
 /// * `preload`: cold and warm preload \[N\].
+/// * `motor_peaks`: peaks of the motor torque and of the utilization of the torque-speed curve.
 pub(super) fn rules(
     case: &Case,
     axis: &Axis,
     (numbers, fold): (&Numbers, Option<f64>),
     of_nut: &Answer,
     (preload, required_life): (Option<&Preload>, Option<RequiredLife>),
+    motor_peaks: [Option<MotorPeak>; 2],
 ) -> Vec<Criterion> {
     let edge_load = of_nut.number(output!(edge_load_N));
-    let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life };
+    let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life, motor_peaks };
     let rest = of_ratings_and_drive(of).chain(of_preload(of));
     of_screw(of)
         .map(|rule| of.with_unguided_load(rule))

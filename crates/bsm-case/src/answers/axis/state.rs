@@ -396,6 +396,17 @@ impl<'a> AxisState<'a> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
 
+    /// Returns the largest torque at the screw among the ends of the phases in motion that have the
+    /// largest load \[N·m\]. It is positive if it acts against the load.
+    pub(super) fn torque_at_largest_load(&self) -> Option<f64> {
+        let largest = self.heaviest()?.point;
+        let moving = self.torques.iter().filter(|torques| torques.phase.moves());
+        let ends = moving.flat_map(|torques| &torques.ends);
+        let torques = ends.filter(|end| end.point.has_load_of(&largest)).map(Torques::against_load);
+        let torques = torques.collect::<Option<Vec<_>>>()?;
+        torques.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
     /// Returns the time average of a quantity over the cycle.
     pub(super) fn mean(&self, of: impl Fn(&PhaseTorques) -> Option<f64>) -> Option<f64> {
         self.torques.iter().map(|torques| Some(torques.phase.time * of(torques)?)).sum()

@@ -7,13 +7,14 @@ use bsm_design::{
 };
 use bsm_dyn::ModelWorkspace;
 use bsm_nut::thermal::HeatSources;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::contacts::{Contacts, contacts, nut_at, takes_catalog_efficiency};
 use super::{NEEDS, NUT, QUANTITIES};
 use crate::case::axis::{Machine, carriage};
 use crate::case::warm::ColdNut;
-use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::members::{NumbersJson, number_tables};
 use crate::vocabulary::number::short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
@@ -26,11 +27,25 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  ball contacts";
         third_contact_torque_Nm = NUT Scalar(|t| t.contacts.third);
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag (catalog rule)";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag beyond the contacts";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
     }
+}
+
+number_tables! {
+    /// Parts of the screw torque.
+    pub(crate) TorqueNumbers = TORQUES.iter();
+}
+
+/// Parts of the screw torque in JSON.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct TorqueParts {
+    #[serde(flatten)]
+    numbers: NumbersJson<TorqueNumbers>,
+    /// Name of the contact model, or the reason why there is no contact torque.
+    contacts: String,
 }
 
 /// The screw torque and its parts. For a phase of a cycle, the numbers also include the results
@@ -66,11 +81,9 @@ impl ScrewTorque {
         self.number(output!(screw_torque_Nm))
     }
 
-    /// Converts the torques to a JSON object.
-    pub fn to_json(&self) -> Value {
-        let mut map = numbers_json(&self.numbers);
-        map.insert("contacts".to_owned(), json!(self.contacts));
-        Value::Object(map)
+    /// Returns the torques as JSON.
+    pub(crate) fn members(&self) -> TorqueParts {
+        TorqueParts { numbers: NumbersJson::of(&self.numbers), contacts: self.contacts.clone() }
     }
 }
 
@@ -121,6 +134,14 @@ impl Torques {
     /// Returns the torque at the screw \[N·m\].
     pub(super) fn at_screw(&self) -> Option<f64> {
         Some(self.ideal + self.point.direction() * self.friction()?)
+    }
+
+    /// Returns the torque at the screw \[N·m\]. It is positive if it acts against the load or,
+    /// without a load, in the direction of motion.
+    pub(super) fn against_load(&self) -> Option<f64> {
+        let Torques { point, .. } = self;
+        let sign = if point.load == 0.0 { point.direction() } else { point.load.signum() };
+        Some(sign * self.at_screw()?)
     }
 
     /// Describes which percentage of the input power each part dissipates.
@@ -212,8 +233,7 @@ impl PhaseTorques {
         })
     }
 
-    /// Returns the torques at the start or the end of the phase, whichever has the larger load. If
-    /// both loads are equal, the larger speed decides.
+    /// Returns the torques at the heavier end of the phase (see [`PhasePoint::heavier`]).
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }

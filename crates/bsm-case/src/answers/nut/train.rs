@@ -7,14 +7,14 @@ use bsm_dyn::{Model, ModelWorkspace, Problem, solution::BallState};
 use bsm_nut::{
     Advance, CircuitAdvance, CircuitTrain, FreeMotion, MAX_PUSH_RATIO, Rolling, Train, TrainError,
 };
-use serde_json::json;
 
-use super::{BallFriction, NutProblem, NutReport};
+use super::{BallFriction, CircuitRow, NutProblem, NutReport};
 use crate::case::nut::{NutAtRest, room};
+use crate::vocabulary::members::{NumberCells, Rows};
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::MM;
-use crate::{Column, ModelChoice, Table, exact};
+use crate::{ModelChoice, exact};
 
 quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     "circuits" {
@@ -162,17 +162,14 @@ impl NutReport {
     }
 
     /// Returns a table with one row per circuit, or `None` if no gap is given.
-    pub(super) fn circuits(&self) -> Option<Table> {
+    pub(super) fn circuits(&self) -> Option<Rows<CircuitRow>> {
         let (train, advance) = (self.train()?, self.advance()?);
         let row = |(number, (train, advance)): (usize, (&CircuitTrain, &CircuitAdvance))| {
             let of = OneCircuit { number: count(number), needed: advance.needed_gap, train };
-            read_circuit(&of, |_| true).columns().map(|(_, value)| json!(value)).collect()
+            CircuitRow { numbers: NumberCells::of(&read_circuit(&of, |_| true)) }
         };
-        Some(Table {
-            columns: CIRCUITS.iter().map(|of| Column::of(of.name)).collect(),
-            rows: train.circuits.iter().zip(&advance.circuits).enumerate().map(row).collect(),
-            ..Table::default()
-        })
+        let circuits = train.circuits.iter().zip(&advance.circuits).enumerate();
+        Some(Rows(circuits.map(row).collect()))
     }
 
     /// Returns warnings about circuits with too many balls, and about results beyond the range of

@@ -46,8 +46,8 @@ pub struct ContactFilm<F = f64> {
     pub rolling_moment: F,
     /// Entrainment speed along the track, smoothed by the creep speed \[m/s\].
     pub entrainment: F,
-    /// Dimensionless load parameter `$M$` of the rolling force (Y17). If `$M$` is below about 10,
-    /// (Y7) underestimates the film thickness.
+    /// Dimensionless load parameter `$M$` in the formula for the rolling force (Y17). If `$M$` is
+    /// below about 10, (Y7) underestimates the film thickness.
     pub elasticity: F,
     /// Local friction law of the contact, for slip speeds in m/s.
     pub law: MixedFriction<F>,
@@ -74,9 +74,10 @@ pub struct FilmState<F = f64> {
     pub outside: OutsidePower<F>,
     /// Temperature rise of the hotter film above the oil temperature due to sliding \[K\] (Y29).
     pub heating: F,
-    /// Constant friction coefficient that would cause the same power loss in the contacts (Y30).
+    /// Constant friction coefficient that would cause the same power loss in the contacts as the
+    /// lubricant (Y30).
     pub equivalent_friction: F,
-    /// Friction coefficient of a plain thread that has the same efficiency (Y31).
+    /// Friction coefficient of a plain thread that has the same efficiency as the ball screw (Y31).
     pub catalog_friction: F,
 }
 

@@ -38,7 +38,7 @@ pub struct OutsidePower<D = f64> {
 
 impl<D: Real> OutsidePower<D> {
     /// Returns the sum of the power losses due to the balls. The seal loss is excluded: it also
-    /// heats the lubricant, but its torque belongs to the whole screw.
+    /// heats the lubricant, but the seal torque acts on the whole screw instead of a single ball.
     #[inline(always)]
     pub fn of_balls(&self) -> D {
         self.ball_contact + self.ball_return + self.drag
@@ -53,7 +53,7 @@ impl<D: Real> OutsidePower<D> {
     }
 }
 
-/// Motion of a ball that travels around the screw.
+/// Motion of a ball that orbits the screw axis.
 #[derive(Debug, Clone, Copy)]
 pub struct BallOrbit<D> {
     /// Angular speed with which neighboring balls slide on each other, `$|(\omega - P k) \times

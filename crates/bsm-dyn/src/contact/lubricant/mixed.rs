@@ -8,8 +8,8 @@ use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::transition::Transition;
 
-/// Mixed friction: friction of asperities in contact, and friction of the oil that is sheared
-/// between the surfaces.
+/// Mixed friction: the friction of asperities in contact, together with the friction of the oil
+/// that is sheared between the surfaces.
 ///
 /// ```math
 /// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},
@@ -32,8 +32,8 @@ pub struct MixedFriction<D = f64> {
     pub max_pressure: D,
     /// Pressure parameter `$a_p$` of (Y5) \[Pa\].
     pub pressure_scale: D,
-    /// Factor `$\eta/(h\,\tau_E)$` by which (Y11) multiplies the slip speed, for the unit of speed
-    /// in use.
+    /// Factor `$\eta/(h\,\tau_E)$` by which the slip speed is multiplied in (Y11). Its unit is the
+    /// reciprocal of the unit in which slip speeds are given.
     pub shear: D,
 }
 
@@ -83,8 +83,8 @@ impl<D: Real> MixedFriction<D> {
         }
     }
 
-    /// Converts the friction law to a different unit of speed. The argument is the old unit,
-    /// measured in the new unit.
+    /// Converts the friction law to a different unit of speed. The argument is the old unit of
+    /// speed, expressed in the new unit.
     #[inline(always)]
     pub(crate) fn in_unit(self, speed_unit: D) -> Self {
         Self { shear: self.shear / speed_unit, ..self }

@@ -68,7 +68,7 @@ pub const VISCOSITY_GRADES: [f64; 11] =
 const HOT_GRADES: [f64; 11] =
     [2.64, 3.38, 4.25, 5.29, 6.64, 8.53, 11.07, 14.54, 18.75, 23.95, 30.34];
 
-/// Properties of an oil that do not depend on its temperature.
+/// Properties of an oil that are independent of its temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil<D = f64> {
     /// Base oil, which determines default properties.
@@ -77,8 +77,8 @@ pub struct Oil<D = f64> {
     pub viscosities: [D; 2],
     /// Density at 15 °C \[kg/m³\].
     pub density: D,
-    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\]; `None` if it is unknown and therefore
-    /// estimated from the base oil.
+    /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\]. If it is `None`, it is estimated from
+    /// the base oil.
     pub pressure_viscosity: Option<D>,
     /// Ratio `$\Lambda$` of the limiting shear stress to the pressure, positive.
     pub limiting_shear: D,

@@ -313,7 +313,7 @@ pub struct ElasticMotion<F> {
     pub rate: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub to_nut: [F; 3],
-    /// True if friction across the grooves is part of the force balance.
+    /// True if the force balance includes friction across the grooves.
     pub friction_in_balance: bool,
 }
 

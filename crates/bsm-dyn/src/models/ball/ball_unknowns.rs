@@ -35,9 +35,10 @@ pub(crate) mod unknown {
 pub(crate) mod equation {
     /// Force balance in the triad (t, N, e_x) of the loaded contacts.
     pub(crate) const FORCE: [usize; 3] = [0, 1, 2];
-    /// Moment balance in the triad (t, N, e_x); the second equation is about the contact normal.
+    /// Moment balance in the triad (t, N, e_x); the second equation is the balance of moments about
+    /// the contact normal.
     pub(crate) const MOMENT: [usize; 3] = [3, 4, 5];
-    /// Balance between the axial contact force of the nut and its external axial load.
+    /// Balance between the axial contact force on the nut and the external axial load on the nut.
     pub(crate) const AXIAL_LOAD: usize = 6;
 }
 

@@ -56,9 +56,9 @@ impl<D: Scalar> ElasticPoint<D> {
         self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
     }
 
-    /// Returns the operating point for a ball with a different radius and a radial gap between the
-    /// grooves, with the resulting contact angle at first contact (U34). The groove radii stay
-    /// unchanged.
+    /// Returns the operating point for a ball with a different radius and with a radial gap between
+    /// the grooves. The contact angle at first contact changes accordingly (U34); the groove radii
+    /// stay unchanged.
     ///
     /// * `radial_gap`: radial gap between nut and screw grooves \[m\].
     /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
@@ -185,8 +185,8 @@ pub(crate) struct BallLoads<D> {
 }
 
 impl<P: Scalar> ElasticContacts<P> {
-    /// Changes the sign of a friction force or power if `$W$` is negative. This is necessary for
-    /// quantities that were calculated from the slip divided by `$W$`.
+    /// Changes the sign of a friction force or power if `$W$` is negative. This is necessary if the
+    /// force or power was calculated from the slip divided by `$W$`.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }
@@ -202,15 +202,15 @@ impl<P: Scalar> ElasticContacts<P> {
         self.scaled.inertia_ratio()
     }
 
-    /// Returns the elastic approaches, divided by the ball radius, for given loads, divided by the
-    /// axial load (P2).
+    /// Returns the elastic approaches in units of the ball radius, for loads in units of the axial
+    /// load per ball (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the elastic approach at nut (0) or screw (1), divided by the ball radius, for a
-    /// given load, divided by the axial load (P2).
+    /// Returns the elastic approach at nut (0) or screw (1) in units of the ball radius, for a load
+    /// in units of the axial load per ball (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }
@@ -407,9 +407,9 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). At 0, the bottom of a gothic
-    /// arch, the ball touches the other flank. At π/2, the contact normal is axial, and no groove
-    /// extends beyond this point.
+    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). A contact at an angle of 0 is
+    /// at the bottom of the gothic arch, where the ball touches the other flank. At π/2, the
+    /// contact normal is axial, and no groove extends beyond this point.
     pub(crate) fn ball_state(
         &self,
         contacts: &ElasticContacts,

@@ -46,8 +46,8 @@ struct Gap<P> {
     rigid: P,
     /// Constant `$c$` of (Y16).
     flat: P,
-    /// Ratio of the force (Y16) to the product of semi-axis, bracket, `$\varphi_T$` and
-    /// `$U_2^{3/4}$`.
+    /// Ratio of the rolling force (Y16) to the product of the semi-axis, the bracketed term,
+    /// `$\varphi_T$` and `$U_2^{3/4}$`.
     rolling: P,
 }
 
@@ -177,7 +177,8 @@ impl<P: Real> EhlPoint<P> {
     }
 }
 
-/// A lubricated contact with its power losses, in scaled units except for the semi-axes.
+/// A lubricated contact with its power losses. All quantities except the semi-axes are in scaled
+/// units.
 #[derive(Debug, Clone, Copy)]
 pub struct FilmLoss<F = f64> {
     /// Oil film of the contact.
@@ -281,8 +282,8 @@ fn film_heating<F: Real>(
         + heat * (b / (entrainment * STEEL)).sqrt() * 0.53
 }
 
-/// Returns the constant friction coefficient for which both contacts together have the same power
-/// loss (Y30).
+/// Returns the constant friction coefficient with which both contacts together would have the same
+/// power loss as with the lubricant (Y30).
 ///
 /// * `power`: sum of sliding and rolling power.
 /// * `of_one`: sliding power that would result with a friction coefficient of one.
@@ -292,7 +293,8 @@ fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
     power / of_one
 }
 
-/// Returns the friction coefficient of a plain thread with the same efficiency (Y31).
+/// Returns the friction coefficient of a plain thread that has the same efficiency as the ball
+/// screw (Y31).
 ///
 /// * `back`: mask that is true if the load back-drives the screw.
 /// * `tan`: tangent of the lead angle.
@@ -413,8 +415,8 @@ impl<P: Real> Gap<P> {
     /// Returns the rolling force due to the oil in the inlet, without the effect of heating \[N\]
     /// (Y16).
     ///
-    /// Source: Biboulet and Houpert (2010), part 2, formula for point contacts from rigid to
-    /// elastic.
+    /// Source: Biboulet and Houpert (2010), part 2, formula for point contacts in all regimes from
+    /// rigid to elastic.
     #[inline(always)]
     fn rolling_force<D: RealOver<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
         // U₂ = 2 η u/(E' R_x)                                             (Y17)
@@ -434,8 +436,8 @@ pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
     /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Sliding power divided by `$W$`. It has derivatives with respect to the inputs, but not with
-    /// respect to the unknowns.
+    /// Sliding power divided by `$W$`. It carries derivatives with respect to the inputs, but not
+    /// with respect to the unknowns.
     pub(crate) sliding: D,
     /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,
@@ -571,7 +573,8 @@ impl LubricatedWorkspace {
     }
 }
 
-/// A lubricated ball in steady motion, in scaled units except for the torque in SI units.
+/// A lubricated ball in steady motion. All quantities are in scaled units, except the torque, which
+/// is in SI units.
 pub(crate) struct LubricatedState<D = f64> {
     pub(crate) loaded: BallLoads<D>,
     pub(crate) to_nut: Motion<D>,
@@ -596,8 +599,8 @@ pub(crate) struct SteadyRoot {
 
 impl EhlPoint {
     /// Returns the friction coefficient that would result if the oil reached its limiting shear
-    /// stress everywhere in the contact. Of the coefficients at nut and screw, the larger one is
-    /// returned.
+    /// stress everywhere in the contact. The result is the larger of the coefficients at nut and
+    /// screw.
     pub(crate) fn friction_scale(
         &self,
         contacts: &ElasticContacts,

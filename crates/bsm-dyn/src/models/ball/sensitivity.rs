@@ -22,8 +22,8 @@ pub struct Performance<D> {
 }
 
 impl<D: Scalar> Performance<D> {
-    /// Extrapolates linearly from `far` through `self`, beyond `self` by `ratio` times the
-    /// difference between the two.
+    /// Extrapolates linearly from `far` through `self` to a point beyond `self`. The distance of
+    /// this point from `self` is `ratio` times the difference between `self` and `far`.
     fn extrapolated(&self, far: &Self, ratio: f64) -> Self {
         let extrapolated = |near: D, far: D| near + (near - far) * ratio;
         let torques = self.screw_torque.zip(far.screw_torque);

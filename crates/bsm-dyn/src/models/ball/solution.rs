@@ -56,7 +56,8 @@ impl Solution {
         Some(self.solved()?.transmission.efficiency)
     }
 
-    /// Returns true if friction prevents the motion in this direction; `None` if this is unknown.
+    /// Returns true if friction prevents motion in the given direction of the power flow; `None` if
+    /// this is unknown.
     pub fn self_locking(&self) -> Option<bool> {
         match &self.answer {
             Ok(solved) => Some(solved.transmission.self_locking),
@@ -73,8 +74,9 @@ impl Solution {
 pub struct Choice {
     /// Slip regime or quadrature on which the error bound is based.
     pub basis: Basis,
-    /// Requested error bound of the efficiency. If no model is accurate enough, the bound in the
-    /// result is larger. The bound in the result holds for 99 % of all points.
+    /// Requested error bound of the efficiency. If no model is accurate enough, the error bound of
+    /// the result is larger than requested. The error bound of the result holds for 99 % of all
+    /// points.
     pub tolerance: f64,
 }
 

@@ -54,8 +54,8 @@ pub struct FarFlank<F = f64> {
     pub gap: F,
     /// Contact with the more heavily loaded far flank; `None` if the ball touches no far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if such a ball
-    /// has no steady motion.
+    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if a ball with
+    /// two contacts has no steady motion.
     pub two_contact_power: Option<F>,
 }
 
@@ -97,7 +97,7 @@ pub struct HertzContact<F = f64> {
 pub struct Transmission<F: Real = f64> {
     /// Ratio of output power to input power; zero or negative if the screw is self-locking.
     pub efficiency: F,
-    /// True if friction prevents the motion in this direction.
+    /// True if friction prevents motion in the given direction of the power flow.
     pub self_locking: F::Mask,
     /// Torque on the screw in steady motion \[N·m\]; `None` if the axial load is not given.
     pub screw_torque: Option<F>,
@@ -168,13 +168,13 @@ pub struct SteadyState<F: Real = f64> {
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions; `None` if the model did not search for them.
     pub alternatives: Option<Alternatives>,
-    /// Error bound. For the model `traction`, it limits the quadrature error. For the model `auto`,
-    /// it limits the difference from `traction`.
+    /// Error bounds of efficiency and power loss. For the model `traction`, they limit the
+    /// quadrature error; for the model `auto`, they limit the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
     /// Oil films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
-    /// Friction powers of all balls at nut and screw \[W\]; only for raceway control, lubricated
-    /// balls, and balls that touch a far flank.
+    /// Friction powers of all balls at nut and screw \[W\]; available only for raceway control,
+    /// lubricated balls, and balls that touch a far flank.
     pub contact_power: Option<[F; 2]>,
     /// State of the far flanks; `None` if no axial play is given.
     pub far_flank: Option<FarFlank<F>>,
@@ -199,7 +199,7 @@ impl ErrorBound {
 }
 
 /// Largest relative error bound of the power loss that is reported. With a larger bound, the true
-/// loss could differ by a large factor.
+/// loss could differ from the calculated loss by a large factor.
 const MAX_LOSS_ERROR: f64 = 0.5;
 
 /// Returns the error bound of an efficiency that was calculated by integrating friction over the
@@ -210,7 +210,7 @@ const MAX_LOSS_ERROR: f64 = 0.5;
 pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
     let (error, least) = (20.0 * difference.abs(), (accuracy / 200.0).max(1e-9));
-    // If the difference is NaN, this comparison returns NaN.
+    // If the difference is NaN, this comparison is false and the result is NaN.
     if error < least { least } else { error }
 }
 
@@ -249,7 +249,7 @@ pub fn friction_angle<F: Real>([across, along]: [F; 2]) -> F {
 }
 
 /// Returns the relative error bound of the power loss (A7). The result is not finite if the error
-/// bound of the efficiency exceeds the efficiency.
+/// bound of the efficiency exceeds the efficiency itself.
 ///
 /// * `back`: true if the load back-drives the screw.
 /// * `bound`: error bound of the efficiency.
@@ -275,7 +275,8 @@ pub struct ControllingRaceway {
 pub struct Alternatives {
     /// Number of other admissible solutions.
     pub count: usize,
-    /// Efficiency of the other solution whose efficiency differs most.
+    /// Among the efficiencies of the other solutions, the one that differs most from the efficiency
+    /// of this solution.
     pub farthest_efficiency: Option<f64>,
 }
 
@@ -299,8 +300,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Adds the number of other solutions of the same equations, and the efficiency among them that
-    /// differs most.
+    /// Adds the number of other solutions of the same equations and, among their efficiencies, the
+    /// one that differs most from the efficiency of this solution.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();
@@ -323,8 +324,8 @@ impl<F: Copy> BallState<F> {
         }
     }
 
-    /// Creates the state of a ball for which only the common contact angle of both loaded contacts
-    /// \[rad\] is known.
+    /// Creates the state of a ball for which only the contact angle \[rad\] is known, which is
+    /// equal at both loaded contacts.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         let contact = ContactState::at_angle(angle);
@@ -438,8 +439,8 @@ impl SlipRegime {
 mod tests {
     use super::*;
 
-    /// In an earlier version, two quadrature rules with coarse accuracy agreed by chance, and the
-    /// calculated bound was a thousandth of the true error.
+    /// In an earlier version, the results of two coarse quadrature rules agreed by chance, and the
+    /// calculated error bound was a thousandth of the true error.
     #[test]
     fn error_bound_is_positive_even_if_two_quadrature_rules_agree() {
         for (difference, accuracy, bound) in
@@ -450,7 +451,8 @@ mod tests {
         }
     }
 
-    /// An earlier version printed a bound near 1 for a loss that was 32 times the true loss.
+    /// An earlier version printed an error bound near 1 for a power loss that was 32 times the true
+    /// power loss.
     #[test]
     fn loss_bound_above_one_half_is_not_reported() {
         let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;

@@ -45,7 +45,7 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if there is no root, or if no root is found.
+/// Returns [`NoAnswer`] if no root exists or if the search fails.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
@@ -77,7 +77,7 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if there is no root, or if no root is found.
+    /// Returns [`NoAnswer`] if no root exists or if the search fails.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
         // Newton's method refines the roots of a coarse continuation. If it converges to a
         // different root, the continuation is repeated with an accurate step control.
@@ -85,7 +85,7 @@ impl<'a> SlidingCurve<'a> {
         found.unwrap_or(Err(NoAnswer::LOST))
     }
 
-    /// Returns the forces on the ball and its motion at a point of the curve.
+    /// Returns the state of the ball (forces and motion) at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
@@ -135,8 +135,8 @@ impl<'a> SlidingCurve<'a> {
         searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
-        // `seen` contains the smallest and the largest inertia ratio at which a ball on its flanks
-        // slides against friction.
+        // `seen` contains the smallest and the largest inertia ratio at which the ball is on its
+        // flanks and its slip is opposite to friction.
         let mut seen = None::<(f64, f64)>;
         if start.at.is_admissible() {
             seen = Some((0.0, start.at.log_inertia().exp()));
@@ -263,7 +263,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::extreme::{extreme, practical};
+    use crate::extreme::{random_extreme_screw, random_practical_screw};
 
     #[test]
     fn direct_root_is_the_first_root_of_the_continuation() {
@@ -271,9 +271,9 @@ mod tests {
         let (mut of_practice, mut of_extremes) = (0, 0);
         for number in 0..2000 {
             let (screw, found) = if number % 2 == 0 {
-                (practical(&mut rng), &mut of_practice)
+                (random_practical_screw(&mut rng), &mut of_practice)
             } else {
-                (extreme(&mut rng), &mut of_extremes)
+                (random_extreme_screw(&mut rng), &mut of_extremes)
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
@@ -285,8 +285,8 @@ mod tests {
             let (direct, sign) = (direct.at, direct.rate.signum());
             let (first, same) =
                 curve.trace(&EXACT_STEP_CONTROL).expect("a result").expect("a root");
-            // Where friction nearly holds the load, the normal load is a million times the axial
-            // load, and only ten digits remain accurate. A different root would differ by several
+            // If friction nearly holds the load, the normal load is a million times the axial load,
+            // and only ten digits remain accurate. A different root would differ by several
             // percent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
             close(direct.state.centrifugal, first.state.centrifugal);
@@ -294,8 +294,8 @@ mod tests {
             close(sign, same);
             *found += 1;
         }
-        // Of 1000 practical and 1000 extreme points, nearly all practical points and the slow
-        // extreme points are solved directly by Newton's method.
+        // Newton's method directly solves nearly all of the 1000 practical points, and the slow
+        // points among the 1000 extreme points.
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 
@@ -305,9 +305,9 @@ mod tests {
         let (mut of_practice, mut of_extremes, mut fewer) = (0, 0, 0);
         for number in 0..2000 {
             let (screw, found) = if number % 2 == 0 {
-                (practical(&mut rng), &mut of_practice)
+                (random_practical_screw(&mut rng), &mut of_practice)
             } else {
-                (extreme(&mut rng), &mut of_extremes)
+                (random_extreme_screw(&mut rng), &mut of_extremes)
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
@@ -319,8 +319,8 @@ mod tests {
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
-                    // The tolerance allows for the loss of digits where friction nearly holds the
-                    // load. A different root would differ by several percent.
+                    // The tolerance allows for the loss of digits at points at which friction
+                    // nearly holds the load. A different root would differ by several percent.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
                     close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);
@@ -342,14 +342,15 @@ mod tests {
     fn number_of_steps_to_the_beginning_of_the_curve_is_bounded() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);
         for number in 0..1000 {
-            let mut screw = extreme(&mut rng);
+            let mut screw = random_extreme_screw(&mut rng);
             if let Some(angle) = [5e-324, 1.7e-309, 1e-150, 1e-17].get(number % 8) {
                 screw.point.contact_angle = *angle;
             }
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
             let _ = SlidingCurve::of(&contacts, &mut steps);
-            // The limit includes the evaluations of the bracket and the Newton steps to the curve.
+            // The limit is the maximum number of function evaluations in the bracket plus the
+            // maximum number of Newton steps to the curve.
             assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }

@@ -13,8 +13,8 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, linear};
 
-/// Residual tolerance of (S20) for the estimate from which the Newton iteration to the beginning of
-/// the curve starts (dimensionless).
+/// Residual tolerance of (S20) for the starting value of the Newton iteration that finds the
+/// beginning of the curve (dimensionless).
 const START_RESIDUAL_TOL: f64 = 1e-9;
 
 /// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load increases the
@@ -72,8 +72,9 @@ impl SlidingBall<f64> {
         Some((state, [rotation, closure, nut.square() - square]))
     }
 
-    /// Returns the state of the ball for given `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`,
-    /// and the residuals of (S14) and (S20). Returns `None` if the forces cannot be in equilibrium.
+    /// Returns the state of the ball for given cotangents of the slip angles (`$x_A$`, `$x_B$`) and
+    /// given `$\delta$`, `$q$` and `$c$` of (S18) and (S19), and the residuals of (S14) and (S20).
+    /// Returns `None` if the forces cannot be in equilibrium.
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],
@@ -104,8 +105,8 @@ impl SlidingBall<f64> {
         y
     }
 
-    /// Estimates `$x$` and `$c$` at the beginning of the curve, where inertia is zero. Returns
-    /// `None` if no estimate is found.
+    /// Estimates the cotangent `$x$` of the slip angles and the unknown `$c$` at the beginning of
+    /// the curve, where inertia is zero. Returns `None` if no estimate is found.
     ///
     /// * `unloaded`: unloaded contact angle \[rad\].
     /// * `steps`: counter of function evaluations.
@@ -139,8 +140,8 @@ impl SlidingBall<f64> {
     }
 }
 
-/// Returns `$x$` and `$c$` for equal contact angles, or `None` if contacts at these angles cannot
-/// carry the load.
+/// Returns `$x$` and `$c$` (cotangent of the slip angles, and unknown of (S18)) for equal contact
+/// angles, or `None` if contacts at these angles cannot carry the load.
 fn carried<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
     (effect.re() > 0.0).then_some(point)
 }

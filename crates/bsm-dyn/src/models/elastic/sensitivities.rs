@@ -8,7 +8,7 @@ use super::{Elastic, ElasticWorkspace, GrossSlipEquations, find, inertia_factor,
 use crate::models::ball::{NoAnswer, Performance, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Elastic<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         ElasticWorkspace(newton): &mut ElasticWorkspace,

@@ -105,8 +105,8 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
 }
 
 impl<F: Real> SlidingBall<F> {
-    /// Returns the efficiency of a ball without inertia, accurate to two digits. The contact angle
-    /// under load is used. The result is zero if friction holds any load.
+    /// Returns the efficiency of a ball without inertia at its contact angle under load, accurate
+    /// to two digits. The result is zero if friction holds any load.
     ///
     /// The contact angle is calculated with a few steps of a fixed-point iteration. If friction
     /// holds the load at an intermediate contact angle, this angle is increased.
@@ -162,8 +162,9 @@ impl<P: Real> SlidingBall<P> {
         (load_excess, screw.square() * (load_excess + 1.0) + load_excess * inverse)
     }
 
-    /// Returns the forces on the ball for given `$x$` at nut and screw, `$\delta$`, `$q$` and
-    /// `$c$`, and the residuals of (S14) and (S20).
+    /// Returns the forces on the ball for given cotangents of the slip angles (`$x_A$`, `$x_B$`)
+    /// and given `$\delta$`, `$q$` and `$c$` of (S18) and (S19), and the residuals of (S14) and
+    /// (S20).
     #[inline(always)]
     pub fn state<D: RealOver<P>>(
         &self,
@@ -210,8 +211,9 @@ impl<P: Real> SlidingBall<P> {
         )
     }
 
-    /// Returns `$x$` and `$c$` for equal contact angles with a given cotangent, together with the
-    /// effective load component. This component is positive unless friction holds the load.
+    /// Returns the cotangents `$x$` of the slip angles and the value of `$c$` for equal contact
+    /// angles with a given cotangent, together with the effective load component. This component is
+    /// positive unless friction holds the load.
     #[inline(always)]
     pub fn equal_angles<D: RealOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();
@@ -222,7 +224,7 @@ impl<P: Real> SlidingBall<P> {
         ([x, (w * cos + x * sin * f) / effect], effect)
     }
 
-    /// Returns the motion of the ball that belongs to forces in equilibrium.
+    /// Calculates the motion of the ball from forces that are in equilibrium.
     ///
     /// Assumes: `$r_m > 1.21\,r_b$`, so that `$Y > 0$` for slips opposite to friction.
     #[inline(always)]
@@ -267,9 +269,8 @@ impl<F: Real> SlidingPoint<F> {
             & cos[1].gt(zero)
     }
 
-    /// Returns true if this state differs from `begin` only in its centrifugal force, which is
-    /// `factor` times as large. All other factors of (S27) may differ by the relative tolerance
-    /// `change`.
+    /// Returns true if the centrifugal force of this state is `factor` times the centrifugal force
+    /// of `begin`, and all other factors of (S27) agree within the relative tolerance `change`.
     #[inline(always)]
     pub(super) fn has_only_grown(&self, begin: &Self, factor: F, change: f64) -> F::Mask {
         is_near(self.state.centrifugal / begin.state.centrifugal, factor, change)

@@ -15,8 +15,8 @@ use crate::models::ball::{friction_power, is_in_range};
 /// the smallest normal floating-point number.
 pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 
-/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless)
-/// up to which the curve is treated as straight. On a straight curve, inertia increases
+/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless).
+/// Up to this change, the curve is treated as straight. On a straight curve, inertia increases
 /// monotonically.
 pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 
@@ -32,10 +32,10 @@ const RESIDUAL_TOL: f64 = 1e-10;
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
 const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Limits of Newton's method for a state on the curve. Step lengths are in units of the scale of
-/// the state. After a step of 1e-8, the error is of the order of the square of the step, which is
-/// below rounding errors. If Newton's method needs more steps, the starting value was not near a
-/// state.
+/// Limits of Newton's method for a state on the curve. Step lengths are in units of the scales of
+/// the coordinates. After a step of 1e-8, the error is of the order of the square of the step,
+/// which is below rounding errors. If Newton's method needs more steps, the starting value was not
+/// near a state.
 const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, max_steps: 8 };
 
 /// Limits of Newton's method for the contact angle at zero inertia. Step lengths are changes of the
@@ -49,7 +49,7 @@ const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, m
 const MAX_LOAD: f64 = 1e3;
 
 /// Largest ratio of nut speed to relative speed (dimensionless) at which a root found directly by
-/// Newton's method is accepted. Above this ratio, rounding errors of both speeds dominate the
+/// Newton's method is accepted. Above this ratio, rounding errors of the two speeds dominate the
 /// residual.
 const MAX_NUT_SPEED: f64 = 1e4;
 
@@ -69,8 +69,8 @@ const MAX_STEPS: usize = 12;
 /// the largest ratio along a straight curve.
 const MAX_SLOPE: f64 = 4.0;
 
-/// Step length at which Newton's method stops for an intermediate state, in units of the scale of
-/// the state (dimensionless).
+/// Step length at which Newton's method stops for an intermediate state, in units of the scales of
+/// the coordinates (dimensionless).
 const PREDICTOR_STEP_TOL: f64 = 1e-4;
 
 /// Coordinates `$\ln q$`, `$x_B$` and `$c$` of a state. The fourth coordinate `$x_A$` is calculated
@@ -154,7 +154,7 @@ impl<F: Real> CurveState<F> {
             & (self.point[2] - start.point[2]).abs().le(scale[2] * max_change)
     }
 
-    /// Returns true if this state is at most one continuation step away from the given point of the
+    /// Returns true if this state is at most one continuation step away from a given point of the
     /// curve.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
@@ -188,8 +188,8 @@ impl<F: Real> SlidingBall<F> {
         self.friction.lt(self.cot)
     }
 
-    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is a change of the coordinate
-    /// by about one third.
+    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is about one third of the
+    /// coordinate.
     #[inline(always)]
     pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
         // sinα/d is an upper limit of −x_A.
@@ -231,8 +231,9 @@ where
     Jet<1, F>: RealOver<F> + Real<Mask = F::Mask>,
     Jet<3, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
-    /// Estimates `$x$` and `$c$` at the beginning of the curve. Also returns the number of Newton
-    /// steps, and a mask that is true if the estimate was found.
+    /// Estimates the cotangents `$x$` of the slip angles and the value of `$c$` at the beginning of
+    /// the curve. Also returns the number of Newton steps, and a mask that is true if the estimate
+    /// was found.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
     /// * `expected`: mask of the points for which an estimate is requested.
@@ -244,7 +245,8 @@ where
         (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
     }
 
-    /// Finds the state of balanced forces at zero inertia near given `$x$` and `$c$`.
+    /// Finds the state of balanced forces at zero inertia, starting from an estimate of `$x$` and
+    /// `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
         let guess = [x.constant(LOG_NO_INERTIA), x, c];
@@ -272,7 +274,8 @@ where
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // `rounding` covers rounding errors of the terms and of the logarithm of q.
+            // `rounding` is an upper limit of the rounding errors of the terms and of the logarithm
+            // of q.
             let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
             let near = if continued {
@@ -313,9 +316,9 @@ where
     /// Estimates the first steady motion by continuation in inertia. Also returns a mask that is
     /// true if the motion was found, and the number of Newton steps. The continuation begins at a
     /// steady motion on the straight part of the curve. It stops if a step is long compared with
-    /// the scale of the state or if the inertia does not increase.
+    /// the scales of the coordinates or if the inertia does not increase.
     ///
-    /// * `root`: value of `$\ln q$` at the root if the curve were straight.
+    /// * `root`: value that `$\ln q$` would have at the root if the curve were straight.
     #[inline(always)]
     fn continued(
         &self,
@@ -387,7 +390,8 @@ where
 
     /// Finds a state of balanced forces near a starting value, with the given tolerances.
     ///
-    /// * `below`: distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
+    /// * `below`: difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below
+    ///   the inertia ratio of the ball.
     #[inline(always)]
     fn iterate_to<const STEADY: bool>(
         &self,
@@ -464,7 +468,8 @@ struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
     scale: [F; 2],
-    /// Distance in `$\ln\mu$` from the steady motion to the inertia ratio of the ball.
+    /// Difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below the
+    /// inertia ratio of the ball.
     below: F,
 }
 

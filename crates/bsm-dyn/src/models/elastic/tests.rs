@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use bsm_newton::Convergence;
 
 use super::*;
-use crate::extreme::extreme;
+use crate::extreme::random_extreme_screw;
 use crate::{Status, angles::Angles};
 
 /// Returns a random starting value in the unknowns (S1) for which the nut contact carries the axial
@@ -28,8 +28,8 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
-    // The precession rate is either a few times the relative speed W, or the rate that corresponds
-    // to a random centrifugal force.
+    // The precession rate is either a few times the relative speed W, or it is calculated from a
+    // random centrifugal force.
     let rate = if rng.random_bool(0.5) {
         rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {
@@ -92,13 +92,14 @@ struct Tally {
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Runs random searches at an equal number of points with and without a solution.
+/// Runs random searches at `points` points with a solution and at the same number of points without
+/// a solution.
 fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
     while tally.no_solution < points || tally.found < points {
-        let screw = extreme(&mut rng);
+        let screw = random_extreme_screw(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
         // The random search cannot resolve the roots of balls with very small inertia.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
@@ -155,7 +156,7 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
     let mut newton = Workspace::default();
     let mut tried = 0;
     while tried < 300 {
-        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let Ok(contacts) = random_extreme_screw(&mut rng).scaled() else { continue };
         let contacts = contacts.with_inertia(1e-12 / contacts.inertia_ratio());
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let loaded = GrossSlipEquations(&contacts).state(&y).expect("a root").loaded;
@@ -210,7 +211,7 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut newton = Workspace::default();
     for _ in 0..300 {
-        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let Ok(contacts) = random_extreme_screw(&mut rng).scaled() else { continue };
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let state = GrossSlipEquations(&contacts).state(&y).expect("a root");
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
@@ -231,7 +232,7 @@ fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
     let mut work = ElasticWorkspace::default();
     let mut converged = 0;
     for _ in 0..1000 {
-        let mut screw = extreme(&mut rng);
+        let mut screw = random_extreme_screw(&mut rng);
         let speed = screw.point.drive.relative_speed();
         let apart = rng.log_uniform(1e-12, 0.1);
         screw.point.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };

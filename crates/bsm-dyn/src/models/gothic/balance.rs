@@ -36,7 +36,7 @@ const ROWS: [&str; UNKNOWNS] = [
 /// of the motion.
 const MAX_STEP: [f64; 2] = [0.5, 0.2];
 
-/// Node counts of the quadrature at the four contacts, which stay fixed near a root.
+/// Node counts of the quadrature at the four contacts, which are kept fixed near a root.
 #[derive(Default)]
 pub(super) struct FrozenRules([OnceCell<FrozenRule>; FLANKS]);
 
@@ -61,7 +61,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
 
-/// A loaded contact of the ball, with vectors as components along t, n and b.
+/// A loaded contact of the ball. Vectors have components along t, n and b.
 #[derive(Clone, Copy)]
 pub(super) struct Pressed<D> {
     /// Sine and cosine of the contact angle; the sine is negative at a far flank.
@@ -307,7 +307,7 @@ impl Balance<'_> {
         let point = &self.at.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.lead.1);
-        // These are the components of t × N along b at nut and screw.
+        // `nut` and `screw` are the components of t × N along b at nut and screw.
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
         // Without slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));

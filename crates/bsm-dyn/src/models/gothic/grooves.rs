@@ -172,8 +172,8 @@ impl<P: Scalar> Grooves<P> {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Returns the component of the distance between the two arc centers on a diagonal along the
-    /// principal normal \[m\].
+    /// Returns the component along the principal normal of the distance between the two arc centers
+    /// on a diagonal \[m\].
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
@@ -200,7 +200,8 @@ impl<P: Scalar> Grooves<P> {
         let moved = if body == 0 { [*w_b - *x_b, -*x_n - self.radial_gap] } else { [-*x_b, -*x_n] };
         let v = [moved[0] + c[0], moved[1] + c[1]];
         let length = (v[0].square() + v[1].square()).sqrt();
-        // This is the part of |C₀|² − l₀² that is due to the shift by play.
+        // `by_play` is the part of |C₀|² − l₀² that results from the shift of the arc centers due
+        // to play.
         let by_play = self.shift * (self.across[body] * 2.0 - self.shift);
         let by_motion =
             moved[0] * (moved[0] + c[0] * 2.0) + moved[1] * (moved[1] + c[1] * 2.0) - by_play;
@@ -230,8 +231,8 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the component of the distance between the two arc centers on a diagonal along the
-    /// binormal \[m\], for the middle position of the nut.
+    /// Returns the component along the binormal of the distance between the two arc centers on a
+    /// diagonal \[m\], for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
@@ -259,8 +260,8 @@ impl Grooves {
         self.normal_forces(place).1[0] * self.lead.1
     }
 
-    /// Returns the axial play \[m\] below which a far flank touches a ball that has two contacts,
-    /// or zero if no far flank touches the ball even without play.
+    /// Returns the axial play \[m\] below which a ball on two contacts also touches a far flank, or
+    /// zero if the ball does not touch a far flank even without play.
     ///
     /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {

@@ -12,8 +12,8 @@ use crate::models::ball::{NoAnswer, domain_error};
 /// represented by one ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicPair {
-    /// Ball of the nut that moves against its axial force. The ball of the other nut is the mirror
-    /// image, and its axial force drives the motion.
+    /// Ball of the nut that moves against its axial force. In the other nut, the axial force drives
+    /// the motion; the ball of that nut is the mirror image of this ball.
     pub driving: GothicBall,
     /// Offset of the nuts relative to each other, measured from first contact of both balls \[m\],
     /// positive.
@@ -46,8 +46,8 @@ impl GothicPair {
         self.driving.force_at_rest(0.5 * self.offset, work)
     }
 
-    /// Creates the pair of nuts in which the force between the nuts without friction and external
-    /// load is `preload` \[N\].
+    /// Creates a pair of nuts with a given preload \[N\], which is the force between the nuts
+    /// without friction and external load.
     ///
     /// # Errors
     ///

@@ -25,14 +25,14 @@ pub struct LossInterval {
 /// Number of random draws per operating point.
 const DRAWS: u32 = 250;
 
-/// Accuracy of the friction integrals in each draw. The error of a quantile due to the limited
-/// number of [`DRAWS`] is about one percent.
+/// Accuracy of the friction integrals in each draw. A higher accuracy would be useless, because the
+/// limited number of [`DRAWS`] causes an error of about one percent in each quantile.
 const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the twelve uncertain inputs of the lubricant model.
 const UNCERTAIN: [(f64, f64); 12] = [
-    // Factors for boundary friction, rolling force, and film ratio in the formula of the asperity
-    // load share.
+    // Factors for the boundary friction, for the rolling force, and for the film ratio λ in the
+    // formula ξ = e^{−1.4λ} for the asperity load share.
     (0.75, 1.25),
     (0.5 / 0.85, 1.2 / 0.85),
     (0.8 / 1.4, 2.3 / 1.4),
@@ -87,8 +87,8 @@ impl LubricatedBall {
         })
     }
 
-    /// Returns the operating point with the inputs of one random draw at an oil temperature \[K\],
-    /// for raceway control or traction. If `number` is `None`, the inputs stay unchanged.
+    /// Returns the operating point for raceway control or traction at an oil temperature \[K\],
+    /// with the inputs of one random draw. If `number` is `None`, the inputs stay unchanged.
     fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {
@@ -109,7 +109,7 @@ impl LubricatedBall {
         lubricant.film_factor *= factor(4) * film;
         // The rolling force must not depend on the uncertainty factor of the film thickness.
         lubricant.rolling_factor *= factor(1) / film;
-        // A larger exponent in the formula of the asperity load share has the same effect as
+        // In the formula for the asperity load share, a larger exponent has the same effect as
         // smoother surfaces.
         let rough = factor(3) / factor(2);
         let Roughness { ball, nut, screw: raceway } = lubricant.roughness;

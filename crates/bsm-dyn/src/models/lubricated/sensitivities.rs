@@ -15,7 +15,7 @@ use crate::models::workspace::ModelWorkspace;
 const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> LubricatedBall<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -50,8 +50,8 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         LubricatedBall { lubricant: self.lubricant.map(|x| x.re), model }
     }
 
-    /// Returns efficiency and torque with their derivatives at a temperature \[K\], and the total
-    /// power loss \[W\].
+    /// Returns efficiency and torque with their derivatives with respect to the inputs at a
+    /// lubricant temperature \[K\], and the total power loss \[W\].
     fn slopes(
         &self,
         kelvin: Jet<M>,

@@ -47,7 +47,7 @@ pub enum LubricatedModel<D = f64> {
 pub struct LubricatedBall<D = f64> {
     /// Lubricant that determines the friction.
     pub lubricant: Lubricant<D>,
-    /// Model with which the lubricated ball is solved.
+    /// Model that is used to solve for the lubricated ball.
     pub model: LubricatedModel<D>,
 }
 
@@ -69,8 +69,8 @@ pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
 }
 
 impl RacewayFriction {
-    /// Calculates the sliding powers for a friction coefficient of one, and the forces, moments and
-    /// power losses at both contacts of a rolling ball.
+    /// Calculates the forces, moments and power losses at both contacts of a rolling ball. Also
+    /// returns the sliding powers for a friction coefficient of one.
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
@@ -125,8 +125,8 @@ impl<D: Scalar> LubricatedBall<D> {
     }
 }
 
-/// Temperature step with which the lubricant temperature is searched upward from the ambient
-/// temperature \[K\].
+/// Temperature step of the search for the lubricant temperature \[K\]. The search proceeds upward
+/// from the ambient temperature.
 const TEMPERATURE_STEP: f64 = 5.0;
 
 /// Maximum lubricant temperature that the search considers \[K\].
@@ -136,7 +136,7 @@ const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
 impl LubricatedBall {
-    /// Returns the model with which the ball is solved.
+    /// Returns the model that is used to solve for the ball.
     pub fn name(&self) -> Model {
         match self.model {
             LubricatedModel::RacewayControl(..) => Model::RacewayControl,

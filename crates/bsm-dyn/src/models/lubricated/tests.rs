@@ -109,7 +109,7 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // The tolerance covers the error of the quadrature over the contact ellipse.
+    // The tolerance allows for the error of the quadrature over the contact ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
@@ -218,7 +218,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { at: screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
-        // The tolerance covers the quadrature errors of both efficiencies.
+        // The tolerance allows for the quadrature errors of both efficiencies.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }
 }
@@ -226,7 +226,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
 /// At very low speed, asperities carry the whole load, and rolling resistance is due to hysteresis
 /// alone. Perfectly smooth surfaces have no asperity contact.
 #[test]
-fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
+fn low_speed_leads_to_boundary_friction_and_smooth_surfaces_to_a_full_film() {
     let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
     assert!(film.nut.asperity_share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
     let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
@@ -295,8 +295,8 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
                         numbers.iter().all(|x| x.is_finite()),
                         "{axial} {rpm} {viscosity}: {film:?}"
                     );
-                    // The friction coefficient cannot exceed both the boundary friction coefficient
-                    // and the ratio of limiting shear stress to pressure.
+                    // The friction coefficient cannot exceed the larger of two values: the boundary
+                    // friction coefficient, and the ratio of limiting shear stress to pressure.
                     assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
                 }
             }

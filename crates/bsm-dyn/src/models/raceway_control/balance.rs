@@ -225,8 +225,8 @@ impl Balance<'_> {
         solve(self, x, &scales, &options, newton).report
     }
 
-    /// Returns the largest difference of the cotangents on the flanks. At this difference, the
-    /// contact angle at the screw is 90 degrees.
+    /// Returns the largest difference of the cotangents for which both contacts are on their
+    /// flanks. At this difference, the contact angle at the screw is 90 degrees.
     fn farthest(&self) -> f64 {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_component() - self.statics.radial_distance

@@ -9,7 +9,8 @@ use crate::models::ball::{BallContacts, ElasticContacts, LoadedContact, ScaledBa
 
 /// Minimum ratio of the relative difference of the spin moments to `$\Delta c$` (W16)
 /// (dimensionless). Above this ratio, (W7) selects the same controlling raceway for the
-/// nut-controlled and for the screw-controlled ball. The margin covers terms of higher order.
+/// nut-controlled and for the screw-controlled ball. The limit exceeds one because (W16) neglects
+/// terms of higher order.
 const CONTROL_MARGIN: f64 = 4.0;
 
 /// A ball between elastic raceways with the inputs of the raceway-control model, for one point or

@@ -86,8 +86,8 @@ impl<F: Real> RollingRoot<F> {
         found = found & excess.abs().gt(min_excess);
         let is_screw_unique = screw.is_unique(found);
 
-        // If the two sides of (W7) are nearly equal, this criterion must not select the screw when
-        // it is evaluated for the screw-controlled ball.
+        // If the two sides of (W7) are nearly equal, this criterion is also evaluated for the
+        // screw-controlled ball, where it must not select the screw.
         let close = found & by_nut & !ball.is_control_clear(&sides, excess);
         if F::any(close) {
             let mut other = LaneIterate { has_ended: !close, ..at };

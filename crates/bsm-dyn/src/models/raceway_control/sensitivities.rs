@@ -15,7 +15,8 @@ use crate::models::ball::{
 type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives for a fixed controlling raceway.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs, for a fixed
+    /// controlling raceway.
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,

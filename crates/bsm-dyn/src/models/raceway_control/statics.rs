@@ -229,7 +229,7 @@ impl<F: Real> StaticBalance<F> {
     pub(super) fn is_unique(&self, requested: F::Mask) -> F::Mask {
         let (nut, unloaded) = (self.nut_speed, self.unloaded_cot);
         let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
-        // μ cosα |P|/W < 2, with the largest |P| that may increase        (W17)
+        // μ cosα ρ < 2, where ρ is an upper bound of |P|/W if |P| increases with c        (W17)
         let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
         let mut bound = self.inertia * outwards.square();
         for _ in 0..MAX_BOUND_STEPS {
@@ -299,8 +299,8 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
     }
 }
 
-/// Evaluation of the precession rate `$P/W$` for increasing differences of the cotangents. The
-/// result is zero if the flanks would hold a larger centrifugal force than any ball has.
+/// Evaluation of the precession rate `$P/W$` for increasing differences of the cotangents. Above
+/// the largest difference that any root can have, the rate is not evaluated but set to zero.
 pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
     /// Differences of the cotangents, in ascending order.

@@ -36,7 +36,7 @@ const SLIP_UNIT: f64 = 1e-12;
 
 /// Minimum ratio of the first-order slip at contact A to the slip `$e_1 p$` of a ball that rolls at
 /// contact B (dimensionless). Above this ratio, the slip at A does not change its sign near the
-/// beginning of the branch, so its unknown may be a logarithm.
+/// beginning of the branch, so the logarithm of the slip can be used as an unknown.
 const MIN_CLEAR_SLIP: f64 = 0.01;
 
 /// Ratio of centrifugal force to friction force (dimensionless) at which the branch begins.
@@ -105,7 +105,7 @@ pub(super) struct BranchRoots {
     /// admissible motion.
     pub(super) nearest_inertia: Option<f64>,
     /// True if the branch was followed to its end or far enough beyond the actual inertia, or if
-    /// the motion at its beginning is not admissible.
+    /// the motion at the beginning of the branch is not admissible.
     pub(super) is_complete: bool,
 }
 
@@ -213,8 +213,8 @@ impl<'a> Branch<'a> {
         z
     }
 
-    /// Returns the scaled difference between the inertia at a point of the branch and the actual
-    /// inertia, which is between -1 and 1. The second value is the derivative of this difference
+    /// Returns the difference between the inertia at a point of the branch and the actual inertia,
+    /// scaled to the range from -1 to 1. The second value is the derivative of this difference
     /// along the direction `way`.
     fn excess(&self, z: &[f64; BRANCH], way: &[f64; BRANCH]) -> (f64, f64) {
         let per_load = self.ball.inertia_ratio * (-z[LOG_INERTIA]).exp();
@@ -249,8 +249,8 @@ fn least_slip(motion: &RigidMotion<f64>) -> f64 {
 }
 
 impl RigidBall<f64> {
-    /// Returns true if the slip at contact B in the first-order solution is opposite to the
-    /// friction there. Otherwise, no branch begins at zero inertia.
+    /// Returns true if, in the first-order solution, the slip at contact B is opposite to the
+    /// friction at this contact. Otherwise, no branch begins at zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
@@ -287,7 +287,8 @@ impl RigidBall<f64> {
                 }
                 // The branch ends where the ball would roll, a contact load would become negative,
                 // or a slip would reverse. If the branch begins beyond the point at which the ball
-                // rolls, its first point at the actual inertia decides whether a root exists.
+                // rolls, the first point of the branch at the actual inertia decides whether a root
+                // exists.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
                     !(admissible && slides)

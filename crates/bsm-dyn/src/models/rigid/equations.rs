@@ -87,8 +87,8 @@ impl RigidEquations<f64> {
         Ok(self.residual(&Unknowns::from(*y))?.into())
     }
 
-    /// Returns the equations in the more accurate of the two precession rates, together with the
-    /// unknowns of the given motion.
+    /// Returns the equations whose unknown is the more accurate of the two precession rates,
+    /// together with the values of the unknowns for the given motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
         let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
@@ -190,8 +190,8 @@ mod tests {
             let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
             let variables = Unknowns::from_fn(|i, _| Jet::<BALL>::variable(y[i], i));
             let jets = case.residual(&variables).expect("in the domain");
-            // The tolerance covers the truncation error h²/6 F''', where F''' is at most 1e4, and
-            // the rounding error 1e-16/h.
+            // The tolerance allows for the truncation error h²/6 F''', where F''' is at most 1e4,
+            // and for the rounding error 1e-16/h.
             for j in 0..BALL {
                 // The last unknown is the product of spin and inertia (R5), so its step corresponds
                 // to a step of 1e-4 in the spin.

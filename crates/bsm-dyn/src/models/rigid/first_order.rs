@@ -64,7 +64,7 @@ pub struct FirstOrder<F: Real = f64> {
     pub slip: F,
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
     pub spin: F,
-    /// Multiplicity number (R45). Several roots can exist only if it is large.
+    /// Multiplicity number (R45). Several roots can exist only if this number is large.
     pub multiplicity: F,
     /// True if a second root is excluded by the limits found in random tests.
     pub is_unique: F::Mask,

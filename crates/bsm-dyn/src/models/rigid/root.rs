@@ -149,7 +149,7 @@ fn first_on(
     Some(Ok(BallRoot { alternatives, ..first }))
 }
 
-/// Returns the reason why no root exists if the first-order solution excludes a root. Inertia must
+/// If the first-order solution excludes a root, returns the reason why no root exists. Inertia must
 /// be small, and the existence margin must be larger than the error of the first-order solution.
 ///
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
@@ -164,7 +164,7 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     let reason = if first.rate == 0.0 {
         Reason::BallDoesNotCircle
     } else if first.load <= 0.0 {
-        // The difference between the two terms is the denominator of the loads (R17).
+        // The difference between these two terms is the denominator of the load formula (R17).
         let (sin_contact_angle, friction_term) = locking_terms(ball);
         if friction_term - sin_contact_angle < error * friction_term {
             return None;
@@ -185,9 +185,9 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     Some(NoAnswer::none(Evidence::Bound, reason))
 }
 
-/// Returns the given verdict that no root exists. However, if the first-order solution indicates a
-/// root by a margin larger than its error, returns that the search failed, because rounding errors
-/// of large loads near self-locking can affect the sweeps and the continuation.
+/// Returns the given verdict that no root exists, unless the first-order solution indicates a root
+/// by a margin larger than its error. In that case, the function reports a failed search, because
+/// rounding errors of large loads near self-locking can affect the sweeps and the continuation.
 fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;

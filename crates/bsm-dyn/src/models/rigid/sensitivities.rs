@@ -10,7 +10,7 @@ use crate::contact::efficiency;
 use crate::models::ball::{BALL, NoAnswer, Performance, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Rigid<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,

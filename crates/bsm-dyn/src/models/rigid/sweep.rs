@@ -28,7 +28,7 @@ pub(super) struct Directions<F> {
     norms: [F; 2],
 }
 
-/// Unknowns of the rigid equations for given friction directions.
+/// Values of the unknowns of the rigid equations for given friction directions.
 pub(super) struct SweepState<F> {
     /// Ratio of the load at A' (unloaded flank of the nut) to the centrifugal force, `$\kappa =
     /// Q_{A'}/M$`.

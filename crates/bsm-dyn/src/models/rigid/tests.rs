@@ -16,7 +16,7 @@ use super::first_order::{
     MIN_STEEP_SINE, UNIQUE_INERTIA, UNIQUE_MAX_FRICTION, UNIQUE_MIN_RATE, UNIQUE_MULTIPLICITY,
 };
 use super::*;
-use crate::extreme::extreme;
+use crate::extreme::random_extreme_screw;
 use crate::models::ball::Workspace;
 use crate::{Ball, Coulomb, Evidence, Load, Reason, Status};
 
@@ -29,14 +29,14 @@ const STARTS: usize = 200;
 const NO_SOLUTION: usize = 100;
 
 /// Returns a random screw within the extreme ranges of the inputs.
-fn screw(rng: &mut impl Rng) -> OperatingPoint {
-    extreme(rng).point
+fn random_extreme_point(rng: &mut impl Rng) -> OperatingPoint {
+    random_extreme_screw(rng).point
 }
 
 /// Returns a starting value from random slip directions at the contacts A, A' and B, or `None` if a
 /// contact would act in tension. Loads and precession rate are calculated from the force balance,
 /// the slip at A from the slip direction at B, and the spin from the moment balance about t.
-fn start(
+fn random_start(
     point: &OperatingPoint,
     ball: &RigidBall,
     rng: &mut impl Rng,
@@ -92,7 +92,7 @@ fn roots_from_random_starts(
 ) -> Vec<BallRoot> {
     let (mut started, mut found) = (0, Vec::<BallRoot>::new());
     for _ in 0..DIRECTIONS {
-        let Some((case, mut y)) = start(rigid, ball, rng) else { continue };
+        let Some((case, mut y)) = random_start(rigid, ball, rng) else { continue };
         started += 1;
         for _ in 0..3 {
             // The weights of the equations are recalculated for every iterate.
@@ -220,7 +220,7 @@ fn count_second_roots(counts: [usize; 2]) {
     let mut work = RigidWorkspace::default();
     let draws = [
         ("practice", practical_point as fn(&mut ChaCha8Rng) -> OperatingPoint),
-        ("extremes", screw),
+        ("extremes", random_extreme_point),
     ];
     for ((name, draw), count) in draws.into_iter().zip(counts) {
         let (mut tried, mut several, mut unknown) = (0, 0, 0);
@@ -345,7 +345,11 @@ fn sweeps_and_continuation_find_the_same_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let (mut compared, mut lost) = (0, 0);
     for number in 0..campaign(4000) {
-        let rigid = if number % 2 == 0 { practical_point(&mut rng) } else { screw(&mut rng) };
+        let rigid = if number % 2 == 0 {
+            practical_point(&mut rng)
+        } else {
+            random_extreme_point(&mut rng)
+        };
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
         let swept = case.sweeps(&first);
@@ -421,9 +425,8 @@ fn slowly_orbiting_points() -> [OperatingPoint; 4] {
 
 /// Inertia forces are proportional to the square of the precession rate, so inertia cannot reverse
 /// the precession. In an earlier version, the continuation began beyond the root of the first
-/// operating point. A search that varied the inertia over its whole range failed because the load
-/// at the unloaded flank of the nut, which is 1e-18 times the axial load, was lost in rounding
-/// errors.
+/// operating point. A search that varied the inertia over its whole range also failed: the load at
+/// the unloaded flank of the nut is 1e-18 times the axial load and was lost in rounding errors.
 #[test]
 fn slowly_orbiting_ball_has_a_root() {
     for point in slowly_orbiting_points() {
@@ -635,7 +638,7 @@ fn root_exists_at_reported_nearest_inertia() {
     let mut work = RigidWorkspace::default();
     let mut named = 0;
     while named < 50 {
-        let rigid = screw(&mut rng);
+        let rigid = random_extreme_point(&mut rng);
         let solution = Rigid { point: rigid }.solve(&mut work);
         let Some(Reason::NoRootAtInertia { inertia_ratio, nearest }) = solution.reason() else {
             continue;
@@ -652,7 +655,7 @@ fn root_exists_at_reported_nearest_inertia() {
 /// In the limit of large inertia, the precession rate of a screw drive is inversely proportional to
 /// the square root of the inertia, and the loads are constant.
 #[test]
-fn precession_rate_is_inversely_proportional_to_the_square_root_of_large_inertia() {
+fn precession_rate_scales_with_inverse_square_root_of_inertia_if_inertia_is_large() {
     let lin = |axial| {
         operating_point(
             [10.0_f64.to_radians(), 45.0_f64.to_radians()],

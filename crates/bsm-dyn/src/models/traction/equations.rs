@@ -37,7 +37,7 @@ pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
 pub(super) const ROOT: f64 = 1e-10;
 
 /// Scaled residual below which Newton steps reuse the Jacobian. If the square root of the residual
-/// goal is larger, it is used instead.
+/// goal exceeds this constant, the square root is used as the limit instead.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Ratio of nut speed to relative speed above which the unknown precession rate is measured
@@ -133,7 +133,7 @@ pub(super) struct ContactGeometry<D> {
 
 /// Distances from the ball center to the centers of the groove arcs.
 struct ArcDistances<D> {
-    /// Cube roots of the normal loads, divided by the axial load per ball.
+    /// Cube roots of the ratios of normal load to axial load per ball.
     growth: [D; 2],
     lengths: [D; 2],
 }
@@ -424,7 +424,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.residual_goal >= COARSE_RESIDUAL
     }
 
-    /// Returns the difference between the precession rate and the unknown that represents it.
+    /// Returns the difference between the precession rate and the unknown that represents it in the
+    /// equations.
     ///
     /// If the nut speed is large compared with the relative speed, or if the ball almost sticks to
     /// the nut, the difference is the nut speed. This avoids cancellation in the slip. Otherwise,
@@ -615,8 +616,8 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns an upper estimate of the friction force at the nut, for a slip as large as the
-    /// velocities from whose difference the slip is calculated (T11).
+    /// Returns an upper estimate of the friction force at the nut. It assumes that the slip is as
+    /// large as the velocities whose difference is the slip (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {

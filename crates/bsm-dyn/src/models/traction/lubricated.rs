@@ -191,7 +191,7 @@ impl<const M: usize> Traction<Jet<M>> {
     }
 
     /// Returns the operating point in scaled units and the steady state of the lubricated ball,
-    /// both with derivatives.
+    /// both with derivatives with respect to the inputs.
     ///
     /// * `values`: the lubrication data `ehl` without derivatives.
     ///

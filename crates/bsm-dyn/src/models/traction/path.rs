@@ -43,8 +43,8 @@ pub(super) const STEP_CONTROL: StepControl = StepControl {
 /// Direction in the space of the path unknowns in which only the path parameter increases.
 const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Angle \[rad\] by which a contact may be beyond the end of its flank and still count as being on
-/// the flank. It allows for rounding errors under large loads.
+/// Angle \[rad\] by which a contact angle may exceed the limit of its flank and still count as
+/// being on the flank. It allows for rounding errors under large loads.
 const FLANK_ANGLE_TOL: f64 = 1e-6;
 
 /// Result of following a path of increasing inertia forces.
@@ -135,8 +135,8 @@ impl SlipBall<'_> {
         !are_on_flanks(self.angles(y), margin)
     }
 
-    /// Returns true if a contact angle is more than π/2 beyond its flank. The path is then not
-    /// expected to return to the flanks.
+    /// Returns true if a contact angle is more than π/2 beyond its flank. It is then unlikely that
+    /// the path returns to the flanks.
     fn is_far(&self, z: &[f64; PATH]) -> bool {
         self.is_off_flank(&ball(z), FRAC_PI_2)
     }
@@ -208,8 +208,8 @@ impl SlipBall<'_> {
     /// Follows the path of increasing inertia forces from a ball without inertia to the first root
     /// with both contacts on their flanks.
     ///
-    /// * `sense`: 1 if the precession rate in the inertia forces moves toward the precession rate
-    ///   of the ball without inertia, and -1 if it moves away.
+    /// * `sense`: 1 if the precession rate that determines the inertia forces moves toward the
+    ///   precession rate of the ball without inertia, and -1 if it moves away from that rate.
     fn beginning_at_rest(
         &self,
         y: &[f64; BALL],

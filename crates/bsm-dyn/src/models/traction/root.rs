@@ -52,7 +52,7 @@ pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
 }
 
 impl<P: Copy> SlipBall<'_, P> {
-    /// Returns the equations for the set of unknowns in which a root is given.
+    /// Returns the equations in the set of unknowns that the given root uses.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
         Self { uses_nut_angle: root.uses_nut_angle, ..*self }
     }
@@ -208,8 +208,9 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns an error bound of the efficiency due to the quadrature (T25), estimated by a second
-    /// quadrature rule. If the estimate fails, the bound is the whole power loss.
+    /// Returns an error bound of the efficiency due to the quadrature (T25), estimated with a
+    /// second quadrature rule. If the estimate fails, the whole power loss is returned as the error
+    /// bound.
     ///
     /// * `accuracy`: accuracy of the quadrature with which the root was found.
     /// * `found`: residuals and torque at the root, evaluated with the second quadrature rule.

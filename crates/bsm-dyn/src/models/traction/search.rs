@@ -12,8 +12,8 @@ use crate::models::ball::{Evidence, NoAnswer, Reason, Workspace};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
-/// Onset number (dimensionless) above which Newton's method starts from the skidding ball before
-/// the rolling ball.
+/// Onset number (dimensionless) above which Newton's method starts first from the skidding ball and
+/// then from the rolling ball.
 const SKID_ONSET: f64 = 0.5;
 
 /// Starting values of Newton's method.

@@ -11,8 +11,8 @@ use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, for the accuracy and the creep speed
-    /// of the model.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs, for the
+    /// accuracy and the creep speed of the model.
     ///
     /// # Errors
     ///
@@ -31,7 +31,8 @@ impl<const M: usize> Traction<Jet<M>> {
         self.sensitivities_at(&root, work)
     }
 
-    /// Returns efficiency and torque with their derivatives at a root that is already known.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs, at a root
+    /// that is already known.
     pub(crate) fn sensitivities_at(
         &self,
         root: &SlipRoot,

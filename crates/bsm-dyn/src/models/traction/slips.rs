@@ -127,7 +127,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::extreme::practical;
+    use crate::extreme::random_practical_screw;
     use crate::hertz::Quadrature;
     use crate::models::raceway_control::RollingBall;
 
@@ -137,7 +137,7 @@ mod tests {
     ) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
-            let Ok(contacts) = practical(&mut rng).scaled() else { continue };
+            let Ok(contacts) = random_practical_screw(&mut rng).scaled() else { continue };
             let Ok(rolling_ball) = RollingBall::guess(&contacts) else { continue };
             let ball = SlipBall::of_contacts(&contacts, &quadrature, 1e-4);
             let y = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
@@ -212,8 +212,8 @@ mod tests {
                 [part, -part].map(|part| ball.with_slips(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
-                // The tolerance covers the truncation error of the central difference and rounding
-                // errors of the precession rates.
+                // The tolerance allows for the truncation error of the central difference and for
+                // rounding errors of the precession rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

@@ -13,16 +13,16 @@ use rand_chacha::ChaCha8Rng;
 use super::equations::{Evaluation, OMEGA};
 use super::*;
 use crate::contact::{Wrench, torque};
-use crate::extreme::{extreme, practical};
+use crate::extreme::{random_extreme_screw, random_practical_screw};
 use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
-/// Returns the random extreme operating point that belongs to a seed and a number.
+/// Returns a random extreme operating point for a given seed and a given number.
 fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
-    extreme(&mut rng)
+    random_extreme_screw(&mut rng)
 }
 
 fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
@@ -200,7 +200,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(seed));
     let (mut answered, mut broken, mut largest) = (0, [0; 3], [0.0_f64; 3]);
     for _ in 0..points {
-        let screw = practical(&mut rng);
+        let screw = random_practical_screw(&mut rng);
         let mut solved = |accuracy| {
             let case = Traction { at: screw, accuracy, creep: Traction::CREEP };
             case.solve(&mut work).answer.ok()
@@ -218,10 +218,10 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
     (answered, broken, largest)
 }
 
-/// The error bound covers the quadrature error at nearly all points, and the error at the default
+/// The error bound exceeds the quadrature error at nearly all points, and the error at the default
 /// accuracy is below 1e-7.
 #[test]
-fn error_bound_covers_the_quadrature_error() {
+fn error_bound_exceeds_the_quadrature_error() {
     let (points, broken, largest) = count_violated_error_bounds(1994, 1000);
     assert!(points > 900);
     // At the coarsest accuracy, a quadrature with eight nodes is compared with a quadrature with
@@ -234,7 +234,7 @@ fn error_bound_covers_the_quadrature_error() {
 /// --lib quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn error_bound_covers_the_quadrature_error_at_many_points() {
+fn error_bound_exceeds_the_quadrature_error_at_many_points() {
     let (points, broken, largest) = count_violated_error_bounds(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
@@ -249,7 +249,11 @@ fn equations_agree_with_force_and_moment_vectors() {
     let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];
     for number in 0..400 {
-        let screw = if number % 4 == 0 { extreme(&mut rng) } else { practical(&mut rng) };
+        let screw = if number % 4 == 0 {
+            random_extreme_screw(&mut rng)
+        } else {
+            random_practical_screw(&mut rng)
+        };
         let Ok(contacts) = screw.scaled() else { continue };
         let creep = Traction::CREEP * contacts.slip_scale();
         let uses_nut_angle = number % 2 == 1;
@@ -279,11 +283,11 @@ fn equations_agree_with_force_and_moment_vectors() {
         let motion = contacts.absolute(&to_nut, &loaded.frame);
         let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
-        // The rounding error is proportional to the largest normal force, inertia force, friction
-        // moment or gyroscopic moment.
+        // In scaled units, the rounding error is proportional to the largest of four quantities:
+        // the normal force, the inertia force, the friction moment and the gyroscopic moment.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        // The precession rate relative to the nut is the difference between the precession rate and
-        // the nut speed, so its rounding error depends on both.
+        // The precession rate relative to the nut is the difference between the absolute precession
+        // rate and the nut speed, so the rounding error of this difference depends on both.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
         let centrifugal = contacts.inertia_ratio() * rate.abs() * rates;
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
@@ -305,7 +309,7 @@ fn equations_agree_with_force_and_moment_vectors() {
     assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
 }
 
-/// Compares the derivatives with respect to each unknown with central differences.
+/// Compares the derivatives of the residual with respect to each unknown with central differences.
 #[test]
 fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
@@ -314,7 +318,7 @@ fn jacobian_matches_finite_differences_of_the_residual() {
     let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
     let mut seen = 0;
     for number in 0..60 {
-        let Ok(contacts) = practical(&mut rng).scaled() else { continue };
+        let Ok(contacts) = random_practical_screw(&mut rng).scaled() else { continue };
         let uses_nut_angle = number % 2 == 1;
         let ball =
             SlipBall { uses_nut_angle, ..SlipBall::of_contacts(&contacts, &quadrature, creep) };
@@ -338,8 +342,8 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
-                // The tolerance covers the truncation error and the rounding error of the central
-                // difference (1e-10 each), and the effect of changing node counts.
+                // The tolerance allows for the truncation error and the rounding error of the
+                // central difference (1e-10 each), and for the effect of changing node counts.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

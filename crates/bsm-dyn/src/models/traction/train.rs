@@ -29,7 +29,7 @@ const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
-    /// Given precession rate, in the same form as the corresponding unknown of a free ball.
+    /// Given precession rate, measured in the same way as the corresponding unknown of a free ball.
     precession: f64,
 }
 
@@ -75,7 +75,7 @@ impl Equations<BALL> for TrainEquations<'_> {
 
 impl SlipBall<'_> {
     /// Returns the directional derivative of the residuals with respect to the forces of both
-    /// neighbors, in which the residuals are linear.
+    /// neighbors. The residuals are linear in these forces.
     ///
     /// * `[front, back]`: direction, with one component each for the forces of the balls in front
     ///   and behind.

@@ -20,7 +20,7 @@ struct Tally {
     most_steps: usize,
 }
 
-fn campaign(
+fn run_campaign(
     screws: impl Iterator<Item = ElasticPoint>,
     mut solve: impl FnMut(ElasticPoint) -> Solution,
 ) -> Tally {
@@ -50,7 +50,7 @@ fn traction_converges_for_random_screws() {
     let mut work = TractionWorkspace::default();
     let mut solve =
         |screw| Traction { at: screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
-    let tally = campaign(real_screws(2026), &mut solve);
+    let tally = run_campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
     // Results whose power balance has an error above 1e-9 are rejected; the largest observed error
@@ -58,7 +58,7 @@ fn traction_converges_for_random_screws() {
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
     // In this campaign, the centrifugal forces reach thousands of times the load, and a root is
     // found for 98.7 % of the screws.
-    let all = campaign(screws(2026), &mut solve);
+    let all = run_campaign(screws(2026), &mut solve);
     println!("{all:?}");
     assert!(all.converged >= 1970 && all.worst_balance <= 1e-9, "{all:?}");
 }
@@ -66,7 +66,7 @@ fn traction_converges_for_random_screws() {
 #[test]
 fn elastic_model_converges_if_a_root_exists() {
     let mut work = ElasticWorkspace::default();
-    let tally = campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
+    let tally = run_campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
     println!("{tally:?}");
     // A few screws have such large inertia forces (thousands of times the load) that no root
     // exists.
@@ -90,8 +90,8 @@ fn errors_of_the_automatic_choice_are_within_their_bounds() {
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
         let tried = check_error_bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
-        // Outside the ranges of inputs for which the bounds were fitted, they may be violated at up
-        // to 2 % of the points.
+        // Outside the ranges of inputs for which the error bounds were fitted, up to 2 % of the
+        // points may violate their bounds.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }

@@ -91,7 +91,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
 /// The onset number separates rolling balls from sliding balls at every lead angle; the skid number
 /// does not.
 #[test]
-fn the_onset_number_separates_rolling_from_sliding() {
+fn onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
@@ -184,8 +184,8 @@ fn points_without_a_solution_report_the_correct_reason() {
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
 
-/// In an earlier version, the root was extrapolated at a millionth of practical speeds, and it
-/// violated the power balance.
+/// In an earlier version, roots at a millionth of practical speeds were obtained by extrapolation
+/// and violated the power balance.
 #[test]
 fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
@@ -265,8 +265,9 @@ fn root_beyond_the_flank_is_not_a_solution() {
     assert!(*nut < 0.0, "{nut}");
 }
 
-/// In an earlier version, the slip at the screw lost accuracy at low speed, because the large spin,
-/// which is of order 1/P, canceled. As a result, an accurate root violated the power balance.
+/// In an earlier version, the slip at the screw lost accuracy at low speed, because large terms
+/// with the spin, which is of order 1/P, canceled. As a result, an accurate root violated the power
+/// balance.
 #[test]
 fn power_balance_holds_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
@@ -292,7 +293,7 @@ fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
 #[test]
 fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
-    // This closure returns the feed drive that is used in the examples.
+    // The closure returns the feed drive that is used in the examples, with a given contact angle.
     let feed_drive = |contact_angle: f64| {
         let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
         with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {
@@ -336,8 +337,8 @@ proptest! {
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
             // Friction always causes a power loss.
             prop_assert!((torque - ideal) * speed > 0.0);
-            // The residual of the equations is 1e-10, and the error of the power balance is divided
-            // by the input power.
+            // The tolerance follows from the residual of the equations, which is at most 1e-10. The
+            // error of the power balance is divided by the input power.
             prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
             prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }

@@ -101,7 +101,7 @@ pub(crate) fn inertia_ratio(screw: &ElasticPoint) -> f64 {
     screw.point.ball.mass * screw.point.helix.radius * speed * speed / screw.point.load.per_ball()
 }
 
-/// Returns random screws that can be operated in practice. The centrifugal force `$m r_m P^2$`,
+/// Returns random screws that can be operated in practice. Their centrifugal force `$m r_m P^2$`,
 /// about a third of `$m r_m W^2$`, is below the axial load. A larger centrifugal force would move
 /// the ball to the bottom of the nut groove, where the opposite flank also carries load.
 pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {

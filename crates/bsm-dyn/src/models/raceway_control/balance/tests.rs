@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::extreme::extreme;
+use crate::extreme::random_extreme_screw;
 use crate::models::ball::ElasticPoint;
 use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
 
@@ -149,7 +149,7 @@ fn scan_finds_no_second_root_below_the_inertia_limit() {
     let mut newton = Workspace::default();
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
-        let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
+        let Ok(contacts) = random_extreme_screw(&mut rng).scaled() else { continue };
         // Very small inertia has no significant effect on the contact angles, so such points are
         // skipped.
         if contacts.inertia_ratio() < 1e-2 {
