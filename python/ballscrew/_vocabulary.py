@@ -41,11 +41,11 @@ class CaseFields(_core.Case):
 
 for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
     _unless = f"; defaults to {_default:g}" if _default is not None else ""
-    setattr(CaseFields, _name, _property(_core.Case.number, _place, float | None, _about, _unit, _unless))
+    setattr(CaseFields, _name, _property(_core.Case._number, _place, float | None, _about, _unit, _unless))
 
 
 for _name, _about, *_ in _core.case_choices():
-    setattr(CaseFields, _name, _property(_core.Case.entry, _name, Any, _about, ""))
+    setattr(CaseFields, _name, _property(_core.Case._entry, _name, Any, _about, ""))
 
 
 class SolutionFields(_core.Solution):
@@ -54,8 +54,8 @@ class SolutionFields(_core.Solution):
     __slots__ = ()
 
 
-_NUMBER = _core.Solution.number, float
-_KINDS = {"boolean": (_core.Solution.flag, bool | None), "string": (_core.Solution.word, str | None)}
+_NUMBER = _core.Solution._number, float
+_KINDS = {"boolean": (_core.Solution._flag, bool | None), "string": (_core.Solution._word, str | None)}
 
 for _place, (_name, _unit, _about, _kind, _, _analysis) in enumerate(_core.outputs()):
     if _analysis is None:

@@ -34,11 +34,13 @@ impl Case {
     }
 
     /// Returns the input with the given index, or `None` if the case does not contain it.
+    #[pyo3(name = "_number")]
     fn number(&self, place: usize) -> Option<f64> {
         self.0[*InputKey::ALL.get(place)?]
     }
 
     /// Returns an input that is not a number, or `None` if the case does not contain it.
+    #[pyo3(name = "_entry")]
     fn entry(&self, name: &str) -> Result<Object> {
         let unknown = || Error::from(format!("no input is named `{name}`"));
         self.0.nut.get(name).map(Object).ok_or_else(unknown)

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::dataset::{
-    Dataset, DatasetError, Event, FolderScan, Part, Plan, Points, solve_part,
+    Dataset, DatasetError, Event, FolderScan, Part, Plan, PlanError, Points, solve_part,
 };
 use bsm_batch::{TableFormat, Task, Workers};
 use bsm_case::Grid;
@@ -25,7 +25,8 @@ fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<Named
     file()
 }
 
-fn planned(why: String) -> Error {
+#[expect(clippy::needless_pass_by_value, reason = "the function is passed to map_err")]
+fn planned(why: PlanError) -> Error {
     Error::from(format!("the plan: {why}"))
 }
 

@@ -104,16 +104,19 @@ impl Solution {
     }
 
     /// Returns the numeric output with the given index, or NaN if it is missing.
+    #[pyo3(name = "_number")]
     fn number(&self, place: usize) -> f64 {
         self.value(place).unwrap_or(f64::NAN)
     }
 
     /// Returns the boolean output with the given index.
+    #[pyo3(name = "_flag")]
     fn flag(&self, place: usize) -> Option<bool> {
         self.value(place).map(|flag| flag > 0.5)
     }
 
     /// Returns the text output with the given index.
+    #[pyo3(name = "_word")]
     fn word(&self, place: usize) -> Option<&'static str> {
         OUTPUTS.get(place)?.word(self.number(place))
     }

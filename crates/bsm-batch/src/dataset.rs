@@ -38,7 +38,7 @@ use tempfile::NamedTempFile;
 pub use self::error::{DatasetError, PartDefect};
 pub use self::folder::MakeTemporary;
 pub use self::part::Part;
-pub use self::plan::{Estimate, MAX_PARTS, Plan, RESULTS};
+pub use self::plan::{Estimate, MAX_PARTS, Plan, PlanError, RESULTS};
 pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};
@@ -233,7 +233,7 @@ impl Dataset {
     pub fn open(folder: &Path, make: MakeTemporary) -> Result<Self, DatasetError> {
         let folder = Folder::new(folder, make);
         let plan = Plan::from_text(&folder.read_plan()?)
-            .map_err(|why| DatasetError::NotAPlan { path: folder.plan(), why })?;
+            .map_err(|why| DatasetError::NotAPlan { path: folder.plan(), why: why.to_string() })?;
         Ok(Self { folder, plan })
     }
 

@@ -1,4 +1,4 @@
-//! Converts case files to problems in SI units.
+//! Conversion of case files to problems in SI units.
 
 pub(crate) mod axis;
 pub(crate) mod catalog;

@@ -1,5 +1,5 @@
 //! Names of inputs and outputs with their units, rules and meanings, and the tables of quantities
-//! that answers contain.
+//! from which answers are built.
 
 pub(crate) mod answer;
 pub(crate) mod cells;

@@ -228,7 +228,15 @@ impl ModelArgs {
             ..named
         };
         let checked = named.and_then(|named| with_numbers(named).checked());
-        checked.map_err(|error| Failure::input("--model", &error))
+        checked.map_err(|error| Failure::input(Self::option_of(&error), &error))
+    }
+
+    /// Returns the option that caused an error in the settings.
+    fn option_of(error: &CaseError) -> &'static str {
+        const OPTIONS: [&str; 5] =
+            ["--tolerance", "--accuracy", "--creep", "--control", "--friction"];
+        let is_cause = |option: &&str| error.key() == Some(option.trim_start_matches('-'));
+        OPTIONS.into_iter().find(is_cause).unwrap_or("--model")
     }
 
     /// Returns true if any model setting is given.

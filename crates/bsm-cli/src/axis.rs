@@ -57,7 +57,7 @@ fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Fa
         let format = args.table.format()?;
         let bytes = read(table, MAX_TABLE_BYTES)?;
         let cycle = PhaseEntry::from_csv(&bytes, &format);
-        case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
+        case.entries.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
     } else {
         args.table.only_with("--cycle")?;
     }

@@ -33,7 +33,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     let folder = args.folder.as_path();
     let parts = open(folder)?;
     let task = parts.plan().task();
-    let task = task.map_err(|why| Failure::in_case(&folder.join("plan.json"), &why))?;
+    let task = task.map_err(|why| Failure::in_case(&folder.join("plan.json"), &why.to_string()))?;
     let points = parts.points(args.points.as_deref(), workers);
     let points = points.map_err(|error| failed(folder, error))?;
     let all = parts.plan().parts();
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
 
 /// Prints a plan together with its estimated computing time and size.
 pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
-    let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why))?;
+    let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why.to_string()))?;
     let hours = estimate.core_seconds / 3600.0;
     #[expect(
         clippy::cast_possible_truncation,

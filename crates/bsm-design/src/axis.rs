@@ -35,8 +35,8 @@ pub struct Mount {
     pub diameter: Option<f64>,
     /// Bore diameter \[m\], and density of the material in the bore \[kg/m³\].
     pub bore: (f64, f64),
-    /// End supports and length \[m\] of the section that may buckle, if they differ from the values
-    /// of [`EndFixity::of_buckling`].
+    /// End supports and length \[m\] of the section that may buckle. The end supports default to
+    /// [`EndFixity::of_buckling`], and the length defaults to the length of the shaft.
     pub buckling: (Option<EndFixity>, Option<f64>),
 }
 
@@ -46,7 +46,7 @@ impl Mount {
         self.overrun.unwrap_or(OVERRUN_LEADS * lead)
     }
 
-    /// Returns the length of the thread \[m\], which is the sum of stroke, nut length and the
+    /// Returns the length of the thread \[m\]: the sum of the stroke, the nut length and the
     /// overruns at both ends.
     ///
     /// * `lead`, `nut_length`, `stroke`: lead, nut length and stroke \[m\].
@@ -54,8 +54,8 @@ impl Mount {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
-    /// Returns true if the screw may carry a load that nothing guides, such as a jack: one end of
-    /// the screw is free, and the end supports of the section that may buckle are not given.
+    /// Returns true if the load on the screw may be unguided, as in a jack. This is the case if one
+    /// end of the screw is free and the end supports of the section that may buckle are not given.
     pub fn may_be_unguided(&self) -> bool {
         self.support == EndFixity::FixedFree && self.buckling.0.is_none()
     }
@@ -189,9 +189,9 @@ impl Axis {
         self.phases.iter().flat_map(|phase| phase.duty(self.preload)).collect()
     }
 
-    /// Returns the largest speed number \[m·rad/s\] (Z15), which is a measure of the loads on the
-    /// ball return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the type of ball
-    /// return.
+    /// Returns the largest speed number \[m·rad/s\] (Z15). The speed number is a measure of the
+    /// loads on the ball return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the
+    /// type of ball return.
     ///
     /// Source: ISO 3408-1; catalogs of manufacturers such as HIWIN BS-08-2, F 3.29, which use the
     /// nominal diameter.
@@ -231,7 +231,8 @@ impl Axis {
         Some(self.shaft.as_ref()?.buckling_load() / pressed)
     }
 
-    /// Same as [`buckling_safety`](Self::buckling_safety), but with the end supports of the screw.
+    /// Returns the same ratio as [`buckling_safety`](Self::buckling_safety), but for a section that
+    /// buckles with the end supports of the whole screw.
     pub fn buckling_safety_of_support(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref()?;
         let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();

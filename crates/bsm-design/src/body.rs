@@ -6,8 +6,8 @@ use crate::screw::STEEL;
 use crate::thread::Profile;
 use crate::{Nut, PreloadMethod, Screw, Thread};
 
-/// Number of turns along the nut that hold no balls because of ball returns and nut ends
-/// (Sobolewski 2002).
+/// Number of turns of the nut thread that hold no balls, because ball returns and nut ends take up
+/// the space (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;
 
 /// Arrangement of one or two nuts on a screw, which determines the length of the nut set.
@@ -21,7 +21,8 @@ pub enum NutSet {
         /// Gap between the nuts \[m\].
         gap: Option<f64>,
     },
-    /// One nut with a lead shift in the middle, which gives two loaded lengths in one body.
+    /// A single nut with a lead offset in the middle, so that one body contains two loaded
+    /// sections.
     ShiftedLead,
 }
 
@@ -95,8 +96,8 @@ impl NutBody {
     }
 
     /// Returns the moment of inertia about the axis of a steel tube that extends from the pitch
-    /// circle to the outer diameter \[kg·m²\] (BB10). It estimates the moment of inertia of a
-    /// rotating nut.
+    /// circle to the outer diameter \[kg·m²\] (BB10). The result is an estimate of the moment of
+    /// inertia of a rotating nut.
     ///
     /// * `pitch_diameter`: pitch circle diameter \[m\].
     pub fn tube_inertia(&self, pitch_diameter: f64) -> f64 {
@@ -123,7 +124,8 @@ impl Nut {
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// The integral in the formula for the mass contains `$r$` instead of `$r^3$`.
+    /// The mass follows from the corresponding formula, whose integral contains `$r$` instead of
+    /// `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
@@ -176,8 +178,8 @@ mod tests {
 
     /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length calculated
     /// with (D10) is long enough for their turns, and at most 1.45 times the catalog length,
-    /// because end caps are short. When all turns were counted on a single thread, the calculated
-    /// length was up to 2.8 times too long.
+    /// because end caps are short. An earlier version counted all turns on a single thread, so the
+    /// calculated length was up to 2.8 times too long.
     #[test]
     fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [
@@ -197,9 +199,9 @@ mod tests {
     }
 
     /// The moment of inertia used to be calculated from the pitch circle diameter, which made it
-    /// more than 40 % too large. The expected values for a length of one meter come from another
-    /// quadrature with six digits. A bore reduces mass and inertia by the mass and inertia of a rod
-    /// with the bore diameter.
+    /// more than 40 % too large. The expected values for a length of one meter were calculated to
+    /// six digits with a different quadrature. A bore reduces mass and inertia by the mass and
+    /// inertia of a rod with the bore diameter.
     #[test]
     fn mass_and_inertia_of_a_screw_exclude_the_groove() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -231,7 +233,8 @@ mod tests {
             let (two, _) = Nut { starts: 2.0, ..nut }.screw(&thread).mass_and_inertia(0.0, 1.0);
             let whole = STEEL * 0.25 * PI * land * land;
             assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);
-            // A groove without depth leaves the rod unchanged.
+            // If the land is at the root diameter, the groove has zero depth, and the screw is a
+            // rod.
             let rod = nut.thread(0.0, (pitch + 2e-3, thread.screw.root));
             let (m, j) = nut.screw(&rod).mass_and_inertia(0.0, 1.0);
             assert_relative_eq!(j, m * thread.screw.root.powi(2) / 8.0, max_relative = 1e-12);

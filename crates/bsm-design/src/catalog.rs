@@ -1,4 +1,4 @@
-//! Catalog of all nuts that can be combined from standard sizes.
+//! Catalog of all nuts that result from the combinations of standard sizes.
 
 use std::cmp::Ordering;
 
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::nut::turn_length;
 use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
 
-/// Number of unloaded balls per turn, which are in the ball return.
+/// Number of balls per turn that carry no load because they are in the ball return.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
 
 /// Increment of pitch circle diameters \[m\].
@@ -52,7 +52,7 @@ pub struct OfferedSize {
     pub ball: f64,
     /// Number of loaded turns.
     pub turns: f64,
-    /// Number of starts, among which the loaded turns are divided.
+    /// Number of thread starts. The loaded turns are distributed evenly among the starts.
     pub starts: f64,
     /// Pitch circle diameter, if the catalog states it.
     pub pitch_diameter: Option<f64>,
@@ -85,9 +85,10 @@ pub struct Limits {
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Preload of the nut pair divided by the dynamic load rating, which determines the stiffness.
+    /// Preload of the nut pair for which the stiffness is calculated, divided by the dynamic load
+    /// rating.
     pub preload: f64,
-    /// Lever arm of the rolling resistance \[m\], which determines the efficiency.
+    /// Lever arm of the rolling resistance \[m\], from which the efficiency is calculated.
     pub rolling_lever: f64,
 }
 
@@ -263,7 +264,7 @@ impl Limits {
 }
 
 impl Candidate {
-    /// Returns false if any calculated property has overflowed.
+    /// Returns true if no calculated property has overflowed.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
         let others = [self.elasticity.turn, self.stiffness, self.mass, self.efficiency];
@@ -343,8 +344,8 @@ impl Lists {
     }
 }
 
-/// Returns the indices of the Pareto-optimal [costs](Candidate::costs) in ascending order. Costs
-/// dominate other costs if none of their values is larger and at least one is smaller.
+/// Returns the indices of the Pareto-optimal [costs](Candidate::costs) in ascending order. One set
+/// of costs dominates another set if none of its values is larger and at least one is smaller.
 pub fn front(costs: &[[f64; 3]]) -> Vec<usize> {
     let mut order: Vec<_> = (0..costs.len()).collect();
     // After sorting, every candidate comes after all candidates that dominate it.

@@ -113,8 +113,8 @@ pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
 /// Typical ratio of brake torque to frictionless load torque.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
-/// Typical upper limit of the ratio of breakaway torque to running torque, for preload, seals and
-/// bearings.
+/// Typical upper limit of the ratio of breakaway torque to running torque for the drag of preload,
+/// seals and bearings.
 const AT_REST: f64 = 2.0;
 
 /// Response of a screw to its load at standstill if the motor has no power.
@@ -144,7 +144,7 @@ impl BackDriving {
     /// * `drag`: drag torque of preload, seals and support bearings in motion \[N·m\]. The
     ///   breakaway torque may be twice as large.
     ///
-    /// Source: the torque of HIWIN BS-08-2, F 3.16, minus the drag.
+    /// Source: HIWIN BS-08-2, F 3.16, with the drag torque subtracted.
     pub fn of(of_load: [f64; 2], drag: f64) -> ([f64; 2], Self) {
         // T_b = T_lo − 2 T_d,  T_hi − T_d                                 (BB5)
         let torques = [of_load[0] - AT_REST * drag, of_load[1] - drag];
@@ -195,7 +195,8 @@ pub struct DriveTrain {
     /// Moment of inertia of the driven part (screw or nut) and of everything that rotates with it
     /// \[kg·m²\].
     pub driven_inertia: f64,
-    /// Mass moved by one screw \[kg\], which is its share of the moving mass and the counterweight.
+    /// Mass moved by one screw \[kg\]: the share of this screw in the moving mass and the
+    /// counterweight.
     pub mass: f64,
     /// Ratio of motor speed to screw speed, positive.
     pub gear_ratio: f64,
@@ -450,8 +451,8 @@ mod tests {
 
     /// On a horizontal axis, friction changes sign with the feed direction, and the weight does not
     /// load the screw. On a vertical axis, the load is the weight in both directions, and the
-    /// guides carry no load. In a selection example by Nook, 5000 lb on guides with a friction
-    /// coefficient of 0.0013 require 6.5 lb.
+    /// guides carry no load. In a selection example by Nook, a weight of 5000 lb on guides with a
+    /// friction coefficient of 0.0013 requires a force of 6.5 lb.
     #[test]
     fn carriage_load_follows_from_weight_and_friction() {
         let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
@@ -480,8 +481,9 @@ mod tests {
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// Hand calculation: a mass of 13.012 kg per meter corresponds to a rod of 46 mm diameter with
-    /// 3.433e-3 kg m², and a rod of 30.164 mm diameter has 6.38007e-4 kg m².
+    /// Hand calculation: a screw with a mass of 13.012 kg and a length of 1 m corresponds to a rod
+    /// of 46 mm diameter, whose moment of inertia is 3.433e-3 kg m². For a rod of 30.164 mm
+    /// diameter and the same length, the moment of inertia is 6.38007e-4 kg m².
     #[test]
     fn inertia_of_a_screw_with_known_mass_equals_inertia_of_a_rod() {
         let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
@@ -492,10 +494,11 @@ mod tests {
         assert_relative_eq!(inertia, 13.012 * diameter.powi(2) / 8.0, max_relative = 1e-14);
     }
 
-    /// Hand calculation: a rod of 1 m length and 40 mm diameter has 1.973e-3 kg m², and a mass of
-    /// 500 kg with a lead of 20 mm has 5.066e-3 kg m². At 2 m/s², the angular acceleration of the
-    /// screw is 628.3 rad/s². With a gear ratio of 2, the motor must supply half the screw torque
-    /// plus the torque that accelerates its own inertia at twice the angular acceleration.
+    /// Hand calculation: a rod of 1 m length and 40 mm diameter has a moment of inertia of 1.973e-3
+    /// kg m², and a mass of 500 kg with a lead of 20 mm contributes 5.066e-3 kg m². At 2 m/s², the
+    /// angular acceleration of the screw is 628.3 rad/s². With a gear ratio of 2, the motor must
+    /// supply half the screw torque plus the torque that accelerates its own inertia at twice the
+    /// angular acceleration.
     #[test]
     fn motor_inertia_and_torque_match_hand_calculations() {
         let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
@@ -572,8 +575,8 @@ mod tests {
             let turning = speed / ramp * TAU / lead;
             let accelerating = steady + drive.inertia() * turning;
             assert_relative_eq!(accelerating, torques[1], max_relative = 3e-5);
-            // A motor whose peak torque equals the torque during acceleration needs exactly the
-            // ramp time.
+            // A motor whose peak torque equals the torque during acceleration reaches the speed in
+            // exactly the ramp time.
             let time =
                 least_acceleration_time(drive.inertia(), speed * TAU / lead, accelerating, steady);
             assert_relative_eq!(time.expect("it can"), ramp, max_relative = 1e-12);

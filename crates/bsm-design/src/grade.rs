@@ -5,12 +5,13 @@
 
 use std::sync::LazyLock;
 
-/// Table with one row per grade: name; standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; and
-/// `$e_p$`/`$v_{up}$` \[um\] in columns for the upper limit of the useful travel \[mm\].
+/// Table with one row per grade: name; standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; and one
+/// column with `$e_p$`/`$v_{up}$` \[um\] for each range of the useful travel. The heading of such a
+/// column is the upper limit of its range \[mm\].
 ///
 /// Source: ISO 3408-3 as printed in HIWIN BS-08-2, tables 3.3 and 3.4, with typical values for
-/// `$v_{2\pi p}$`; JIS B 1192 as printed by THK, A-678, tables 1 and 2. For grades from C7, the JIS
-/// tables state a ± deviation.
+/// `$v_{2\pi p}$`; JIS B 1192 as printed by THK, A-678, tables 1 and 2. For grade C7 and coarser
+/// grades, the JIS tables state a ± deviation.
 const TABLE: &str = include_str!("grades.csv");
 
 static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
@@ -65,9 +66,9 @@ impl Grade {
     }
 
     /// Returns the permitted travel deviation `$e_p$` over a useful travel \[m\] (Z34), or `None`
-    /// if the table does not cover the travel.
+    /// if the travel is outside the range of the table.
     pub fn deviation(&self, travel: f64) -> Option<f64> {
-        /// Reference length of the permitted variation \[m\].
+        /// Travel to which the permitted variation `$v_{300p}$` refers \[m\].
         const STATED: f64 = 0.3;
         if self.travels.is_empty() {
             // e_p = (l_u/300 mm) v_300p                                   (Z34)
@@ -77,7 +78,7 @@ impl Grade {
     }
 
     /// Returns the permitted travel variation within the useful travel, `$v_{up}$` \[m\]. Returns
-    /// `None` if the table does not cover the travel, or if the deviation of the grade is
+    /// `None` if the travel is outside the range of the table, or if the deviation of the grade is
     /// proportional to the travel.
     pub fn variation_of_travel(&self, travel: f64) -> Option<f64> {
         self.row(travel).and_then(|(.., variation)| *variation)
@@ -88,8 +89,8 @@ impl Grade {
         self.travels.iter().find(|(longest, ..)| travel <= longest * (1.0 + 1e-12))
     }
 
-    /// Returns the largest possible travel error \[m\] (Z35), or `None` if the table does not cover
-    /// the travel.
+    /// Returns the largest possible travel error \[m\] (Z35), or `None` if the travel is outside
+    /// the range of the table.
     pub fn worst_error(&self, travel: f64) -> Option<f64> {
         let deviation = self.deviation(travel)?;
         if self.travels.is_empty() {
@@ -156,8 +157,8 @@ mod tests {
         assert_eq!(um("C4"), None);
     }
 
-    /// Entries and range limits match the tables (in um). A travel equal to the upper limit of a
-    /// row belongs to this row, and values are not interpolated.
+    /// The deviations and the limits of the travel ranges match the tables (in um). A travel equal
+    /// to the upper limit of a row belongs to this row, and values are not interpolated.
     #[test]
     fn travel_deviations_match_the_tables() {
         let um = |meters: Option<f64>| meters.map(|x| (1e7 * x).round() / 10.0);
@@ -204,8 +205,8 @@ mod tests {
         }
     }
 
-    /// THK A-723: over 1000 mm, C7 permits 0.167 mm. C3 permits 21 + 15/2 um, and C5 does not meet
-    /// this limit.
+    /// Hand calculation for a travel of 1000 mm: C7 permits 0.167 mm (THK A-723), and C3 permits 21
+    /// + 15/2 um. C3 is the coarsest grade for a limit of 28.5 um, because C5 permits more.
     #[test]
     fn the_coarsest_sufficient_grade_is_found() {
         let of = |name: &str| Grade::named(name).expect("a grade");
@@ -255,7 +256,8 @@ mod tests {
         // Six rows, nine grades and three thread types are checked at two torques each.
         assert_eq!(entries, 6 * 9 * 3 * 2);
         assert_eq!(percent("C3", 0.865, 1.3, 0.04), percent("C2", 0.865, 1.3, 0.04));
-        // The tables do not cover these torques, a short slender thread, or this grade.
+        // The tables contain no values for these torques, for a short slender thread, or for this
+        // grade.
         for (name, torque, length) in
             [("P3", 0.2, 1.3), ("P3", 10.001, 1.3), ("C0", 0.5, 2.401), ("C7", 1.0, 1.3)]
         {

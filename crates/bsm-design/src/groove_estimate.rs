@@ -31,7 +31,8 @@ pub const MIN_EVIDENCE: f64 = -7.0;
 /// Log evidence above which a corrected [`Reading`] of a rejected row is suggested.
 const READING_EVIDENCE: f64 = -3.0;
 
-/// Excess of the dynamic rating above which the rating is assumed to be raised for clean steel.
+/// Excess of the dynamic rating relative to the static rating (logarithm, AB1) above which the
+/// rating is assumed to be raised for clean steel.
 const CLEAN_STEEL_EXCESS: f64 = 0.15;
 
 /// Minimum total probability of the balls in [`GrooveEstimate::likely_balls`].
@@ -141,7 +142,7 @@ impl EstimatedGroove {
 pub struct GrooveEstimate {
     /// Catalog row from which the groove is estimated.
     pub line: CatalogLine,
-    /// Log evidence, which is the logarithm of the probability density of this row under the prior.
+    /// Log evidence: the logarithm of the probability density of this row under the prior.
     pub ln_evidence: f64,
     /// All hypotheses, sorted by ball diameter and then by number of loaded balls.
     pub hypotheses: Vec<Hypothesis>,
@@ -366,8 +367,7 @@ impl CatalogLine {
         Some(self.static_rating? / one_ball)
     }
 
-    /// Returns the logarithm of the loaded share of a turn for a known groove, which is `$r_0$` of
-    /// (AB1).
+    /// Returns the logarithm of the loaded share of a turn for a known groove (`$r_0$` in (AB1)).
     fn ln_loaded_share(
         &self,
         KnownGroove { ball_diameter, turns, .. }: &KnownGroove,
@@ -376,13 +376,15 @@ impl CatalogLine {
         Some((self.rated_balls(*ball_diameter)? / full).ln())
     }
 
-    /// Returns the pitch circle diameter \[m\] for a ball diameter. Without a given value, it is
-    /// the nominal diameter plus `rise` ball diameters.
+    /// Returns the pitch circle diameter \[m\] for a ball diameter. If the catalog row does not
+    /// state the pitch circle diameter, the result is the nominal diameter plus `rise` ball
+    /// diameters.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
 
-    /// Combines the given quantities with values for the quantities that catalogs do not print.
+    /// Completes a groove: quantities that the catalog row does not state are taken from
+    /// `unprinted`.
     fn complete(
         &self,
         hypothesis: &Hypothesis,
@@ -459,8 +461,8 @@ impl GrooveEstimate {
         at.map_or(f64::NAN, |hypothesis| hypothesis.loaded_balls)
     }
 
-    /// Returns the probability that the dynamic rating is raised for clean steel, which is zero
-    /// without a static rating.
+    /// Returns the probability that the dynamic rating is raised for clean steel. Without a static
+    /// rating, the probability is zero.
     pub fn clean_steel_probability(&self) -> f64 {
         let raised = |hypothesis: &&Hypothesis| {
             hypothesis.excess.is_some_and(|excess| excess > CLEAN_STEEL_EXCESS)
@@ -500,8 +502,8 @@ impl GrooveEstimate {
         on_all_cores(&numbered, |(place, groove)| f(*place, groove))
     }
 
-    /// Returns the ratio by which the dynamic rating exceeds the expected value (AB1), as a
-    /// weighted geometric mean over all hypotheses. Returns `None` without a static rating.
+    /// Returns the ratio of the dynamic rating to the rating expected from the static rating (AB1),
+    /// as a weighted geometric mean over all hypotheses. Returns `None` without a static rating.
     pub fn excess_factor(&self) -> Option<f64> {
         let weighted = |of: &Hypothesis| Some(of.probability * of.excess?);
         Some(self.hypotheses.iter().map(weighted).sum::<Option<f64>>()?.exp())
@@ -533,7 +535,7 @@ pub const FEW_DRAWS: usize = 32;
 /// Quasi-random points, each with the cumulative probability that selects a hypothesis and with
 /// four standard normal numbers for the quantities that catalogs do not print.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
-    // The ratio is the real root of the equation φ⁶ = φ + 1.
+    // The ratio φ is the positive root of the equation φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
     let point = |j: usize| {
         #[expect(clippy::cast_precision_loss, reason = "at most 128")]
@@ -606,7 +608,7 @@ mod tests {
             *estimate.hypotheses.iter().find(is).expect("a listed combination")
         };
         let full = of(BallReturn::FullTurn);
-        // The reference probabilities are printed with four and three digits.
+        // The reference probabilities are printed with four and three significant digits.
         assert!((full.probability - 0.3808).abs() < 5e-5, "{full:?}");
         assert!((of(BallReturn::Deflector).probability - 2.20e-4).abs() < 5e-7);
         assert_relative_eq!(full.loaded_balls, 64.07, max_relative = 1e-4);
@@ -717,7 +719,7 @@ mod tests {
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
     }
 
-    /// The first draws are the same for any total number of draws.
+    /// The first draws do not depend on the total number of draws.
     #[test]
     fn first_draws_do_not_depend_on_the_number_of_draws() {
         let estimate = sfu().estimate().expect("usual ratings");
@@ -733,8 +735,8 @@ mod tests {
         assert!(probability(raised) > 0.5 && probability(sfu()) < 0.01);
     }
 
-    /// An estimate calculates the ratings of every combination once, so the sizes of the lists
-    /// limit its cost.
+    /// The ratings of every combination are calculated once, so the lengths of the lists limit the
+    /// cost of an estimate.
     #[test]
     fn number_of_hypotheses_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {

@@ -12,8 +12,9 @@ const STEP_TOLERANCE: f64 = 1e-9;
 /// Step size of the finite differences, relative to the width between the bounds.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
-/// Outward Gauss-Newton step, relative to the width between the bounds, above which a bound counts
-/// as active. Rounding errors of a model change a parameter by less than 1e-8.
+/// Threshold of the outward Gauss-Newton step, relative to the width between the bounds. If the
+/// step of a parameter at its bound is larger, the bound counts as active. Rounding errors of a
+/// model change a parameter by less than 1e-8.
 const FIXED_STEP: f64 = 1e-6;
 
 /// A local minimum of the sum of squares.
@@ -44,7 +45,7 @@ pub struct LeastSquares {
 ///
 /// # Errors
 ///
-/// Returns the errors of `residuals`.
+/// Returns the first error of `residuals`.
 pub fn least_squares<E>(
     mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
     start: &[f64],

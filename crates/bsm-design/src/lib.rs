@@ -1,6 +1,6 @@
 //! Design of ball screws, in SI units. The crate calculates ratings, stiffness, mass and life of a
-//! nut, lists the catalog of all nuts of standard sizes, selects a screw that meets a requirement,
-//! checks the design rules of an axis, and estimates the groove from a catalog row.
+//! nut, generates a catalog of all nuts with standard sizes, selects a screw that meets a
+//! requirement, checks the design rules of an axis, and estimates the groove from a catalog row.
 //!
 //! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
 //! `21-groove-from-ratings.md`.
@@ -31,6 +31,7 @@
 
 mod axis;
 mod body;
+mod bounds;
 mod catalog;
 mod drive;
 mod grade;
@@ -55,6 +56,7 @@ mod thread;
 
 pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
+pub use bounds::Bounds;
 pub use catalog::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, MotorCurve, MotorPoint, drag_torque,

@@ -195,8 +195,8 @@ pub fn reliability_factor(percent: f64) -> f64 {
 /// the load on the nut whose load increases under a positive axial load, and the second value is
 /// the load on the other nut.
 ///
-/// Above `$2^{3/2}$` times the preload, one nut is unloaded. Assumes that the displacement is
-/// proportional to the load up to this point, as in ISO 3408-5.
+/// Under loads above `$2^{3/2}$` times the preload, one nut is unloaded. Assumes that the
+/// displacement is proportional to the load up to this limit, as in ISO 3408-5.
 pub fn pair_loads(preload: f64, load: f64) -> (f64, f64) {
     let free = OPENS_AT * preload;
     let size = load.abs();
@@ -240,8 +240,8 @@ mod tests {
     }
 
     /// The factors match the values of the standard, an intermediate value calculated by hand, and
-    /// the limits outside the table. The Weibull distribution matches the values of the standard to
-    /// two digits.
+    /// the constant values outside the range of the table. The Weibull distribution matches the
+    /// values of the standard to two digits.
     #[test]
     fn reliability_factors_match_the_standard() {
         for (percent, factor) in

@@ -46,9 +46,9 @@ impl Make {
     }
 
     /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
-    /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
-    /// its grade or a finer grade or, if the grade is unknown, to any grade. Returns `None` if the
-    /// diameter is unknown.
+    /// diameter that is nearest to the given diameter. For a ground screw, the result is the
+    /// longest screw of the given grade or a finer grade. If the grade is unknown, all grades are
+    /// considered. Returns `None` if the diameter is unknown.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
@@ -78,8 +78,9 @@ mod tests {
 
     use super::*;
 
-    /// The limits match rows of the THK table for leads equal to and less than half of the
-    /// diameter. The land diameter of a screw with a nominal diameter of 20 mm differs from 20 mm.
+    /// The limits match rows of the THK table for leads of half the diameter and of less than half
+    /// the diameter. The land diameter of a screw with a nominal diameter of 20 mm differs from 20
+    /// mm.
     #[test]
     fn the_speed_number_depends_on_the_manufacturing_method() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;

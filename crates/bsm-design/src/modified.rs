@@ -10,9 +10,9 @@ use crate::{Grade, Nut};
 /// Factors by which the load ratings of a nut are modified (Z36).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RatingFactors {
-    /// Factor of the dynamic load rating `$f_h f_{ac} f_m$`.
+    /// Factor `$f_h f_{ac} f_m$` for the dynamic load rating.
     pub dynamic_rating: f64,
-    /// Factor of the static load rating `$f_{h0} f_{ac}$`.
+    /// Factor `$f_{h0} f_{ac}$` for the static load rating.
     pub static_rating: f64,
 }
 

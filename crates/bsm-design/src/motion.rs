@@ -147,7 +147,7 @@ impl Move {
     }
 }
 
-/// A segment of the machine's duty cycle, which is a linear ramp, a constant speed or a standstill.
+/// A segment of the machine's duty cycle: a linear ramp, motion at constant speed, or a standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileSegment {
     /// Index of the corresponding entry in the duty cycle, from 0; `None` for a standstill that
@@ -216,9 +216,9 @@ fn direction_of([start, end]: [f64; 2]) -> f64 {
     if sum == 0.0 { 0.0 } else { sum.signum() }
 }
 
-/// A phase of the screw's duty cycle with motion in one direction, which is a linear ramp, a
-/// constant speed or a standstill. The load is constant, or at constant speed varies linearly with
-/// the travel.
+/// A phase of the screw's duty cycle in which the direction of motion does not change: a linear
+/// ramp, motion at constant speed, or a standstill. The load is constant or, at constant speed,
+/// varies linearly with the travel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
     /// Index of the corresponding entry in the duty cycle, from 0; `None` for a standstill that
@@ -450,7 +450,7 @@ impl Phase {
 /// Time averages over a phase.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PhaseMeans {
-    /// Mean frictional heat \[W\].
+    /// Mean heat generation due to friction \[W\].
     pub heat: f64,
     /// Mean square of the motor torque \[N²·m²\].
     pub squared_torque: f64,
@@ -459,7 +459,8 @@ pub struct PhaseMeans {
 }
 
 impl PhaseMeans {
-    /// Returns the heat, the squared motor torque and the regenerated power at an operating point.
+    /// Returns the heat generation, the squared motor torque and the regenerated power at an
+    /// operating point.
     fn at(drive: &DriveTrain, point: &PhasePoint, friction: f64) -> Self {
         let torque = drive.motor_torque(point, friction);
         // Q̇ = T_f |Ω|,  T_rms² = mean T²,  E_reg/t = max(0, −s T) i_g |Ω|  (BB3)
@@ -717,9 +718,9 @@ mod tests {
         Phase { entry: Some(0), time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }
     }
 
-    /// Hand calculation: a move of 0.3 m in 1.5 s with ramps of 1.2 and 2 m/s² gives c = 4/3 s²/m
-    /// and v = (1.5 − √1.45)/(4/3) m/s. The shortest duration is √0.8 s, for which the move is
-    /// triangular.
+    /// Hand calculation: with ramps of 1.2 and 2 m/s², c = 1/1.2 + 1/2 = 4/3 s²/m. A move of 0.3 m
+    /// in 1.5 s then has a top speed of v = (1.5 − √1.45)/(4/3) m/s. The shortest duration is √0.8
+    /// s, for which the move is triangular.
     #[test]
     fn the_top_speed_of_a_move_follows_from_its_time() {
         let found = Move::in_time(0.3, 1.5, [1.2, 2.0]).expect("long enough");
@@ -736,9 +737,9 @@ mod tests {
         assert_relative_eq!(limited.times.iter().sum::<f64>(), 1.5, max_relative = 1e-13);
     }
 
-    /// Hand calculation: a constant friction torque of 2 N m from standstill to 100 rad/s gives a
-    /// mean heat of 200/2 W and a mean squared torque of 4 N² m². For friction proportional to
-    /// Ω^(2/3), the mean heat is 2·100·100^(2/3)/(8/3) W.
+    /// Hand calculation: during a ramp from standstill to 100 rad/s, a constant friction torque of
+    /// 2 N m generates a mean heat of 200/2 W, and the mean squared torque is 4 N² m². If friction
+    /// is proportional to Ω^(2/3), the mean heat is 2·100·100^(2/3)/(8/3) W.
     #[test]
     fn time_averages_over_ramps_are_exact() {
         let phase = ramp([0.0, 100.0], [0.0; 2]);
@@ -754,8 +755,9 @@ mod tests {
     }
 
     /// Hand calculation for a load from -1 to 3 kN at constant speed, with a lead of 10 mm and a
-    /// friction torque of 0.1 |F| h. The motor returns power while the load drives, which is one
-    /// quarter of the time, with a mean of 0.9 h 500 N Ω during this quarter.
+    /// friction torque of 0.1 |F| h, where h is the travel per radian. The motor returns power
+    /// while the load drives, which is one quarter of the time. During this quarter, the mean power
+    /// is 0.9 h 500 N Ω.
     #[test]
     fn motor_regenerates_while_the_load_back_drives_the_screw() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
@@ -764,14 +766,16 @@ mod tests {
         let found = phase.means(&drive(), None, friction).expect("friction");
         let by_hand = 0.25 * 0.9 * 500.0 * advance * 50.0;
         assert_relative_eq!(found.regenerated, by_hand, max_relative = 1e-12);
-        // The mean heat is 0.1 h Ω (0.25·500 + 0.75·1500) N.
+        // The mean power of the heat is 0.1 h Ω (0.25·500 + 0.75·1500) N, where h is the travel per
+        // radian.
         assert_relative_eq!(found.heat, 0.1 * advance * 50.0 * 1250.0, max_relative = 1e-12);
         let squares = 0.25 * (0.9 * 1e3_f64).powi(2) / 3.0 + 0.75 * (1.1 * 3e3_f64).powi(2) / 3.0;
         assert_relative_eq!(found.squared_torque, squares * advance.powi(2), max_relative = 1e-12);
     }
 
     /// Hand calculation: for a load from -1 to 3 kN, a friction torque of 0.1 |F| h + 0.3 N m has a
-    /// mean of 0.1 h 1250 N + 0.3 N m. The constant drag remains when the load is zero.
+    /// mean of 0.1 h 1250 N + 0.3 N m, where h is the travel per radian. The constant drag remains
+    /// when the load is zero.
     #[test]
     fn constant_drag_remains_when_the_load_changes_sign() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);

@@ -30,7 +30,8 @@ pub struct Nut {
     pub balls_per_turn: f64,
     /// Number of loaded turns, positive. The number may be a fraction.
     pub turns: f64,
-    /// Number of starts `$z$`, among which the loaded turns are divided evenly; at least one.
+    /// Number of thread starts `$z$`, at least one. The loaded turns are distributed evenly among
+    /// the starts.
     pub starts: f64,
 }
 

@@ -67,8 +67,8 @@ pub fn least_preload(load: f64) -> f64 {
 /// Rounds a force up to a multiple of 50 N below 5 kN and of 100 N from 5 kN.
 fn rounded_up(force: f64) -> f64 {
     let step = if force < 5e3 { 50.0 } else { 100.0 };
-    // A multiple of the step that is slightly too large because of rounding errors is not rounded
-    // up.
+    // The subtracted 1e-9 prevents rounding errors from raising an exact multiple of the step to
+    // the next multiple.
     (force / step - 1e-9).ceil() * step
 }
 

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
+use crate::bounds::ROUNDING;
 use crate::catalog::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
-use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimize};
 use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
@@ -14,7 +14,7 @@ use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requi
 /// applies.
 const TURNS: (u32, u32) = (2, 12);
 
-/// Number of intervals of the coarse grid for contact angle and conformity.
+/// Numbers of intervals of the coarse grid for contact angle and conformity.
 const COARSE_GRID: (u32, u32) = (9, 2);
 
 /// Number of candidates from the coarse grid whose contact angle and conformity are optimized.
@@ -66,7 +66,8 @@ pub enum Outcome {
         /// just meets. In a search of standard sizes, these are the limits without which a better
         /// screw would be selected.
         active: Vec<BindingLimit>,
-        /// Names of the rules, based on the loads of all balls, that better screws violate.
+        /// Names of the rules that better screws violate. These rules are checked with the loads of
+        /// all balls.
         failed_rules: Vec<&'static str>,
     },
     /// No screw meets the requirement.
@@ -146,8 +147,8 @@ impl Requirement {
         if let [best, ..] = feasible[..] {
             return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
         }
-        // To find out which limits rule out all designs, only the quantities with limits are
-        // needed.
+        // The search for the limits that rule out all designs needs the efficiency only if the
+        // efficiency or the power has a limit.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
@@ -512,8 +513,10 @@ impl Search<'_> {
             // The logarithmic distance from the limit is a suitable measure even if the value is
             // many times the limit.
             let far = |c: &Check| {
-                let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
-                below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
+                let below =
+                    c.bounds.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
+                let most = c.bounds.most;
+                below.max(most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
             };
             Value { objective: own.map_or(f64::NAN, far), violations }
         };

@@ -5,15 +5,15 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, DrivenPart, Material, angles::Optimum, hertz::Hertz};
 
 use crate::{
-    Axis, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet,
-    Phase, PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, RequiredLife,
-    Size, phases,
+    Axis, Bounds, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody,
+    NutSet, Phase, PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors,
+    RequiredLife, Size, phases,
 };
 
 /// Load on the screw, specified by the duty cycle of the machine or by a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadCase {
-    /// Forces and speeds of the phases, at least one of which is in motion.
+    /// Forces and speeds of the phases. The axis must move in at least one phase.
     Cycle(Vec<ProfileSegment>),
     /// Torque on the screw \[N·m\] and speed of the screw.
     Torque(f64, DutySpeed),
@@ -223,7 +223,7 @@ pub struct Requirement {
     pub stock: Vec<f64>,
 }
 
-/// Quantities that a design must satisfy, in the order of the steps of Lin's procedure.
+/// Quantities of a design that may have limits, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say what the values are; SI units")]
 pub enum Quantity {
@@ -280,10 +280,6 @@ impl Quantity {
     }
 }
 
-/// Relative violation up to which a limit is treated as met, because decimal inputs have rounding
-/// errors.
-pub(crate) const ROUNDING: f64 = 1e-9;
-
 /// A quantity of a design with its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
@@ -293,33 +289,21 @@ pub struct Check {
     pub quantity: Quantity,
     /// Value of the quantity, or NaN if it cannot be calculated.
     pub value: f64,
-    /// Lower limit of the quantity, if there is one.
-    pub least: Option<f64>,
-    /// Upper limit of the quantity, if there is one.
-    pub most: Option<f64>,
+    /// Limits of the quantity.
+    pub bounds: Bounds,
 }
 
 impl Check {
     /// Returns true if the quantity has no limits or meets them.
     pub fn passes(&self) -> bool {
-        self.violation().is_none_or(|violation| violation <= ROUNDING)
+        self.bounds.are_met_by(self.value)
     }
 
-    /// Returns the violation relative to the limit, which is zero or negative within the limits.
-    /// Returns `None` if the quantity has no limits.
+    /// Returns the violation relative to the limit (see [`Bounds::violation`]).
     pub fn violation(&self) -> Option<f64> {
-        let below = self.least.map(|least| 1.0 - self.value / least);
-        let above = self.most.map(|most| self.value / most - 1.0);
-        let violation = match (below, above) {
-            (Some(below), Some(above)) => below.max(above),
-            (one, other) => one.or(other)?,
-        };
-        Some(if self.value.is_nan() { 1.0 } else { violation })
+        self.bounds.violation(self.value)
     }
 }
-
-/// A quantity with its value, lower limit and upper limit.
-type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
     /// Default upper limit of the ratio of ball diameter to the pitch of the grooves. The rest of
@@ -334,8 +318,8 @@ impl Requirement {
     /// Returns the requirement with an upper limit of the number of loaded turns. If the limit is
     /// missing, the default limit is used.
     ///
-    /// * `listed`: limit that a list of sizes specifies, or infinity. It may raise the default
-    ///   limit.
+    /// * `listed`: limit from a list of sizes, or infinity. It replaces the default limit if it is
+    ///   larger.
     #[must_use]
     pub fn with_usual_turns(&self, listed: f64) -> Self {
         let usual = self.searched_turns();
@@ -359,33 +343,32 @@ impl Requirement {
     /// Returns those design rules of the axis that do not require the loads of all balls.
     ///
     /// * `calculated`: calculated dynamic load rating without modifying factors \[N\].
-    fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Bounds> {
+    fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Check> {
         let (rating, life) = (axis.dynamic_rating, axis.life());
         let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
         let lead = axis.screw.lead;
         let required = self.life.zip(life.as_ref());
         let required = required.map(|(required, life)| required.time(lead, life.mean_speed));
+        let (most, least) = (Bounds::at_most, Bounds::at_least);
+        let rule = |quantity, value, bounds| Check { step: 11, quantity, value, bounds };
         let mut rules = vec![
-            (Quantity::DynamicRating, calculated, None, None),
+            rule(Quantity::DynamicRating, calculated, Bounds::default()),
             // C_a ≥ F_m                                                   (L10)
-            (Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating)),
-            (Quantity::Life, of_life(&|life| life.time), required, None),
-            (Quantity::StaticSafety, axis.static_safety(), Some(self.static_safety), None),
+            rule(Quantity::EquivalentLoad, of_life(&|life| life.mean_load), most(Some(rating))),
+            rule(Quantity::Life, of_life(&|life| life.time), least(required)),
+            rule(Quantity::StaticSafety, axis.static_safety(), least(Some(self.static_safety))),
         ];
-        let preload = axis.preload;
-        let most = self.method.share() * rating;
+        let largest = most(Some(self.method.share() * rating));
         // F_pr ≤ q C_a                                                    (AA6)
-        rules.extend(preload.map(|x| (Quantity::Preload, x, None, Some(most))));
-        let ratio = axis.critical_speed_ratio();
-        rules
-            .extend(ratio.map(|x| (Quantity::CriticalSpeedRatio, x, None, Some(self.speed_ratio))));
+        rules.extend(axis.preload.map(|x| rule(Quantity::Preload, x, largest)));
+        let (ratio, largest) = (axis.critical_speed_ratio(), most(Some(self.speed_ratio)));
+        rules.extend(ratio.map(|x| rule(Quantity::CriticalSpeedRatio, x, largest)));
         let safety = match self.mount.may_be_unguided() {
             true => axis.buckling_safety_of_support(),
             false => axis.buckling_safety(),
         };
-        rules.extend(
-            safety.map(|x| (Quantity::BucklingSafety, x, Some(self.buckling_safety), None)),
-        );
+        let smallest = least(Some(self.buckling_safety));
+        rules.extend(safety.map(|x| rule(Quantity::BucklingSafety, x, smallest)));
         rules
     }
 }
@@ -468,7 +451,7 @@ impl Design {
         let best = Optimum::of(direction, lead, friction);
         let mut checks = Vec::new();
         let mut add = |step, quantity, value, least, most| {
-            checks.push(Check { step, quantity, value, least, most });
+            checks.push(Check { step, quantity, value, bounds: Bounds { least, most } });
         };
         add(1, Quantity::LeadAngle, lead, None, None);
         let best = best.map_or(f64::NAN, |best| best.contact_angle);
@@ -532,8 +515,8 @@ impl Design {
         };
         add(10, Quantity::InputPower, input, None, requirement.largest_power);
         add(10, Quantity::OutputPower, output, None, None);
-        for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
-            add(11, quantity, value, least, most);
+        for Check { step, quantity, value, bounds } in requirement.rules(&axis, dynamic) {
+            add(step, quantity, value, bounds.least, bounds.most);
         }
         let longest = requirement.make.longest(requirement.grade, screw.outer);
         if let Some(shaft) = &axis.shaft {

@@ -73,7 +73,7 @@ const MINIMUM_STEPS: u32 = 40;
 /// vicinity of the sign change is compared with its change between neighboring grid points.
 const JUMP: f64 = 1e-3;
 
-/// A root of a function together with its derivative.
+/// A root of a function, and the derivative of the function at this root.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SignChange {
     /// Location of the root.

@@ -60,13 +60,13 @@ impl EndFixity {
         }
     }
 
-    /// Returns the ratio `$\kappa$` of the buckling load to the buckling load of a bar whose ends
-    /// can tilt (Z2), as in the Euler cases.
+    /// Returns the ratio `$\kappa$` of the buckling load to the buckling load of the same bar with
+    /// pinned ends (Z2). These are the factors of the Euler cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
-            // The value is (x/π)² with the smallest positive root of tan x = x.
+            // The value is (x/π)², where x is the smallest positive root of tan x = x.
             Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }
@@ -389,11 +389,11 @@ mod tests {
         }
     }
 
-    /// MISUMI economy series, "Selection of ball screws": 3630 N for a root diameter of 12.5 mm and
-    /// a length of 820 mm (fixed-supported), with m = 10 for 0.5 · 2.046 π³ E/64, and a speed of
-    /// 15.1 d/l² 10⁷ = 3024 rpm for 790 mm. White paper by Machine Design: a rod of 1 inch diameter
-    /// and 100 inches length has a natural frequency of 18 Hz if both ends are fixed, and of 8 Hz
-    /// if both ends are supported.
+    /// MISUMI economy series, "Selection of ball screws": a permissible load of 3630 N for a root
+    /// diameter of 12.5 mm and a length of 820 mm (fixed-supported), with m = 10 for 0.5 · 2.046 π³
+    /// E/64, and a permissible speed of 15.1 d/l² 10⁷ = 3024 rpm for a length of 790 mm. White
+    /// paper by Machine Design: a rod of 1 inch diameter and 100 inches length has a natural
+    /// frequency of 18 Hz if both ends are fixed, and of 8 Hz if both ends are supported.
     #[test]
     fn worked_examples_of_catalogs_are_reproduced() {
         let example = shaft(EndFixity::FixedSupported, 0.82, 12.5e-3);
@@ -518,7 +518,7 @@ mod tests {
             assert!(two.stiffness_at(position) > two.least_stiffness());
             assert!(one.stiffness_at(position) > one.least_stiffness());
         }
-        // The other end adds a fraction of x/(l − x).
+        // The other end increases the stiffness by a fraction of x/(l − x).
         let share = two.stiffness_at(1e-6) / one.stiffness_at(1e-6);
         assert_relative_eq!(share, 1.0 + 1e-6 / (1.2 - 1e-6), max_relative = 1e-14);
     }

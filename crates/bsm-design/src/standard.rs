@@ -169,8 +169,8 @@ fn single_violations<'a>(
 }
 
 /// Returns the reason why no standard size meets all limits. The result contains the design with
-/// the smallest violation, and each limit that alone prevents a solution together with the best
-/// value that its quantity could have.
+/// the smallest violation. For each limit that alone prevents a solution, it also contains the best
+/// value of the limited quantity without this limit.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let least = |mut designs: Vec<(Check, &Design)>| {
         designs

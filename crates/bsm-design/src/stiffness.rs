@@ -164,8 +164,8 @@ mod tests {
         nut.elasticity(&NutBody::usual(&nut, crate::NutSet::Single)).expect("ellipses")
     }
 
-    /// Eq. 5 is a secant stiffness. The program used to print the tangent stiffness under this
-    /// name.
+    /// Equation 5 of Sobolewski (2002) is a secant stiffness. The program used to print the tangent
+    /// stiffness under the name of the secant stiffness.
     #[test]
     fn secant_and_tangent_stiffness_are_distinct() {
         let nut = elasticity();
@@ -178,9 +178,10 @@ mod tests {
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }
 
-    /// The pair stiffness (D20) is compared with an exact calculation of both nuts. The slopes at
-    /// zero load are equal. At the limit load of eq. 8, which is three times the preload, the
-    /// linear displacement is 0.926 times the exact displacement.
+    /// The pair stiffness (D20) is compared with an exact calculation of both nuts. The linear and
+    /// the exact displacement have equal slopes at zero load. At the limit load of Sobolewski
+    /// (2002), eq. 8, which is three times the preload, the linear displacement is 0.926 times the
+    /// exact displacement.
     #[test]
     fn pair_stiffness_matches_two_separate_nuts() {
         let nut = elasticity();

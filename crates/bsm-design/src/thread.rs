@@ -99,8 +99,8 @@ impl Nut {
         (cos > 0.0 && cos < 1.0).then(|| cos.acos())
     }
 
-    /// Returns the thread in which the balls touch at the contact angle when the axial play is
-    /// taken up, (G1) to (G7).
+    /// Returns the thread in which the balls touch the grooves at the contact angle when the axial
+    /// play is taken up, (G1) to (G7).
     ///
     /// ```math
     /// k = (R - \tfrac12 D_w)\sin\beta\,\Big(1 - \frac{s}{s_m}\Big)
@@ -282,8 +282,9 @@ mod tests {
         assert_relative_eq!(strips.sum::<f64>(), profile.section(), max_relative = 1e-5);
     }
 
-    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. When all balls
-    /// had the same gap of 1.5 mm, the bore of 17 255 nuts in the catalog was outside the balls.
+    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. When the lands
+    /// of all ball sizes differed from the pitch circle diameter by 1.5 mm, the bore of 17 255 nuts
+    /// in the catalog was larger than the circle around the balls.
     #[test]
     fn flanks_extend_beyond_the_contact_angle_for_all_ball_sizes() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {

@@ -4,15 +4,16 @@
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Case, ModelChoice, Output, Settings};
+use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
 use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
+use thiserror::Error;
 
 use super::part::PartRange;
 use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
-use crate::{Answers, Columns, Heading, Task, Workers};
+use crate::{Answers, Columns, Heading, TableError, Task, Workers};
 
 /// Version number of the results. It is incremented with every change of the program that changes a
 /// calculated number, so that a dataset never contains parts with different results.
@@ -81,6 +82,31 @@ struct Program {
     results: u32,
 }
 
+/// Reason why a text is not a valid plan of this program.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// The text does not have the structure of a plan.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// The plan was made by another program or version.
+    #[error("it was made by {made_by}, but this is {this}")]
+    OtherProgram {
+        /// Program that made the plan.
+        made_by: String,
+        /// This program.
+        this: String,
+    },
+    /// The text was changed after it had been written.
+    #[error("it has been changed: its text does not match its SHA-256")]
+    Changed,
+    /// The case or the settings of the plan are invalid.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The plan contains unknown columns.
+    #[error(transparent)]
+    Columns(#[from] TableError),
+}
+
 impl Program {
     fn this() -> Self {
         let (name, version) = ("bsm".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
@@ -136,27 +162,24 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Returns a text that states the reason if the file is not a plan, was written by another
-    /// program version, or has been changed.
-    pub fn from_text(text: &str) -> Result<Self, String> {
-        let written: PlanFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
-        let (found, this) = (&written.program, Program::this());
-        if (written.format, found) != (FORMAT, &this) {
-            return Err(format!(
-                "it was made by {} {} (results {}, format {}), but this program is {} {} (results {}, format {FORMAT})",
-                found.name,
-                found.version,
-                found.results,
-                written.format,
-                this.name,
-                this.version,
-                this.results
-            ));
+    /// Returns [`PlanError`] if the text is not a plan, belongs to another program version, or has
+    /// been changed.
+    pub fn from_text(text: &str) -> Result<Self, PlanError> {
+        let written: PlanFile = serde_json::from_str(text)?;
+        let this = Program::this();
+        if (written.format, &written.program) != (FORMAT, &this) {
+            let version = |Program { name, version, results }: Program, format| {
+                format!("{name} {version} (results {results}, format {format})")
+            };
+            return Err(PlanError::OtherProgram {
+                made_by: version(written.program, written.format),
+                this: version(this, FORMAT),
+            });
         }
-        let written = written.sealed().map_err(|e| e.to_string())?;
-        let as_written = written.text().map_err(|e| e.to_string())?;
+        let written = written.sealed()?;
+        let as_written = written.text()?;
         if as_written != text {
-            return Err("it has been changed: its text does not match its SHA-256".to_owned());
+            return Err(PlanError::Changed);
         }
         Ok(Self { written, text: as_written })
     }
@@ -165,13 +188,11 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Returns a text that states the reason if the plan contains unknown names.
-    pub fn task(&self) -> Result<Task, String> {
-        let base = serde_json::to_vec(&self.written.base).map_err(|e| e.to_string())?;
-        let base = Case::from_json(&base).map_err(|e| e.to_string())?;
-        let settings = Settings::from_json(&self.written.model).map_err(|e| e.to_string())?;
-        let outputs: Vec<&'static Output> =
-            Answers::select(Some(&self.written.columns)).map_err(|e| e.to_string())?;
+    /// Returns [`PlanError`] if the plan contains unknown names.
+    pub fn task(&self) -> Result<Task, PlanError> {
+        let base = Case::from_json(&serde_json::to_vec(&self.written.base)?)?;
+        let settings = Settings::from_json(&self.written.model)?;
+        let outputs: Vec<&'static Output> = Answers::select(Some(&self.written.columns))?;
         Ok(Task::new(base, settings, outputs))
     }
 
@@ -197,7 +218,7 @@ impl Plan {
     /// # Errors
     ///
     /// Returns the same errors as [`task`](Self::task).
-    pub fn estimate(&self) -> Result<Estimate, String> {
+    pub fn estimate(&self) -> Result<Estimate, PlanError> {
         /// Size of the footer of a part file without its columns \[B\].
         const FOOTER: f64 = 1500.0;
         /// Size of the footer entry for one column \[B\].

@@ -67,7 +67,7 @@ fn a_plan_is_one_line_of_canonical_json() {
         (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it was made by msb"),
         (String::new(), "EOF"),
     ] {
-        let said = Plan::from_text(&text).expect_err("another text");
+        let said = Plan::from_text(&text).expect_err("another text").to_string();
         assert!(said.contains(part), "{said}");
     }
 }

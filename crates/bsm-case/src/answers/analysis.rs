@@ -1,4 +1,5 @@
-//! Analyses of a case or of a solved motion: their quantities and the inputs that they need.
+//! Analyses of a case or of a solved ball motion: the quantities that each analysis calculates, and
+//! the inputs that it needs.
 
 use bsm_dyn::{Model, ModelWorkspace};
 
@@ -60,7 +61,7 @@ impl AnalysisKind {
         matches!(self, Self::Slip | Self::Jam)
     }
 
-    /// Returns true if the analysis needs a solved motion, and false if it only needs inputs.
+    /// Returns true if the analysis needs a solved motion, and false if it needs only inputs.
     pub fn needs_solution(self) -> bool {
         self.needs_motion() || matches!(self, Self::Warnings | Self::Band)
     }
@@ -89,8 +90,8 @@ impl AnalysisKind {
     ///
     /// * `settings`: model and solver settings of analyses that solve the case themselves.
     /// * `motion`: solved motion, if the analysis [needs](Self::needs_solution) one.
-    /// * `wanted`: selects the quantities to calculate. Other quantities may be omitted.
-    /// * `work`: workspace of the models, reused from case to case.
+    /// * `wanted`: returns true for the quantities to calculate. Other quantities may be omitted.
+    /// * `work`: workspace of the models, which is reused for several cases.
     ///
     /// # Errors
     ///
@@ -133,7 +134,7 @@ impl Output {
         self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
 
-    /// Checks that the output can be calculated for points with the inputs `given`.
+    /// Checks that the output can be calculated for points with the given inputs.
     ///
     /// * `base`: case that supplies all inputs that do not vary between the points.
     /// * `model`: model with which the points are solved.
@@ -166,7 +167,7 @@ impl Output {
         Self::all().find(|output| output.name == name).or_else(|| Self::interval_end(name))
     }
 
-    /// Returns the output to which `name` refers, and the unit at the end of `name`, which may
+    /// Returns the output to which `name` refers, and the unit at the end of `name`. This unit may
     /// differ from the unit of the output.
     pub fn in_unit(name: &str) -> Option<(&'static Self, DisplayUnit)> {
         if let Some(output) = Self::named(name) {
@@ -181,14 +182,14 @@ impl Output {
         nearest(name, Self::all().map(|output| output.name))
     }
 
-    /// Returns all of [`OUTPUTS`], followed by the outputs of all analyses.
+    /// Returns all outputs in [`OUTPUTS`], followed by the outputs of all analyses.
     pub fn all() -> impl Iterator<Item = &'static Self> {
         OUTPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns))
     }
 }
 
-/// Returns the quantities of the table with the given name: the name of an analysis, or `steps`,
-/// `as used`, `best`, `screw`, `phase`, `torques`, `circuit` or `manufacturer`.
+/// Returns the quantities of the table with the given name, which is the name of an analysis or one
+/// of `steps`, `as used`, `best`, `screw`, `phase`, `torques`, `circuit` and `manufacturer`.
 pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
     let steps = ratings::STEPS;
     let (all, steps_alone): (&[Quantity], _) = match name {

@@ -1,5 +1,5 @@
-//! Axis sheet of a screw: loads of its cycle, torque, and every rule with its value, limit and
-//! source.
+//! Axis sheet of a screw: loads in the duty cycle, torque, and every design rule with its value,
+//! limit and source.
 
 mod contacts;
 mod drive;
@@ -310,7 +310,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
-    /// Results of the nut at the end of the phase, in the warm state.
+    /// Results for the warm nut at the end of the phase; `None` without a warm state.
     nut: Option<&'a NutInPhase>,
 }
 
@@ -349,10 +349,10 @@ impl Screw<'_> {
     }
 }
 
-/// Report on an axis: numbers, rules and the phases of the cycle.
+/// Report on an axis: results, design rules and the phases of the duty cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
-    /// Case for which the sheet was calculated.
+    /// Case for which the axis sheet was calculated.
     pub case: Case,
     /// Settings used to calculate friction.
     pub settings: Settings,
@@ -360,13 +360,13 @@ pub struct AxisReport {
     pub phases: Vec<ScrewTorque>,
     /// Order data of the screw.
     pub order: Order,
-    /// Warnings in the answer, each with the selection limit that it concerns, if any.
+    /// Warnings in the answer, each with the corresponding selection limit, if there is one.
     pub warnings: Vec<Warning>,
-    /// Answer with numbers, rules, notes and tables.
+    /// Answer with results, rules, notes and tables.
     pub answer: Answer,
 }
 
-/// Returns the columns of the axis sheet that serve to compare nuts in a table.
+/// Returns the columns of the axis sheet that are used to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     const NAMES: [&str; 14] = [
         "cycle_life_h",
@@ -388,7 +388,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
-/// Outputs that describe the load at rest. They are all zero if no force acts at rest.
+/// Outputs that describe the load at standstill. They are all zero if no force acts at standstill.
 const AT_REST: [&str; 7] = [
     "rest_load_N",
     "holding_torque_Nm",
@@ -399,8 +399,8 @@ const AT_REST: [&str; 7] = [
     "back_driving_torque_high_Nm",
 ];
 
-/// Holding torque with contact friction. The screen hides it and shows the required brake torque,
-/// because a brake must be chosen without relying on friction.
+/// Output that is hidden on the screen: the holding torque with contact friction. The screen shows
+/// the required brake torque instead, because a brake must be chosen without relying on friction.
 const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 
 /// Effects that the calculation of an axis always neglects.
@@ -483,7 +483,8 @@ impl AxisReport {
         Ok(report)
     }
 
-    /// Adds the 90 % intervals over the possible grooves. A rule that fails for the best estimate of the groove may then be undecided.
+    /// Adds the 90 % intervals of all results over the possible grooves. A rule that is violated
+    /// for the best estimate of the groove may then be undecided.
     ///
     /// * `answer`: function that calculates the answer for a case with one of the possible grooves.
     #[must_use]
@@ -497,12 +498,14 @@ impl AxisReport {
         self
     }
 
-    /// Calculates numbers and rules, but omits the notes that require additional model solutions.
+    /// Calculates results and design rules, but omits the notes that require additional model
+    /// solutions.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail::JUDGED)
     }
 
-    /// Calculates the numbers and rules for a possible groove, without warnings, notes and order.
+    /// Calculates results and design rules for a possible groove, without warnings, notes and order
+    /// data.
     pub(crate) fn numbers_only(case: &Case, settings: &Settings) -> Result<Answer, CaseError> {
         let detail = Detail { texts: false, ..Detail::JUDGED };
         Self::with(case, settings, detail).map(|report| report.answer)
@@ -549,8 +552,8 @@ impl AxisReport {
             notes.extend(worked.uncertainty_note());
             notes.extend(worked.falls());
         }
-        // If no force acts at rest, a note says so, and the outputs for the load at rest are
-        // hidden.
+        // If no force acts at standstill, a note says so, and the outputs for the load at
+        // standstill are hidden.
         let is_free = worked.machine.rest_load == 0.0;
         let numbers = numbers.hiding(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
         let order = if detail.texts { worked.order() } else { Order::default() };
@@ -582,7 +585,7 @@ impl AxisReport {
         Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
     }
 
-    /// Creates the sheet of an axis that has no warm steady state.
+    /// Creates the axis sheet of an axis that has no warm steady state.
     fn of_none(case: &Case, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
@@ -595,7 +598,7 @@ impl AxisReport {
         Self { case: case.clone(), settings: warm.settings, phases, order, warnings, answer }
     }
 
-    /// Returns the report with its numbers in the displayed units of the case.
+    /// Returns the report with its results in the displayed units of the case.
     #[must_use]
     pub fn displayed(&self) -> Self {
         let units = self.case.display_units();
@@ -622,14 +625,14 @@ impl AxisReport {
         self.answer.number(name)
     }
 
-    /// Returns the branch of warm states as a function of speed, or `None` if no warm state is
-    /// requested or none exists.
+    /// Returns the warm steady states as a function of speed, or `None` if no warm state is
+    /// requested or no warm state exists.
     pub fn warm_branch(&self) -> Option<WarmBranch> {
         WarmBranch::of(&self.case, &self.settings).ok()?
     }
 
-    /// Returns a point of the speed-force diagram: the load \[N\] that gives the required life at a
-    /// speed \[rpm\].
+    /// Returns the load \[N\] with which the axis reaches the required life at a given speed
+    /// \[rpm\]. Load and speed are a point of the speed-force diagram.
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number(output!(required_life_revolutions))?;
         let mean_speed = self.number(output!(equivalent_speed_rpm))?;
@@ -647,7 +650,7 @@ impl AxisReport {
 /// runaway.
 ///
 /// * `wanted`: selects the quantities to calculate.
-/// * `work`: workspace of the models.
+/// * `work`: workspace of the models, which is reused for several cases.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,
@@ -658,7 +661,7 @@ pub(crate) fn numbers(
     let case = &case.with_preload()?;
     let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
     // The torque at a single operating point can be calculated without the rest of the axis.
-    if case.nut.cycle.is_none()
+    if case.entries.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
         // On a sheet, the sign of the torque refers to the load.
@@ -672,14 +675,15 @@ pub(crate) fn numbers(
     Ok(read(&AxisState::of(case, settings, warm)?, wanted).where_finite())
 }
 
-/// Returns the warnings on an axis, on its nut and on its ratings, the most important first.
+/// Returns the warnings about an axis, its nut and its ratings, beginning with the most important
+/// warning.
 ///
-/// * `of_ratings`: warnings on the ratings of the nut.
+/// * `of_ratings`: warnings about the ratings of the nut.
 fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
     let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
     let is_estimated = case.has_estimated_groove();
-    // An estimated groove may have other proportions than the real nut, so warnings about its
-    // proportions are discarded.
+    // An estimated groove may have different proportions than the real groove, so warnings about
+    // the proportions are discarded.
     let mut warnings = if is_estimated { Vec::new() } else { of_ratings };
     if worked.machine.groove.is_none() || is_estimated {
         texts.extend(case.warnings());
@@ -792,7 +796,7 @@ impl Answer {
     }
 }
 
-/// Explains why the nut cannot be calculated with all its balls.
+/// Returns a sentence that explains why the loads of the individual balls cannot be calculated.
 fn no_balls(why: &CaseError) -> String {
     format!("The nut with all its balls cannot be calculated: {why}")
 }
@@ -811,19 +815,19 @@ impl AxisState<'_> {
     }
 }
 
-/// Rejects temperature inputs that would have no effect, and an accuracy grade without the travel
-/// to which it applies.
+/// Rejects temperature inputs that have no effect, and an accuracy grade without the travel to
+/// which the grade applies.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     let travels = case.useful_travel_mm.is_some() || stroke(case)?.is_some();
-    if case.nut.accuracy_grade.is_some() && !travels {
+    if case.entries.accuracy_grade.is_some() && !travels {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
-    if case.fold_search_factor.is_some() && case.nut.warm_state.is_none() {
+    if case.fold_search_factor.is_some() && case.entries.warm_state.is_none() {
         let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
-    // These inputs have an effect even without the thermal network.
+    // The inputs in this list have an effect even without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -842,9 +846,10 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// Returns the case at the largest load and speed of the axis, for the ratings.
+/// Returns the case at the largest load and speed of the axis. The ratings are calculated for this
+/// case.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    // The load already includes the forces on the moved mass, and a separate rule checks the warm
+    // The load already includes the forces on the moving mass, and a separate rule checks the warm
     // preload.
     let mut case = case.cold().without_carriage();
     let load = axis.largest_load();

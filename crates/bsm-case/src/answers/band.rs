@@ -1,4 +1,4 @@
-//! 90 % intervals of efficiency and torque due to uncertain friction of a lubricant, as columns of
+//! 90 % intervals of efficiency and torque due to uncertain lubricant friction, as columns of
 //! tables.
 
 use bsm_dyn::{ModelWorkspace, Solution, model::LossInterval};
@@ -24,10 +24,10 @@ quantities! { pub(crate) QUANTITIES, read(&LossInterval) of Band;
     }
 }
 
-/// Inputs that the intervals need: those of a lubricated ball.
+/// Inputs of a lubricated ball, which are required to calculate the intervals.
 pub(crate) const NEEDS: Needs = Needs::LUBRICATED;
 
-/// Note on a lubricated point without an interval.
+/// Note that explains why a lubricated point has no interval.
 pub(crate) const NO_INTERVAL: &str = "No 90 % interval of the friction is calculated, because most random samples of the uncertain inputs have no steady state.";
 
 /// Calculates the intervals for a solved point.
@@ -49,12 +49,12 @@ pub(crate) fn numbers(
     })
 }
 
-/// Returns the smaller end of an interval.
+/// Returns the lower end of an interval.
 pub(crate) fn low([one, other]: [f64; 2]) -> f64 {
     one.min(other)
 }
 
-/// Returns the larger end of an interval.
+/// Returns the upper end of an interval.
 pub(crate) fn high([one, other]: [f64; 2]) -> f64 {
     one.max(other)
 }

@@ -118,12 +118,13 @@ impl MeasurementError {
     }
 }
 
-/// Suffix in the name of the column that contains the measurement errors of the output.
+/// Suffix that distinguishes the column of measurement errors from the column of the measured
+/// output.
 const ERROR: &str = "_error";
 
 /// Significance level of the runs test for residuals, divided by the number of inputs by which the
-/// points are sorted. Residuals are systematic if random residuals would have so few sign changes
-/// with a probability below this level.
+/// points are sorted. Residuals are reported as systematic if random residuals have so few sign
+/// changes with a probability below this level.
 const SYSTEMATIC: f64 = 0.05;
 
 /// A fit of several inputs to measured values of one output.
@@ -131,14 +132,15 @@ const SYSTEMATIC: f64 = 0.05;
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
     output: &'static Output,
-    /// Assumed errors; `None` if the table has a column of errors.
+    /// Assumed measurement errors; `None` if the table has a column of errors.
     errors: Option<MeasurementError>,
     points: Vec<MeasuredPoint>,
     /// Inputs that have a column in the table.
     columns: Vec<InputKey>,
 }
 
-/// Number of steps over the range of an input at which the reachable outputs are calculated.
+/// Number of steps over the search range of an input at which the output is calculated to find the
+/// reachable values.
 const REACH_STEPS: u32 = 8;
 
 /// Reason why the fit to a table failed.
@@ -186,7 +188,7 @@ pub struct CalibrationReport {
     pub scatter: f64,
     /// Root mean square of the residuals divided by the errors of the points.
     pub weighted_scatter: f64,
-    /// Inputs that ended at a limit of their range. If the list is not empty, the fit fails.
+    /// Inputs that ended at a limit of their search range. If the list is not empty, the fit fails.
     pub held: Vec<HeldInput>,
 }
 
@@ -200,8 +202,9 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors
-    /// that are not positive, and a table that has an `_error` column although `errors` is given.
+    /// Returns [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, and
+    /// errors that are not positive. A table with an `_error` column is also rejected if `errors`
+    /// is given.
     pub fn new(
         base: &Case,
         inputs: &[FittedInput],
@@ -245,7 +248,7 @@ impl Calibration {
         answer
     }
 
-    /// Returns the name of the measured output.
+    /// Returns the name of the output that was measured.
     pub fn output(&self) -> &'static str {
         self.output.name
     }
@@ -303,8 +306,8 @@ impl Calibration {
         Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, held }))
     }
 
-    /// Finds the outputs that an input at a limit of its range can reach over this range, while the
-    /// other inputs keep their fitted values.
+    /// Calculates the range of outputs that are reachable if one input varies over its search
+    /// range, while the other inputs keep their fitted values.
     fn held(
         &self,
         place: usize,
@@ -327,7 +330,8 @@ impl Calibration {
         Ok(HeldInput { key, at: fitted[place], range, reachable })
     }
 
-    /// Explains that an input is at a limit of its range, and states the reachable outputs.
+    /// Returns a sentence which explains that an input is at a limit of its search range, and which
+    /// states the reachable outputs.
     fn describe(&self, held: &HeldInput) -> String {
         let HeldInput { key, at, range: (low, high), reachable } = held;
         let (input, output) = (key.name(), self.output.name);
@@ -368,7 +372,7 @@ impl Calibration {
         rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
     }
 
-    /// Returns fitted minus measured values, in the unit of the output.
+    /// Returns the fitted value minus the measured value of each point, in the unit of the output.
     fn residuals(&self, found: &LeastSquares) -> impl Iterator<Item = f64> {
         self.points.iter().zip(&found.residuals).map(|(point, weighted)| point.error * weighted)
     }
@@ -379,8 +383,9 @@ impl Calibration {
         points.map(|(point, left)| (point.value, point.value + left))
     }
 
-    /// Sorts the points by each varied input and returns the input for which the residuals have the
-    /// least probable number of sign runs, if this probability is too small for random residuals.
+    /// Returns the input on which the residuals depend systematically, if there is one. The points
+    /// are sorted by each varied input, and the input with the least probable number of sign runs
+    /// is returned, if this probability is too small for random residuals.
     pub fn systematic(&self, report: &CalibrationReport) -> Option<(InputKey, SignRuns)> {
         let of = |key: InputKey| self.points.iter().map(move |point| point.case[key]);
         let varied = |key: &InputKey| of(*key).any(|value| value != self.points[0].case[*key]);
@@ -456,7 +461,8 @@ impl Calibration {
     }
 }
 
-/// Returns the fitted inputs. Fails if an input is given twice or in two forms.
+/// Returns the set of fitted inputs. Fails if an input is given twice, or if a quantity is given in
+/// two forms.
 fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     let mut given = GivenNames::default();
     inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;
@@ -478,7 +484,8 @@ struct Measurements {
 
 /// Reads the measured points of a table.
 ///
-/// * `sought`: fitted inputs. A column must not contain or replace any of them.
+/// * `sought`: fitted inputs. A column must not contain a fitted input or another form of its
+///   quantity.
 /// * `errors`: assumed kind of measurement errors, if given.
 fn points(
     base: &Case,

@@ -88,11 +88,11 @@ impl Cells for RecordCells {
 ///
 /// # Errors
 ///
-/// Returns [`CaseError`] if a value violates a rule, or if even the model with the fewest inputs
-/// lacks inputs.
+/// Returns [`CaseError`] if a value violates a rule, or if an input of the model with the fewest
+/// inputs is missing.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
-    // Possible grooves are solved without measuring the time, so the time has no interval.
+    // The time is measured only for the best groove, so it has no interval.
     Ok(answer.over_grooves(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
 }
 
@@ -108,7 +108,7 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         }
     }
     if answers.is_empty() {
-        // If the model that needs the fewest inputs lacks some of them, no model can be solved.
+        // If an input of the model with the fewest inputs is missing, no model can be solved.
         case.choose(ModelChoice::Fixed(Model::ClosedForm))?;
     }
     // Only models of rolling balls contribute warnings. The table shows where the models with

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, BindingLimit, Candidate, Check, Design, Infeasibility, LoadCase, Nut, Outcome,
-    PhasePoint, Pitch, Quantity, Requirement,
+    ActiveLimit, BindingLimit, Bounds, Candidate, Check, Design, Infeasibility, LoadCase, Nut,
+    Outcome, PhasePoint, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 
@@ -13,6 +13,7 @@ use super::ratings::QUANTITIES as RATINGS;
 use crate::answers::axis::quick_efficiency;
 use crate::answers::optimum::hard_to_make;
 use crate::answers::schema::CaseJson;
+use crate::vocabulary::answer::limits_in_words;
 use crate::vocabulary::members::{Data, Label, Rows, Sentences, answer, row};
 use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
@@ -23,7 +24,7 @@ use crate::{
     OutputName, REQUIREMENT_INPUTS, RequirementFile, Verdict, output, sheet_columns,
 };
 
-/// A result of the selection procedure and the requirement that it must meet.
+/// A result of the selection procedure, and the requirement on this result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
     /// Step of Lin's procedure, or 11 for additional results.
@@ -49,8 +50,8 @@ pub struct DesignReport {
     pub rows: Vec<DesignRow>,
     /// True if the screw meets the requirement.
     pub found: bool,
-    /// Active limits. If no screw meets the requirement: the limits that cannot be met, and by how
-    /// much they are missed.
+    /// Active limits. If no screw meets the requirement, the list contains the limits that cannot
+    /// be met, and the amount by which they are missed.
     pub reasons: Vec<String>,
     /// Assumptions that the selection made.
     pub notes: Vec<String>,
@@ -102,7 +103,7 @@ thread_local! {
 
 impl DesignReport {
     /// Searches for the best screw of any size with balls of standard diameters, by Lin's
-    /// procedure. A requirement that no screw meets is a valid result.
+    /// procedure. If no screw meets the requirement, the report states the reasons.
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
@@ -165,7 +166,7 @@ impl DesignReport {
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        // An order is always accompanied by the warnings of the `axis` command.
+        // The order data is always accompanied by the warnings of the `axis` command.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -221,7 +222,8 @@ impl DesignReport {
         Self { rows, found, reasons, notes, warnings, order, case }
     }
 
-    /// Returns the answer: whether a screw was found, the steps of the selection, and the limits.
+    /// Returns the answer, which states whether a screw was found, the steps of the selection, and
+    /// the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
             let verdict = if row.passes { "pass" } else { "FAIL" };
@@ -258,7 +260,7 @@ impl RequirementFile {
     }
 
     /// Returns true if a nut meets all limits of the requirement that can be checked without the
-    /// loads of all its balls. [`sheet_of`](Self::sheet_of) checks the other limits.
+    /// loads of all balls. [`sheet_of`](Self::sheet_of) checks the other limits.
     pub fn is_met_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
@@ -298,8 +300,8 @@ impl RequirementFile {
 }
 
 impl RequirementFile {
-    /// Returns the requirement, completed by the default limit for the number of loaded turns in a
-    /// catalog.
+    /// Returns a copy of the requirement that also contains the default limit for the number of
+    /// loaded turns in a catalog.
     pub(crate) fn within(&self, catalog: &Catalog) -> Self {
         let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
         Self { problem, ..self.clone() }
@@ -318,7 +320,8 @@ impl RequirementFile {
         })
     }
 
-    /// Returns the verdict on a screw by the rules of its sheet and by the limits that its warnings state.
+    /// Returns the verdict on a screw, based on the rules of its axis sheet and on the selection
+    /// limits in its warnings.
     pub(crate) fn verdict(&self, sheet: &AxisReport) -> Verdict {
         match self.objections(sheet).next() {
             Some(_) => Verdict::Fails,
@@ -373,8 +376,8 @@ fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Vec<&'
     if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// Uses the model that the requirement specifies to calculate the efficiency of the whole screw at
-/// a moment of a phase. Returns `None` if the model has no solution.
+/// Calculates the efficiency of the whole screw at a moment of a phase, with the model that the
+/// requirement specifies. Returns `None` if the model has no solution.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = case(requirement, &Design::of(&requirement.problem, *nut, None));
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
@@ -404,7 +407,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
         loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.case.axial_load_N },
         preload_N: design.preload(),
-        nut: CaseEntries { preload_class: None, ..requirement.case.nut.clone() },
+        entries: CaseEntries { preload_class: None, ..requirement.case.entries.clone() },
         ..requirement.case.clone()
     }
 }
@@ -449,7 +452,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
     }
 }
 
-/// Returns the label of a quantity of the design or of its sheet.
+/// Returns the label of a design quantity or of a quantity on the axis sheet.
 fn label(name: &str) -> Option<&'static str> {
     let known = STEPS.iter().chain(AXIS).find(|quantity| quantity.name == name);
     known.map(|quantity| quantity.about)
@@ -460,16 +463,20 @@ fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }
 
-/// Returns the steps of a design together with the rules of its sheet. A rule replaces the step
-/// that has the same quantity and limit.
+/// Returns the selection steps of a design together with the rules of its axis sheet. A rule
+/// replaces the step that has the same quantity and limit.
 fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
+    /// Largest relative difference between equal limits. The case of a design has rounded inputs.
+    const SAME: f64 = 1e-6;
     let mut rows: Vec<_> = design.checks.iter().map(row).collect();
     for rule in rules {
         let row = of_rule(rule);
-        let is_same =
-            |old: &&mut DesignRow| old.name == row.name && old.requirement == row.requirement;
-        match rows.iter_mut().find(is_same) {
-            Some(old) => *old = DesignRow { step: old.step, ..row },
+        let is_same = |check: &Check| {
+            step(check.quantity).name == rule.name
+                && bounds(check).are_close_to(rule.bounds(), SAME)
+        };
+        match design.checks.iter().position(is_same) {
+            Some(place) => rows[place] = DesignRow { step: rows[place].step, ..row },
             None => rows.push(row),
         }
     }
@@ -489,7 +496,7 @@ fn row(check: &Check) -> DesignRow {
     }
 }
 
-/// Converts a rule on the sheet to an additional row in the table of selection steps.
+/// Converts a rule on the axis sheet to an additional row in the table of selection steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
     DesignRow {
         step: 11,
@@ -523,14 +530,13 @@ fn in_unit(check: &Check, value: f64) -> f64 {
     numbers.entries().next().map_or(f64::NAN, |(_, value)| value)
 }
 
+/// Returns the limits of a check in the unit of its quantity.
+fn bounds(check: &Check) -> Bounds {
+    check.bounds.map(|limit| in_unit(check, limit))
+}
+
 fn required(check: &Check) -> Option<String> {
-    let text = |sign: &str, limit: Option<f64>| {
-        limit.map(|limit| format!("{sign} {}", trimmed(in_unit(check, limit))))
-    };
-    match (text(">=", check.least), text("<=", check.most)) {
-        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
-        (one, other) => one.or(other),
-    }
+    limits_in_words(bounds(check))
 }
 
 /// Returns the unit of a design quantity, with a leading space.
@@ -539,7 +545,8 @@ fn unit(quantity: Quantity) -> String {
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
-/// Describes an active limit and states the objective that could be reached without it.
+/// Describes an active limit, and states the value that the objective could reach without this
+/// limit.
 fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimit) -> String {
     let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();

@@ -84,7 +84,7 @@ impl EllipseContact {
     }
 }
 
-/// Columns of the field table: the coordinates relative to the semi-axes, followed by the fields at
+/// Columns of the field table: the coordinates divided by the semi-axes, followed by the fields at
 /// nut and screw.
 const HEADS: &[Output; 12] = &[
     field("across", ""),
@@ -130,8 +130,8 @@ impl EllipseFields {
         let (accuracy, creep) = integration(settings, solution);
         let creep = creep * point.ball.radius * point.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
-        // A spin that is many orders of magnitude smaller than the rotation of the ball may be a
-        // rounding error.
+        // If the spin is many orders of magnitude smaller than the angular velocity of the ball, it
+        // may be a rounding error.
         let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
         let mut contacts = Vec::new();
         for contact in moving.contacts.iter().flatten().take(2) {
@@ -182,8 +182,8 @@ impl EllipseFields {
         Ok(Self { model: solution.model, contacts, warnings })
     }
 
-    /// Returns the answer, with the fields for programs and a table of the integrated quantities
-    /// for the terminal.
+    /// Returns the answer. It contains the fields for programs, and a table of the integrated
+    /// quantities for the terminal.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
         let warnings = self.warnings.clone();
@@ -197,7 +197,7 @@ impl EllipseFields {
         answer
     }
 
-    /// Returns the fields as a table, with one row per grid point within the ellipses.
+    /// Returns the fields as a table with one row for each grid point inside the ellipses.
     pub fn columns(&self) -> Columns {
         let places = self.contacts.first().map_or(&[][..], |first| &first.places);
         let points = places.iter().flat_map(|y| places.iter().map(move |x| vec![*x, *y]));

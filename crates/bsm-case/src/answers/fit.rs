@@ -1,4 +1,5 @@
-//! Determines an input from a measured output, or from the limit of a rule.
+//! Search for the input with which a calculated output equals a measured value, or with which a
+//! rule is at its limit.
 
 use std::cell::RefCell;
 
@@ -40,14 +41,14 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
     })
 }
 
-/// Returns the analysis that calculates an output from inputs alone, or `None` if the output needs
-/// a solved motion.
+/// Returns the analysis that calculates an output from inputs only, or `None` if the output
+/// requires a solved motion.
 fn of_inputs(output: &Output) -> Option<AnalysisKind> {
     output.analysis().filter(|kind| !kind.needs_solution())
 }
 
-/// Returns the value that a measurement at the point would give according to the model, or `None`
-/// if there is no solution.
+/// Returns the value of the measured output that the model predicts for a point, or `None` if there
+/// is no solution.
 ///
 /// # Errors
 ///
@@ -77,7 +78,7 @@ pub(crate) fn measured(
 }
 
 /// Replaces model `auto` by the most complete model. Model `auto` only bounds the error of the
-/// efficiency, which does not bound the error of a fitted input.
+/// efficiency, which does not limit the error of a fitted input.
 pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
     let model = match case.choose(settings.model)? {
         ModelChoice::Auto => Model::Traction.into(),
@@ -102,7 +103,7 @@ const WIDE: (f64, f64) = (0.01, 100.0);
 enum Target {
     /// The output equals the measured value.
     Measured { output: &'static Output, value: f64 },
-    /// The axis rule with this title is exactly at its limit.
+    /// The axis rule with the title `rule` is exactly at its limit.
     Limit { rule: &'static str },
 }
 
@@ -163,16 +164,18 @@ pub struct Fit {
 pub struct FitValue {
     /// Value of the input.
     pub value: f64,
-    /// Relative change of the input divided by the relative change of the measured output or of the
-    /// rule margin.
+    /// Sensitivity of the input: its relative change divided by the relative change of the measured
+    /// output or of the rule margin.
     pub response: f64,
-    /// Solution with this value, if the condition refers to the motion of a ball.
+    /// Solution of the model for this value, if the condition refers to the motion of a ball.
     pub record: Option<Record>,
     /// 90 % interval of the value over the possible grooves, if the groove is estimated.
     pub band: Option<Band>,
-    /// Number of possible grooves for which no value near this one satisfies the condition.
+    /// Number of possible grooves for which no value near the value for the best groove satisfies
+    /// the condition.
     pub without: usize,
-    /// Solutions for the possible grooves, each with its own value of the input.
+    /// Solutions for the possible grooves, each with the value of the input that satisfies the
+    /// condition for this groove.
     possible: Vec<Record>,
 }
 
@@ -339,7 +342,7 @@ impl Fit {
         Self::with(case, input, measurement.target()?)
     }
 
-    /// Works like [`new`](Self::new), but takes strings in the forms of [`FittedInput::parse`] and
+    /// Works like [`new`](Self::new), but parses strings with [`FittedInput::parse`] and
     /// [`Measurement::parse`].
     ///
     /// # Errors
@@ -400,7 +403,7 @@ impl Fit {
     /// rule is exactly at its limit.
     ///
     /// Model `auto` is replaced by the most complete model. Model `auto` only bounds the error of
-    /// the efficiency, which does not bound the error of the input.
+    /// the efficiency, which does not limit the error of the input.
     ///
     /// # Errors
     ///
@@ -414,7 +417,8 @@ impl Fit {
                 let record = self.record(possible, settings, value, &mut ModelWorkspace::default());
                 Some((value, record))
             };
-            // The choice of the model needs the fitted input, which the case itself may lack.
+            // The model is chosen with the fitted value, because the case itself may lack the
+            // fitted input.
             let values = self.at(case, fitted.value)?.over_possible(FEW_DRAWS, follow);
             fitted.without = values.iter().filter(|value| value.is_none()).count();
             fitted.band = Band::of(values.iter().flatten().map(|(value, _)| *value));
@@ -424,8 +428,8 @@ impl Fit {
         Ok(report)
     }
 
-    /// Returns the solution with a value of the input, or `None` if the condition is the limit of a
-    /// rule.
+    /// Returns the solution of the model for a value of the input, or `None` if the condition is
+    /// the limit of a rule.
     fn record(
         &self,
         case: &Case,
@@ -442,11 +446,12 @@ impl Fit {
         }
     }
 
-    /// Returns the value of the input for another possible groove. The secant method starts from
-    /// the value and the slope for the best groove. Returns `None` if the iteration leaves the
-    /// search range or does not converge.
+    /// Returns the value of the input that satisfies the condition for another possible groove. The
+    /// secant method starts from the value and the slope for the best groove. Returns `None` if the
+    /// iteration leaves the search range or does not converge.
     fn follow(&self, case: &Case, settings: &Settings, best: &FitValue) -> Option<f64> {
-        /// Relative step at which the iteration stops. It is much smaller than any interval.
+        /// Relative step at which the iteration stops. It is much smaller than the width of any
+        /// interval.
         const STEP: f64 = 1e-6;
         /// Maximum number of iterations.
         const MAX_STEPS: usize = 20;
@@ -484,8 +489,8 @@ impl Fit {
         }
     }
 
-    /// Returns the value that the search must reach: the measured output, or 1 for the margin of a
-    /// rule at its limit.
+    /// Returns the target value of the search: the measured output, or 1 for the margin of a rule
+    /// at its limit.
     fn offset(&self) -> f64 {
         match &self.target {
             Target::Measured { value, .. } => *value,
@@ -493,7 +498,7 @@ impl Fit {
         }
     }
 
-    /// Searches the range for a case with one groove.
+    /// Searches the search range of the input for a case with a single groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
@@ -557,8 +562,8 @@ impl Fit {
         Ok(kept)
     }
 
-    /// Returns true if the measured output belongs to a model of one ball, and false if it belongs
-    /// to the nut or the axis.
+    /// Returns true if the measured output is calculated by a model of a single ball, and false if
+    /// it is a result for the nut or the axis.
     pub fn solves_one_ball(&self) -> bool {
         matches!(self.target, Target::Measured { output, .. } if of_inputs(output).is_none())
     }
@@ -644,7 +649,8 @@ impl Fit {
         }
     }
 
-    /// Returns the answer: the values found, each with its solution, and the reachable outputs.
+    /// Returns the answer, which contains the values of the input, the solution for each value, and
+    /// the reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |(f, solution): (&FitValue, &Answer)| FittedJson {
             value: InputJson(self.input.name(), f.value),
@@ -691,7 +697,7 @@ impl Fit {
 }
 
 impl FitValue {
-    /// Returns the solution with this value of the input, with 90 % intervals over the possible
+    /// Returns the solution for this value of the input, with 90 % intervals over the possible
     /// grooves.
     fn solution(&self, case: &Case) -> Answer {
         let shown = |record: &Record| Answer { sections: record.shown(case), ..Answer::default() };

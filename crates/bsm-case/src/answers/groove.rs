@@ -1,5 +1,5 @@
-//! Answers for a case with an estimated groove: the estimate, and the uncertainty intervals of the
-//! results.
+//! Answers for a case with an estimated groove. They contain the estimate and the uncertainty
+//! intervals of the results.
 
 use std::collections::{HashMap, HashSet};
 
@@ -20,25 +20,25 @@ use crate::{
 /// Smallest ratio of an interval's width to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Maximum number of possible grooves for a case with a warm state, whose calculation takes from
-/// 0.1 s to several seconds.
+/// Maximum number of possible grooves for a case with a warm state. The calculation of a warm state
+/// takes from 0.1 s to several seconds.
 const WARM_DRAWS: usize = 16;
 
 /// Probability of clean steel above which a note states that the load ratings are increased for
 /// clean steel.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
-/// Maximum number of names in a note.
+/// Maximum number of names that a note lists.
 const NAMED: usize = 4;
 
-/// Labels of text sections that can have only a few different values.
+/// Labels of text sections whose text is one of only a few values.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
 
 /// JSON member name of the table that contains the verdicts on a motion.
 const VERDICTS: &str = "verdicts";
 
-/// Typical ratios of catalog stiffness to contact stiffness. Ratios in this range are explained by
-/// the conventions of manufacturers.
+/// Typical ratios of catalog stiffness to contact stiffness. The conventions of manufacturers
+/// explain ratios in this range.
 const USUAL_STIFFNESS: std::ops::RangeInclusive<f64> = 0.6..=0.95;
 
 impl Case {
@@ -82,8 +82,8 @@ impl Case {
         Some((line, estimate))
     }
 
-    /// Returns true if the groove is estimated, and few typical grooves have the ratings and
-    /// dimensions of the case.
+    /// Returns true if the groove is estimated, and the ratings and dimensions of the case are
+    /// unusual for typical grooves.
     pub(crate) fn has_unusual_groove(&self) -> bool {
         self.estimate().is_some_and(|(_, estimate)| estimate.is_unusual())
     }
@@ -150,11 +150,11 @@ row! {
 }
 
 impl Answer {
-    /// Adds the groove estimate of a case and the 90 % intervals of all numbers over the possible
-    /// grooves. If the groove is given, the answer is returned unchanged.
+    /// Adds the groove estimate of a case to the answer, and the 90 % intervals of all results over
+    /// the possible grooves. If the groove is given, the answer is returned unchanged.
     ///
     /// * `count`: number of possible grooves.
-    /// * `answer`: calculates the answer for the case with a possible groove.
+    /// * `answer`: function that calculates the answer for a case with a possible groove.
     #[must_use]
     pub fn over_grooves(
         mut self,
@@ -210,7 +210,7 @@ impl Answer {
         })
     }
 
-    /// Returns the 90 % interval of the number with the given name, or `None` if the number does
+    /// Returns the 90 % interval of the result with the given name, or `None` if the result does
     /// not depend on an estimated groove.
     pub fn band(&self, number: &str) -> Option<Band> {
         let mut columns =
@@ -218,8 +218,8 @@ impl Answer {
         columns.find(|(column, _)| column.name == number)?.1
     }
 
-    /// Adds the intervals over the answers for possible grooves to the numbers, tables and rules of
-    /// this answer.
+    /// Adds intervals to the results, tables and rules of this answer. The intervals are calculated
+    /// from the answers for the possible grooves.
     pub(crate) fn add_bands(&mut self, answers: &[Self]) {
         let rows: Vec<Vec<&Row>> = answers.iter().map(|of| of.all_rows().collect()).collect();
         for section in &mut self.sections {
@@ -253,7 +253,7 @@ impl Answer {
         }
     }
 
-    /// Returns the numbers that exist only for some of the possible grooves, such as the speed at
+    /// Returns the results that exist only for some of the possible grooves, such as the speed at
     /// the fold of the warm state.
     fn partial_numbers(&self, answers: &[Self]) -> Vec<PartialNumber> {
         let has_same_names = |answer: &Self| {
@@ -288,7 +288,7 @@ impl Answer {
         names.into_iter().filter_map(partial).collect()
     }
 
-    /// Returns the numbers that have a value. A number that occurs in several sections is returned
+    /// Returns the results that have a value. A result that occurs in several sections is returned
     /// once per section.
     fn existing_numbers(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let rows = self.all_rows().filter(|row| row.quantity.scope != Scope::Statement);
@@ -312,8 +312,8 @@ impl Answer {
         numbers.flat_map(Numbers::all)
     }
 
-    /// Adds the inputs that would decide the rule to each rule that is undecided because of the
-    /// estimated groove.
+    /// Adds the names of the inputs that would decide the rule to each rule that is undecided
+    /// because of the estimated groove.
     fn name_deciding_inputs(&mut self, deciding: &[&str]) {
         let undecided = |rule: &&mut Criterion| {
             rule.verdict() == Verdict::Undecided && rule.margin_without_default.is_none()
@@ -327,8 +327,7 @@ impl Answer {
         }
     }
 
-    /// Returns a note for each rule that is met with some possible grooves and violated with
-    /// others.
+    /// Returns a note for each rule that is met for some possible grooves and violated for others.
     fn doubtful_rules(&self, answers: &[Self]) -> Vec<String> {
         let doubt = |rule: &Criterion| {
             let same: Vec<_> = answers.iter().filter_map(|answer| rule.same_in(answer)).collect();
@@ -349,7 +348,8 @@ impl Answer {
     }
 
     /// Returns a note for each regime or verdict that differs between possible grooves. The note
-    /// states the percentage of grooves that agree with the best groove.
+    /// states the percentage of grooves for which the regime or verdict is the same as for the best
+    /// groove.
     fn shares(&self, answers: &[Self]) -> Vec<String> {
         let note = |what: &str, value: &str, same: usize| {
             let percent = 100.0 * count(same) / count(answers.len());
@@ -390,7 +390,7 @@ impl Answer {
         })
     }
 
-    /// Returns all intervals as a JSON object. The keys are the names of numbers, the titles of
+    /// Returns all intervals as a JSON object. The keys are the names of results, the titles of
     /// rules, and the member names of tables. The intervals of a table have the layout of the
     /// table.
     pub fn intervals(&self) -> Value {
@@ -419,18 +419,19 @@ impl Answer {
     }
 }
 
-/// A number that exists for some of the possible grooves only.
+/// A result that exists only for some of the possible grooves.
 struct PartialNumber {
     name: &'static str,
-    /// True if the number exists for the best groove.
+    /// True if the result exists for the best groove.
     has_value: bool,
-    /// Number of possible grooves for which the number exists.
+    /// Number of possible grooves for which the result exists.
     grooves: usize,
-    /// 90 % interval of the number over the grooves for which the number exists.
+    /// 90 % interval of the result over the grooves for which the result exists.
     band: Option<Band>,
 }
 
-/// Describes the numbers that exist for some of the possible grooves only, in one note for all numbers with the same grooves.
+/// Describes the results that exist only for some of the possible grooves. Results that exist for
+/// the same grooves share one note.
 ///
 /// * `count`: number of possible grooves.
 fn about_partial(numbers: &[PartialNumber], count: usize) -> Vec<String> {
@@ -499,7 +500,8 @@ impl Table {
         Value::Object(rows.map(|(cells, bands)| (key(cells), row(bands))).collect())
     }
 
-    /// Adds to each number its interval over the corresponding tables for possible grooves.
+    /// Adds to each number of the table its interval over the corresponding tables for the possible
+    /// grooves.
     fn add_bands(&mut self, others: &[&Self]) {
         let same: Vec<_> =
             others.iter().filter(|other| other.rows.len() == self.rows.len()).collect();
@@ -518,25 +520,27 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
     };
-    // In most cases, two answers have the same tables of quantities, so their names need not be
-    // compared.
+    // Usually, both answers use the same static table of quantities, so comparing addresses is
+    // sufficient and names need not be compared.
     let own = rows.iter().find(|other| std::ptr::eq(other.quantity, row.quantity));
     own.or_else(|| rows.iter().find(is_same)).copied()
 }
 
-/// Returns the interval of the finite values, or `None` if the value does not depend on the groove.
+/// Returns the interval of a result over its finite values for the possible grooves, or `None` if
+/// the result does not depend on the groove.
 fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
     interval_of(value, others.filter(|other| other.is_finite()))
 }
 
-/// Returns the interval of the values, or `None` if the value does not depend on the groove.
+/// Returns the interval of a result over its values for the possible grooves, or `None` if the
+/// result does not depend on the groove.
 fn interval_of(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
     let band = Band::of(others)?;
     (band.high - band.low > ROUNDING * value.abs()).then_some(band)
 }
 
 impl Criterion {
-    /// Returns the rule with the same title and number in another answer.
+    /// Returns the rule in another answer that has the same title and limits the same quantity.
     fn same_in<'a>(&self, answer: &'a Answer) -> Option<&'a Self> {
         answer.rules.iter().find(|own| (own.title, own.name) == (self.title, self.name))
     }
@@ -549,7 +553,7 @@ fn pairs(estimate: &GrooveEstimate) -> Vec<[f64; 2]> {
     likely.map(|ball| [ball.ball_diameter / MM, ball.probability]).collect()
 }
 
-/// Returns the ball diameters that together have a probability of 90 % \[mm\].
+/// Returns the most likely ball diameters, which together have a probability of 90 % \[mm\].
 fn likely(estimate: &GrooveEstimate) -> Vec<f64> {
     estimate.likely_balls().iter().map(|ball| ball.ball_diameter / MM).collect()
 }
@@ -578,7 +582,8 @@ fn alternatives(names: &[&str]) -> String {
     }
 }
 
-/// Describes the estimate, the meaning of the intervals, and the inputs that would narrow them.
+/// Describes the estimated groove, the meaning of the intervals, and the inputs that would narrow
+/// the intervals.
 fn note(estimate: &GrooveEstimate, narrowing: &[&str]) -> String {
     let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
         estimate.best();
@@ -613,7 +618,9 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     });
     let stiffness = || {
         let stated = line.rated_rigidity_N_um?;
-        let Some(Named(StiffnessAt::Load(part))) = line.nut.rated_rigidity_at else { return None };
+        let Some(Named(StiffnessAt::Load(part))) = line.entries.rated_rigidity_at else {
+            return None;
+        };
         let nut = estimate.best().nut(estimate.line.lead, line.reader().materials());
         let contacts = nut.elasticity(&NutBody::usual(&nut, NutSet::Single)).ok()?;
         let ours = contacts.secant(part * estimate.line.dynamic_rating) * UM;
@@ -627,10 +634,10 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     clean.into_iter().chain(stiffness()).collect()
 }
 
-/// Returns the table of the estimate that is printed on the screen: each quantity with its value
-/// and uncertainty.
+/// Returns the table of the groove estimate for the screen, which lists each quantity with its
+/// value and uncertainty.
 fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
-    let estimated = case.nut.estimated_inputs.iter().flatten();
+    let estimated = case.entries.estimated_inputs.iter().flatten();
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
     let is_estimated = |key| estimated.contains(&key);
     let draws = estimate.draws(bsm_design::DRAWS);
@@ -686,7 +693,8 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     Table::of(&rows)
 }
 
-/// Describes the 90 % range of loaded turns over the hypotheses, weighted by their probabilities.
+/// Describes the 90 % range of the number of loaded turns over the hypotheses, weighted by their
+/// probabilities.
 fn turns(hypotheses: &[Hypothesis]) -> String {
     let mut sorted: Vec<_> = hypotheses.iter().map(|of| (of.turns, of.probability)).collect();
     sorted.sort_by(|one, other| one.0.total_cmp(&other.0));

@@ -1,4 +1,4 @@
-//! Jamming analysis of the balls, in named quantities with units.
+//! Analysis of jamming of the balls, in named quantities with units.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -113,20 +113,20 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
 }
 
-/// Magnitude below which a critical friction coefficient or the sine of a slip angle is a rounding
-/// error. Both are exactly zero for a rolling ball.
+/// Magnitude below which a critical friction coefficient, or the sine of a slip angle, is treated
+/// as a rounding error. Both quantities are exactly zero for a rolling ball.
 const ROUNDING: f64 = 1e-9;
 
-/// Conversion factor from N/µm^1.5 to N/m^1.5.
+/// Factor that converts a contact stiffness from N/µm^1.5 to N/m^1.5.
 const PER_UM15: f64 = 1e9;
 
-/// Replaces a critical friction coefficient by zero if it is a rounding error.
+/// Returns a critical friction coefficient, or zero if the coefficient is only a rounding error.
 fn clean(critical: f64) -> f64 {
     if critical < ROUNDING { 0.0 } else { critical }
 }
 
-/// Returns a critical friction coefficient, or `None` if it is infinite. It is infinite without
-/// slip across the grooves, because then no friction can hold the ball.
+/// Returns a critical friction coefficient, or `None` if the coefficient is infinite. Without slip
+/// across the grooves, the coefficient is infinite, because no friction can hold the ball.
 fn if_any(critical: f64) -> Option<f64> {
     Some(critical).filter(|x| *x < f64::INFINITY)
 }
@@ -168,14 +168,14 @@ struct BallReturn {
     speed: f64,
     /// Force of the ball's impact on the ball return \[N\].
     impact: f64,
-    /// Thrust at the apex of the return curve \[N\].
+    /// Thrust on the ball at the apex of the return curve \[N\].
     apex: Option<f64>,
     /// Normal force and thrust at the step into the screw \[N\].
     step: Option<(f64, f64)>,
-    /// Largest height of a step into the return that a thrust can overcome \[m\].
+    /// Largest height of a step into the return that the thrust can overcome \[m\].
     highest: f64,
-    /// Ratio of the thrust behind to the thrust ahead of a ball at the step into the return. It is
-    /// infinite if no thrust can lift the ball over the step.
+    /// Thrust behind a ball divided by the thrust ahead of the ball, at the step into the return.
+    /// The ratio is infinite if no thrust can lift the ball over the step.
     entered: Option<f64>,
 }
 
@@ -283,8 +283,8 @@ impl Jam {
         Some((direction, self.angles().locking_friction(direction)))
     }
 
-    /// Returns the largest thrust that the balls must overcome in the return, or `None` if there is
-    /// no thrust or a step blocks the balls.
+    /// Returns the largest thrust in the ball return that the balls must overcome, or `None` if
+    /// there is no thrust or a step blocks the balls.
     fn pushed(&self) -> Option<f64> {
         self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
@@ -412,7 +412,8 @@ impl BallReturn {
         }
     }
 
-    /// Returns the thrust at the step into the return while the ball ahead is at the apex.
+    /// Returns the thrust that is needed at the step into the return while the ball ahead is at the
+    /// apex.
     fn entry_thrust(&self) -> Option<f64> {
         Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
     }

@@ -1,5 +1,5 @@
-//! Nuts from the rows of a manufacturer's table. The columns are named after inputs or as in the
-//! catalog.
+//! Nuts that are read from the rows of a manufacturer's table. The columns are named after inputs
+//! or as in the catalog.
 
 use std::f64::consts::PI;
 
@@ -42,7 +42,7 @@ fn input_of(column: &'static str) -> &'static str {
     }
 }
 
-/// Contact angle that is assumed if a table does not contain it \[deg\].
+/// Contact angle that is assumed if a table does not contain the contact angle \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
 
 /// A nut in a manufacturer's table.
@@ -83,7 +83,7 @@ impl ManufacturerNut {
                     continue;
                 }
                 if CaseEntries::KEYS.contains(&word) && !TEXT_COLUMNS.contains(&word) {
-                    nut.case.nut.set_cell(word, text)?;
+                    nut.case.entries.set_cell(word, text)?;
                     continue;
                 }
                 let value = Some(change.value(cells.number(text)?));
@@ -97,7 +97,7 @@ impl ManufacturerNut {
             if let Some(stiffness) = stiffness {
                 nut.case.rated_rigidity_N_um.get_or_insert(stiffness);
                 let at = Named(StiffnessAt::Load(STIFFNESS_AT));
-                nut.case.nut.rated_rigidity_at.get_or_insert(at);
+                nut.case.entries.rated_rigidity_at.get_or_insert(at);
             }
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
@@ -115,7 +115,7 @@ impl ManufacturerNut {
         case.lead_angle_deg = None;
         case.override_with(&self.case);
         case.description = Some(self.name.clone());
-        case.nut.order_code.get_or_insert_with(|| self.name.clone());
+        case.entries.order_code.get_or_insert_with(|| self.name.clone());
         case
     }
 
@@ -123,7 +123,7 @@ impl ManufacturerNut {
     /// stated stiffness is that of a preloaded nut.
     fn stiffness(&self) -> Option<f64> {
         let is_of_one =
-            matches!(self.case.nut.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
+            matches!(self.case.entries.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
         self.case.rated_rigidity_N_um.filter(|_| is_of_one)
     }
 
@@ -148,7 +148,7 @@ fn is_unknown_word(name: &str, format: &TableFormat, words: &[&'static str]) -> 
     format.name(name) == Some(name) && manufacturer_column(name, format, words).is_err()
 }
 
-/// Ratio of axial load to dynamic load rating at which manufacturers state the stiffness of a
+/// Ratio of axial load to dynamic load rating for which manufacturers state the stiffness of a
 /// single nut.
 const STIFFNESS_AT: f64 = 0.3;
 
@@ -175,7 +175,8 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// Returns a calculated rating, or `None` if the groove was estimated from the ratings.
+    /// Returns a calculated rating, or `None` if the groove was estimated from the manufacturer's
+    /// ratings.
     fn rating(&self, name: OutputName) -> Option<f64> {
         self.ours.number(name).filter(|_| !self.is_estimated)
     }
@@ -220,8 +221,8 @@ pub struct ManufacturerRow {
     pub name: String,
     /// Case of the nut, in the axis of the requirement if there is one.
     pub case: Case,
-    /// Numbers stated by the manufacturer and numbers calculated for the same nut, followed by the
-    /// numbers of the axis sheet if there is a requirement.
+    /// Values stated by the manufacturer, and values calculated for the same nut. If there is a
+    /// requirement, the results on the axis sheet follow.
     pub numbers: Vec<ListNumber>,
     /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
     pub verdict: Option<Verdict>,
@@ -232,10 +233,11 @@ pub struct ManufacturerRow {
     /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
     /// groove is given.
     pub groove: Option<String>,
-    /// Contradiction between ratings and geometry, with the numbers that contradict each other.
+    /// Description of a contradiction between ratings and geometry, including the contradictory
+    /// values.
     pub contradiction: Option<String>,
-    /// Notes on an estimated groove: unusual ratings, and rules that only some of the possible
-    /// grooves meet.
+    /// Notes on an estimated groove: unusual ratings, and rules that are met only for some of the
+    /// possible grooves.
     pub notes: Vec<String>,
     /// Names and cells of text columns that are not inputs.
     pub texts: Vec<(String, String)>,
@@ -258,13 +260,13 @@ const SAME_NUT: &str = "ratings and geometry of the same nut";
 pub struct ListNumber {
     /// Output of the column, with name, unit and meaning.
     pub column: &'static Output,
-    /// Value of the number, if it is known.
+    /// Value in the unit of the column; `None` if it is not known.
     pub value: Option<f64>,
-    /// 90 % interval, if the number depends on an estimated groove.
+    /// 90 % interval, if the value depends on an estimated groove.
     pub band: Option<Band>,
 }
 
-/// Returns the numbers that an answer contains for the given columns, with their intervals.
+/// Returns the values of the given columns in an answer, with their intervals.
 fn numbers_of(
     answer: &Answer,
     columns: impl Iterator<Item = &'static Output>,
@@ -276,13 +278,13 @@ fn numbers_of(
 }
 
 impl ManufacturerRow {
-    /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
-    /// pass all rules come first. Within each group, the nuts are sorted by the mass of screw and
-    /// nut. If the mass of a nut is unknown, it is assumed to be zero.
+    /// Compares nuts of a manufacturer with the calculation, and checks them in the axis of a
+    /// requirement. Nuts that pass all rules come first. Within each group, the nuts are sorted by
+    /// the mass of screw and nut. If the mass of a nut is unknown, it is assumed to be zero.
     ///
     /// # Errors
     ///
-    /// Returns the name of the nut that cannot be calculated, with the [`CaseError`] that names the
+    /// Returns the name of the nut that cannot be calculated, and the [`CaseError`] that names the
     /// missing or invalid input.
     pub fn all(
         nuts: &[ManufacturerNut],
@@ -321,7 +323,8 @@ impl ManufacturerRow {
             Ok(Answer::default().with("ratings", Content::numbers(numbers, "nut")))
         })?;
         let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
-        // If the ratings differ by more than a factor of 2, they belong to another nut.
+        // If the given and calculated ratings differ by more than a factor of 2, the given ratings
+        // belong to another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
         let unusual = at.has_unusual_groove().then(|| {
@@ -360,8 +363,8 @@ impl ManufacturerRow {
         row.failed_rules = requirement.failed_rules(&sheet);
         let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
-        // The first note describes the estimate, and the notes of the sheet follow it. Only the
-        // notes after them concern the estimated groove.
+        // The first note describes the groove estimate, and the notes of the axis sheet follow.
+        // Only the notes after these concern the uncertainty of the estimated groove.
         for note in sheet.notes.into_iter().skip(1 + own_notes) {
             if !row.notes.contains(&note) {
                 row.notes.push(note);
@@ -370,13 +373,13 @@ impl ManufacturerRow {
         Ok(row)
     }
 
-    /// Returns the value of the number with the given name.
+    /// Returns the value in the column with the given name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.number(name)?.value
     }
 
-    /// Returns the 90 % interval of the number with the given name, or `None` if the number does
-    /// not depend on an estimated groove.
+    /// Returns the 90 % interval of the value in the column with the given name, or `None` if the
+    /// value does not depend on an estimated groove.
     pub fn band(&self, name: &str) -> Option<Band> {
         self.number(name)?.band
     }
@@ -385,7 +388,8 @@ impl ManufacturerRow {
         self.numbers.iter().find(|number| number.column.name == name)
     }
 
-    /// Returns the intervals as a JSON object with the names of the numbers.
+    /// Returns a JSON object with the 90 % interval of each value. The keys are the names of the
+    /// columns.
     fn intervals(&self) -> Value {
         let named = |ListNumber { column, band, .. }: &ListNumber| {
             Some((column.name.to_owned(), json!(pair((*band)?))))
@@ -400,8 +404,8 @@ pub type TableColumn = (String, &'static str, ColumnValues);
 impl ManufacturerRow {
     /// Sets `contradiction` in the rows whose ratings contradict their geometry. In such a row, the
     /// ball is too large for the lead, or the ratio of calculated to stated dynamic load rating
-    /// differs from the median of the table. The median is the reference because conformities that
-    /// manufacturers do not publish shift the ratios of the whole table.
+    /// differs from the median of the table. The median is the reference because manufacturers do
+    /// not publish the conformity, and a different conformity shifts the ratios of the whole table.
     fn compare(rows: &mut [Self]) {
         let ratio = |row: &Self| {
             let [stated, ours] = RATED[0].map(|name| row.value(name));
@@ -506,7 +510,8 @@ impl ManufacturerRow {
     /// requirement.
     ///
     /// * `count`: number of rows in the answer.
-    /// * `is_shown`: returns true if the screen shows the number with the given index.
+    /// * `is_shown`: function that returns true if the screen shows the column with the given
+    ///   index.
     pub fn answer(rows: &[&Self], count: usize, is_shown: impl Fn(usize) -> bool) -> Answer {
         let Some(first) = rows.first() else {
             return Answer::default().with("", Content::Table(Table::default()));
@@ -616,8 +621,8 @@ impl ManufacturerRow {
     }
 }
 
-/// Completes the case of a nut with data that tables omit. The missing data follow from a rule that
-/// reproduces the HIWIN data.
+/// Completes the case of a nut with data that tables usually omit. The missing data are calculated
+/// with a rule that reproduces the HIWIN data.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     let given = case.clone();
     // Without a ball diameter, there is no groove to complete.
@@ -652,7 +657,7 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
         *case = given;
         return without_ball(case, circuits, core);
     }
-    // Creating the nut fails if inputs are missing.
+    // The nut itself is not needed here, but its creation fails if inputs are missing.
     rated_nut::nut(case).map(drop)
 }
 

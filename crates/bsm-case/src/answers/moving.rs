@@ -1,4 +1,4 @@
-//! Solved motion of a ball, and the data that all analyses of the motion share.
+//! Solved motion of a ball, and the data that all analyses of the ball motion share.
 
 use super::record::message;
 use crate::vocabulary::members::{Keyed, NumberTable, NumbersOf, Sentences, Word, answer, row};
@@ -38,7 +38,7 @@ answer! {
     }
 }
 
-/// Creates the answer of an analysis of a solved motion.
+/// Creates the answer for an analysis of the ball motion.
 ///
 /// * `verdicts`: names and wordings of the true-or-false statements.
 /// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
@@ -120,14 +120,14 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// Returns the ball that rolls at the running contact angles of the case, with the contact
-    /// ellipses of the solution, and `true`. If these angles are not given, returns the ball of the
-    /// solution and `false`.
+    /// Returns the ball of the solution, and `false`. If the case contains running contact angles,
+    /// the ball rolls at these angles instead, with the contact ellipses of the solution, and the
+    /// second value is `true`.
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::OutOfRange`] if the angles are given although the model calculates
-    /// them.
+    /// Returns [`CaseError::OutOfRange`] if running contact angles are given although the model
+    /// calculates the contact angles.
     pub(crate) fn at_given_angles(
         mut self,
         case: &Case,
@@ -181,7 +181,7 @@ impl MovingBall {
         Ok(Self { ball, contacts })
     }
 
-    /// Returns the values of a function for all contacts.
+    /// Returns the value of `number` for each of the three contacts.
     pub(crate) fn each(&self, number: impl Fn(&MovingContact) -> f64) -> [Option<f64>; 3] {
         self.contacts.map(|contact| contact.as_ref().map(&number))
     }

@@ -1,5 +1,5 @@
-//! Results for a nut under load: numbers, notes, the loads of all balls, and the load-displacement
-//! curve.
+//! Results for a nut under load: named quantities, notes, the loads of all balls, and the
+//! load-displacement curve.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
@@ -40,11 +40,12 @@ mod train;
 pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
-/// Ratio of the catalog stiffness to the calculated stiffness, which allows for manufacturing
+/// Typical ratio of catalog stiffness to calculated stiffness, which allows for manufacturing
 /// errors (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
-/// Smallest and largest measured drag coefficient `$K_p$` in catalogs (HIWIN BS-08-2, eq. 3.2).
+/// Smallest and largest value of the drag coefficient `$K_p$` in catalogs, based on measurements
+/// (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
 /// Limits of the ratio of the neglected centrifugal force to the mean ball load: a note is given
@@ -54,21 +55,22 @@ const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 /// Number of intervals of the load-displacement curve.
 const POINTS: u32 = 60;
 
-/// Results for a nut under load. Results that take long are calculated on demand.
+/// Results for a nut under load. Results that take a long time to calculate are calculated on
+/// demand.
 #[derive(Debug)]
 pub struct NutReport {
     problem: NutProblem,
     made: NutAtRest,
     ball_friction: OnceCell<Option<BallFriction>>,
     reverse_torque: OnceCell<Option<f64>>,
-    /// Friction without external load in both directions of travel.
+    /// Friction of the nut without external load, for both directions of travel.
     unloaded_friction: [OnceCell<Option<NutFriction>>; 2],
     running_pair: [OnceCell<Option<PairDrag>>; 2],
     advance: OnceCell<Option<Advance>>,
     limit_load: OnceCell<Option<f64>>,
 }
 
-/// Results for a pair of nuts without external load while the screw turns.
+/// Results for a nut pair without external load while the screw turns.
 #[derive(Debug, Clone, Copy)]
 struct PairDrag {
     /// Friction torque of the contacts \[N·m\].
@@ -97,7 +99,7 @@ impl Travel {
     }
 }
 
-/// Friction of all balls in a nut, and details of its calculation.
+/// Friction of all balls in a nut, and details of the calculation.
 #[derive(Debug)]
 struct BallFriction {
     friction: NutFriction,
@@ -147,8 +149,8 @@ impl NutReport {
         self.ball_friction().map(|ball_friction| &ball_friction.friction)
     }
 
-    /// Returns how far each ball advances relative to the other balls, or `None` if their free
-    /// motions are unknown.
+    /// Returns the distance by which each ball advances relative to the other balls, or `None` if
+    /// the free motions of the balls are unknown.
     fn advance(&self) -> Option<&Advance> {
         self.advance.get_or_init(|| self.advance_of(self.ball_friction()?)).as_ref()
     }
@@ -162,8 +164,8 @@ impl NutReport {
         self.pushed()?.as_ref().ok()
     }
 
-    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\], or
-    /// `None` if push forces between the balls are calculated.
+    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\].
+    /// Returns `None` if push forces between the balls are calculated.
     fn reverse_torque(&self) -> Option<f64> {
         let work_out = || {
             let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
@@ -188,8 +190,8 @@ impl NutReport {
         self.unloaded_friction(direction)?.torque
     }
 
-    /// Returns the torque of ball-to-ball contact if every contact transmits a force of 3 % of the
-    /// ball load, or 0 if the balls do not touch \[N·m\].
+    /// Returns the friction torque due to contact between balls if each ball pushes its neighbor
+    /// with a force of 3 % of the ball load \[N·m\]. Returns 0 if the balls do not touch.
     fn contact_torque_bound(&self) -> Option<f64> {
         let (advance, friction) = (self.advance()?, self.problem.gaps.friction?);
         let is_apart = self.train().is_some_and(|train| train.touching == 0);
@@ -203,8 +205,8 @@ impl NutReport {
         lasting(drag_torque(preload.warm, design.lead, design.lead_angle()))
     }
 
-    /// Returns the drag coefficient of the running pair for a play of zero, or `None` if the play
-    /// is given.
+    /// Returns the drag coefficient of the running nut pair for a play of zero, or `None` if the
+    /// play is given.
     fn factor_without_play(&self) -> Option<f64> {
         let is_given = self.made.nut.errors.axial_play.is_some();
         let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
@@ -222,8 +224,8 @@ impl NutReport {
     /// Calculates the torque and the preload of a nut pair without external load while the screw
     /// turns. All balls of a nut are assumed to be equal.
     ///
-    /// * `play`: play of each nut \[m\]; `None` for a play so large that no ball touches a far
-    ///   flank.
+    /// * `play`: play of each nut \[m\]. With `None`, the play is so large that no ball touches a
+    ///   far flank.
     fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
         let NutAtRest { nut, preload, .. } = &self.made;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
@@ -247,8 +249,8 @@ impl NutReport {
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
-    /// Returns the fraction of the friction torque of all balls that third contacts cause. Push
-    /// forces between the balls are neglected.
+    /// Returns the share of third contacts in the friction torque of all balls. Push forces between
+    /// the balls are neglected.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
         Some(torque / lasting(self.friction()?.parts?.torque)?)
@@ -263,8 +265,8 @@ impl NutReport {
         matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)))
     }
 
-    /// Returns a contribution to the friction of lubricated balls, or `None` if the contacts are
-    /// dry.
+    /// Returns a contribution of the lubricant to the friction of all balls, or `None` if the
+    /// contacts are dry.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
@@ -527,7 +529,7 @@ pub(crate) struct OneBall<'a> {
 }
 
 impl OneBall<'_> {
-    /// Returns 1 if the ball rolls, is idle or is blocked, as `rolling` states, and 0 otherwise.
+    /// Returns 1 if the ball is in the state `rolling` (rolling, idle or blocked), and 0 otherwise.
     fn is(&self, rolling: Rolling) -> Option<f64> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }
@@ -564,7 +566,8 @@ pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     )
 }
 
-/// Describes the torque that verifies the preload, and its tolerance.
+/// Returns a sentence that states the torque to measure when the preload is verified, and its
+/// tolerance.
 ///
 /// * `torque`: friction torque according to the manufacturers' rule \[N·m\].
 /// * `seal`: torque of the seals \[N·m\].
@@ -600,7 +603,7 @@ fn lasting(value: f64) -> Option<f64> {
 
 /// Returns the maximum contact pressure on a ball \[Pa\].
 ///
-/// * `hertz`: Hertz contacts of the balls with nut and screw.
+/// * `hertz`: Hertzian contacts of the balls with nut and screw.
 fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
     let [a, b, c, d] = ball.loads;
     at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
@@ -612,16 +615,16 @@ impl NutReport {
         Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
     }
 
-    /// Returns a ball that carries an equal share of the load. Returns `None` for a preloaded nut,
-    /// because its two bodies carry different loads.
+    /// Returns the results for a ball that carries an equal share of the load. Returns `None` for a
+    /// preloaded nut, because its two bodies carry different loads.
     fn equal(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
         let single = self.made.preload.is_none() && axial != 0.0;
         single.then(|| self.made.nut.equal(axial).ok())?
     }
 
-    /// Returns the torque that moves the preload along the lead without friction, `$F_p P_h/2\pi$`
-    /// \[N·m\].
+    /// Returns the torque that is needed without friction to move a force equal to the preload
+    /// along the lead, `$F_p P_h/2\pi$` \[N·m\].
     fn rule_torque(&self) -> Option<f64> {
         let force = self.made.preload.as_ref()?.warm;
         lasting(force * self.made.nut.helix.lead() / TAU)
@@ -645,21 +648,21 @@ impl NutReport {
             .then(|| nut.load_bound(axial).ok())?
     }
 
-    /// Returns the secant stiffness: the ratio of the axial load to the displacement that it causes
-    /// \[N/m\].
+    /// Returns the secant stiffness \[N/m\]: the axial load divided by the displacement due to this
+    /// load.
     fn secant(&self) -> Option<f64> {
         let axial = self.problem.axial();
         // The reference is the displacement without axial load if preload, misalignment or side
-        // loads press the balls. Otherwise it is the position at which the first ball touches the
-        // grooves.
+        // loads press the balls against the grooves. Otherwise, the reference is the position at
+        // which the first ball touches the grooves.
         let without = self.made.nut.solve(&self.problem.support.with_axial(0.0)).ok();
         let pressed = without.filter(|found| found.max_load() > 0.0);
         let from = pressed.map_or(0.0, |found| found.displacement[0]);
         (axial != 0.0).then(|| axial / (self.found().displacement[0] - from))
     }
 
-    /// Returns the stiffness of a preloaded nut by the manufacturers' convention \[N/um\]: a
-    /// multiple of the ratio of preload to preload displacement.
+    /// Returns the stiffness of a preloaded nut as manufacturers state it \[N/um\]: the ratio of
+    /// the preload to the displacement due to the preload, multiplied by `times`.
     fn stated(&self, times: f64) -> Option<f64> {
         let NutPreload { cold, approach, .. } = self.made.preload.as_ref()?;
         Some(times * cold / approach * UM)
@@ -699,7 +702,7 @@ impl NutReport {
         lasting(life(self.problem.rating.rating, preload, &[duty])?.revolutions)
     }
 
-    /// Returns the numbers with the given names.
+    /// Returns the values of the results with the given names.
     pub(crate) fn some(&self, names: &[OutputName]) -> Vec<Option<f64>> {
         let is_wanted = |quantity: &Quantity| names.iter().any(|name| name.name() == quantity.name);
         let found = read(self, is_wanted).where_finite();
@@ -764,7 +767,8 @@ impl NutProblem {
             || model == Model::RacewayControl.into() && control.is_none()
     }
 
-    /// Returns the problem of one ball, which includes its share of the losses in the ball returns.
+    /// Returns the problem of one ball. The problem includes the ball's share of the losses in the
+    /// ball returns.
     fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
         self.of_ball_by(source, balls, screw, None)
     }
@@ -795,7 +799,7 @@ impl NutProblem {
         in_grooves(screw, lubricant, (settings.model, GothicArches::default()), &settings)
     }
 
-    /// Returns the answer for a nut that has no solution. The answer states the reason.
+    /// Returns the answer for a nut without a solution. The answer states the reason.
     pub fn unsolved(case: &Case, none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
         let of = Answer { fails: true, warnings: case.warnings(), ..Answer::default() };
@@ -817,8 +821,8 @@ impl NutProblem {
     }
 }
 
-/// Friction of all balls, calculated with the inputs of this problem for a given nut, for example a
-/// warm or strained one.
+/// Calculates the friction of all balls of a given nut with the inputs of this problem. The nut may
+/// be warm or strained.
 impl HeldFriction for NutProblem {
     fn sum(
         &self,
@@ -854,7 +858,7 @@ impl HeldFriction for NutProblem {
     }
 }
 
-/// A table of numbers with named columns. Missing numbers are NaN.
+/// A table of numbers with named columns. Missing values are NaN.
 #[derive(Debug, Clone)]
 pub struct Columns {
     /// Outputs that define name and unit of each column.
@@ -876,21 +880,21 @@ impl NutReport {
         &self.made.found
     }
 
-    /// Returns the requested numbers that exist for this nut.
+    /// Returns the requested results that exist for this nut.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
         let numbers = read(self, wanted).where_finite();
-        // At this point, friction has been calculated if any requested number depends on it.
+        // Friction is already calculated at this point if a requested result depends on it.
         let friction = self.ball_friction.get().and_then(Option::as_ref);
         let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
         numbers.because(why.map(|why| not_pushed(why)))
     }
 
-    /// Returns the number with the given name.
+    /// Returns the result with the given name, or `None` if it does not exist.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers(|quantity| quantity.name == name.name()).number(name)
     }
 
-    /// Returns notes on the meaning of the numbers and on neglected effects.
+    /// Returns notes on the meaning of the results and on neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
         if self.made.nut.shares_equally(&self.problem.support) {
@@ -1098,8 +1102,8 @@ impl NutReport {
         })
     }
 
-    /// Returns a note on the neglected centrifugal force if its ratio to the mean load of a ball is
-    /// within `part`.
+    /// Returns a note on the neglected centrifugal force if the ratio of this force to the mean
+    /// load of a ball is within `part`.
     fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.made, self.problem.friction.as_ref()?);
@@ -1137,7 +1141,7 @@ impl NutReport {
         std::iter::once(&LOAD).chain(rest).collect()
     }
 
-    /// Returns a table with one row per ball. Missing numbers are NaN.
+    /// Returns a table with one row per ball. Missing values are NaN.
     pub fn balls(&self) -> Columns {
         let NutAtRest { nut, found, .. } = &self.made;
         let (friction, hertz) = (self.friction(), nut.hertz().ok());
@@ -1172,7 +1176,7 @@ impl NutReport {
     }
 
     /// Returns the load-displacement curve, which starts without load and extends beyond the load
-    /// and the limit load. Numbers without a solution are NaN.
+    /// and the limit load. Values without a solution are NaN.
     pub fn curve(&self) -> Columns {
         let axial = self.problem.axial();
         let limit = self.limit_load().unwrap_or(0.0);
@@ -1201,8 +1205,7 @@ impl NutReport {
         std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()
     }
 
-    /// Adds the 90 % intervals of all numbers to the answer of a nut, if the groove of its case is
-    /// estimated.
+    /// Adds the 90 % intervals of all results to the answer for a nut, if the groove is estimated.
     ///
     /// * `settings`: the [settings](NutProblem::settings) of the problem.
     pub fn over_grooves(answer: Answer, case: &Case, settings: &Settings) -> Answer {
@@ -1211,9 +1214,8 @@ impl NutReport {
         })
     }
 
-    /// Returns the answer with the results for the nut. In addition, the answer contains
-    /// displacements, loads of all balls and stiffness under the names that the reference cases
-    /// use.
+    /// Returns the answer with the results for the nut. The answer also contains displacements,
+    /// loads of all balls and stiffness under the names that the reference cases use.
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;

@@ -1,5 +1,5 @@
-//! Comparison of two offers for a screw: rules, numbers by which screws are compared, and the
-//! inputs that differ.
+//! Comparison of two offers for a screw: the design rules, the results by which screws are
+//! compared, and the inputs that differ.
 
 use serde_json::{Map, Value};
 
@@ -14,9 +14,16 @@ row! {
         /// Title of the rule.
         rule: &'static str = "rule";
         [skip] unit: &'static str = "unit";
-        limit: Option<f64> = "limit";
         first: Option<f64> = "first" | first_interval;
+        /// Limit of the rule for the first offer.
+        first_limit: Option<f64> = "limit";
+        /// `passes`, `fails` or `undecided`; null if the rule does not apply to the first offer.
+        first_verdict: Option<&'static str> = "verdict";
         second: Option<f64> = "second" | second_interval;
+        /// Limit of the rule for the second offer.
+        second_limit: Option<f64> = "limit";
+        /// `passes`, `fails` or `undecided`; null if the rule does not apply to the second offer.
+        second_verdict: Option<&'static str> = "verdict";
         /// `first` or `second`; null if neither is better.
         better: Option<&'static str> = "better";
         first_interval: Option<[f64; 2]>;
@@ -28,7 +35,8 @@ row! {
     /// A number of both offers.
     pub(crate) struct OfferedNumber {
         /// Name of the number.
-        number: &'static str = "number";
+        number: &'static str;
+        [skip] label: &'static str = "number";
         [skip] unit: &'static str = "unit";
         first: Option<f64> = "first" | first_interval;
         second: Option<f64> = "second" | second_interval;
@@ -72,8 +80,8 @@ const SMALLER: [&str; 6] = [
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
-/// Returns `first` or `second`, depending on which value is better, or `None` if the values are
-/// equal or one is missing.
+/// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
+/// equal or a value is missing.
 ///
 /// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
@@ -124,14 +132,18 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let [one, other] = [of_first, of_second].map(|rules| find(rules, title));
         let [margin, other_margin] = [one, other].map(|rule| rule?.margin());
         let value = |rule: Option<&Criterion>| rule.map(|rule| rule.value);
-        let limit = one.or(other).and_then(|rule| rule.limit);
+        let limit = |rule: Option<&Criterion>| rule.and_then(|rule| rule.limit);
+        let verdict = |rule: Option<&Criterion>| rule.map(|rule| rule.verdict().word());
         let better = better(margin, other_margin, false);
         OfferedRule {
             rule: *title,
             unit: one.or(other).map_or("", |rule| rule.unit.text),
-            limit,
             first: value(one),
+            first_limit: limit(one),
+            first_verdict: verdict(one),
             second: value(other),
+            second_limit: limit(other),
+            second_verdict: verdict(other),
             better,
             first_interval: one.and_then(|rule| rule.band).map(pair),
             second_interval: other.and_then(|rule| rule.band).map(pair),
@@ -148,6 +160,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             };
             OfferedNumber {
                 number: column.name,
+                label: column.about.split(';').next().unwrap_or(column.about),
                 unit: column.unit,
                 first: one,
                 second: other,
@@ -174,8 +187,11 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<OfferedInput> {
     };
     let [first, second] = reports.map(inputs);
     let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
-    // The description names the offer, and the list of estimated inputs is not an input itself.
-    let is_input = |key: &&String| !["description", "estimated_inputs"].contains(&key.as_str());
+    // The description names the offer. Estimated inputs were not given by the user.
+    let is_estimated = |key: &str| reports.iter().any(|report| report.case.estimates(key));
+    let is_input = |key: &&String| {
+        !["description", "estimated_inputs"].contains(&key.as_str()) && !is_estimated(key)
+    };
     let differ = keys.filter(is_input).filter(|key| first.get(*key) != second.get(*key));
     let row = |key: &String| OfferedInput {
         input: key.clone(),
@@ -192,7 +208,7 @@ mod tests {
     /// With a misspelled name in these lists, the comparison would report the worse offer as
     /// better.
     #[test]
-    fn names_of_compared_numbers_exist_on_the_sheet() {
+    fn compared_outputs_exist_on_the_axis_sheet() {
         for name in SMALLER.into_iter().chain(NEITHER) {
             assert!(sheet_columns().any(|column| column.name == name), "{name}");
         }

@@ -62,10 +62,11 @@ quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     }
 }
 
-/// Required inputs, in addition to a lead angle or a contact angle.
+/// Inputs that are always required. A lead angle or a contact angle is required in addition.
 pub(crate) const NEEDS: Needs = Needs { all: inputs! { friction_coefficient }, quantities: &[] };
 
-/// Given angles and friction coefficient, and the optima for both directions of drive.
+/// The given angles and friction coefficient, together with the optimum angles for both directions
+/// of drive.
 struct Known {
     lead: Option<f64>,
     contact: Option<f64>,
@@ -76,7 +77,7 @@ struct Known {
     best_leads: [Option<f64>; 2],
 }
 
-/// Range in which the optimum contact angle of a model is searched \[deg\].
+/// Range of contact angles in which the optimum of a model is searched \[deg\].
 const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
@@ -112,7 +113,8 @@ impl Known {
         }
     }
 
-    /// Returns warnings about optima that do not exist or that are difficult to manufacture.
+    /// Returns warnings about optimum angles that do not exist or that are difficult to
+    /// manufacture.
     fn warnings(&self) -> Vec<String> {
         let of_direction = |(best, name): (Option<Optimum>, &str)| match best {
             None => Some(format!(
@@ -126,15 +128,16 @@ impl Known {
     }
 }
 
-/// Calculates the numbers that have closed-form solutions.
+/// Calculates the results that have closed-form solutions.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     case.check()?;
     read(&Known::of(case)?, |_| true).finite()
 }
 
-/// Calculates the optima and self-locking limits for both directions of drive in closed form, from
-/// the friction coefficient and the lead angle or contact angle. If `model` is given, also finds
-/// the optimum contact angle of this model in the direction of the given speeds.
+/// Calculates the optimum angles and self-locking limits for both directions of drive in closed
+/// form, from the friction coefficient and the lead angle or contact angle. If `model` is given,
+/// the function also finds the optimum contact angle of this model in the direction of the given
+/// speeds.
 ///
 /// # Errors
 ///

@@ -36,7 +36,7 @@ impl OutputName {
     ///
     /// # Panics
     ///
-    /// If there is no output with this name.
+    /// Panics if there is no output with this name.
     pub const fn of(name: &str) -> Self {
         match Self::named(name) {
             Some(known) => known,

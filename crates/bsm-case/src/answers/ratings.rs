@@ -18,7 +18,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
 use crate::{Answer, Case, CaseError, Catalog, INPUTS, Numbers, exact};
 
-/// Title of the intermediate results between the inputs and the ratings.
+/// Title of the table with the intermediate results between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
 
 number_tables! {
@@ -152,9 +152,9 @@ pub(crate) struct NutRatings<'a> {
 }
 
 impl<'a> NutRatings<'a> {
-    /// Evaluates the nut of a case as a pair with the preload `preload_N`, or as a single nut under
-    /// `axial_load_N`. If neither is given, the nut is a pair with a preload of 0.15 times the
-    /// dynamic load rating.
+    /// Calculates the nut of a case, either as a pair with the preload `preload_N` or as a single
+    /// nut under `axial_load_N`. If neither input is given, the nut is a pair with a preload of
+    /// 0.15 times the dynamic load rating.
     fn of(case: &'a Case) -> Result<Self, CaseError> {
         case.check()?;
         let nut = nut(case)?;
@@ -186,7 +186,7 @@ impl<'a> NutRatings<'a> {
         })
     }
 
-    /// Returns the numbers as an answer without notes and warnings.
+    /// Returns the results as an answer without notes and warnings.
     fn answer(&self) -> Result<Answer, CaseError> {
         let all = self.numbers()?;
         let part =
@@ -301,9 +301,9 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     NutRatings::of(case)?.numbers()
 }
 
-/// Calculates the ratings of a nut as a pair with the preload `preload_N`, or as a single nut under
-/// `axial_load_N`. If neither is given, the nut is a pair with a preload of 0.15 times the dynamic
-/// load rating.
+/// Calculates the ratings of a nut, either as a pair with the preload `preload_N` or as a single
+/// nut under `axial_load_N`. If neither input is given, the nut is a pair with a preload of 0.15
+/// times the dynamic load rating.
 ///
 /// The life refers to the axial load and speed of the case. The life under a cycle is a result of
 /// the axis sheet.
@@ -321,10 +321,10 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Returns the load ratings of the nut of a case, and the warnings about them with the selection
-/// limits to which the warnings refer. The contact ellipses are not checked here, because the model
-/// of the nut checks them with all balls. There are no warnings for an estimated groove, because its
-/// proportions may differ from the proportions of the nut.
+/// Returns the load ratings of the nut of a case, and the warnings about the nut, each with its
+/// selection limit if there is one. The contact ellipses are not checked here, because the nut
+/// model checks the ellipses of all balls. There are no warnings for an estimated groove, because
+/// its proportions may differ from the proportions of the real groove.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     let warnings = if case.has_estimated_groove() { Vec::new() } else { rated.warnings()? };

@@ -25,13 +25,13 @@ use crate::{
     Section, Sensitivity, Settings, exact, output, torque_parts,
 };
 
-/// Hertz pressure between ball and groove above which permanent indentations are expected \[Pa\].
-/// The static load rating of ISO 76 is based on this value.
+/// Hertzian pressure between ball and groove above which permanent indentations are expected
+/// \[Pa\]. The static load rating of ISO 76 is based on this value.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
 /// Explains why model `auto` chose a model, based on the error bound.
 ///
-/// * `bound`: bound on the efficiency error; `None` if the error is unknown because model
+/// * `bound`: bound on the error of the efficiency; `None` if the error is unknown because model
 ///   `traction` has no solution.
 pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     let Some(bound) = bound else {
@@ -60,12 +60,12 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     format!("efficiency error at most {bound:.1e}{why}")
 }
 
-/// Result at one operating point: model, status and numbers, or the reason why there are no
-/// numbers.
+/// Result at one operating point: model, status and outputs, or the reason why there are no
+/// outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
-    /// Solution; `None` if the inputs are invalid for the model.
+    /// Solution of the model; `None` if the inputs are invalid for the model.
     solution: Option<Solution>,
     message: Option<String>,
 }
@@ -124,7 +124,7 @@ impl Record {
         self.value(Output::named(name.name()).filter(|output| output.json_type == "number")?)
     }
 
-    /// Returns true if the point is known to have other solutions.
+    /// Returns true if the point is known to have more than one solution.
     pub fn has_others(&self) -> bool {
         self.others().is_some_and(|others| others.count > 0)
     }
@@ -155,14 +155,15 @@ impl Record {
         })
     }
 
-    /// Explains why model `auto` chose the model, if `auto` was requested.
+    /// Returns a sentence that explains why model `auto` chose the model, if `auto` was requested.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
-    /// Returns the names of the outputs to which the error bound of the efficiency does not apply:
-    /// the outputs of the ball and its contacts, if `auto` chose another model than `traction`.
+    /// Returns the names of the outputs to which the error bound of the efficiency does not apply.
+    /// If `auto` chose another model than `traction`, these are the outputs of the ball and its
+    /// contacts.
     pub fn unbounded(&self) -> Vec<&'static str> {
         let is_chosen =
             |solution: &&Solution| solution.choice.is_some() && solution.model != Model::Traction;
@@ -171,7 +172,7 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Returns warnings about the inputs and about the result, for `bsm solve` and for a row of a
+    /// Returns the warnings about inputs and result that are shown by `bsm solve` and in a row of a
     /// table.
     pub fn all_warnings(&self, case: &Case) -> Vec<String> {
         case.warnings().into_iter().chain(self.warnings(case)).collect()
@@ -255,7 +256,7 @@ impl Record {
     }
 
     /// Returns a note on the critical lead angle if model `rigid` has no solution because the ball
-    /// would roll on the nut. Rows of tables have no such note, because finding the angle takes
+    /// would roll on the nut. Table rows have no such note, because calculating this angle takes
     /// longer than solving the point.
     fn critical_lead_angle(&self, case: &Case, settings: &Settings) -> Option<String> {
         let (Some(Reason::NutContactWouldRoll { .. }), Ok(Problem::Rigid(rigid))) =
@@ -274,9 +275,10 @@ impl Record {
         })
     }
 
-    /// Returns a note on the axial play below which a third contact begins, if the case does not
-    /// give the play and the model of this record does not calculate the threshold. Rows of tables
-    /// have no such note, because it requires a solve by model `traction`.
+    /// Returns a note on the threshold play, below which friction presses the ball against a far
+    /// flank. There is no note if the play is given or if the model already calculates the
+    /// threshold. Table rows have no such note, because it requires a solution with model
+    /// `traction`.
     fn threshold_play(
         &self,
         case: &Case,
@@ -398,8 +400,8 @@ impl Record {
         map
     }
 
-    /// Returns the sections of the record: model, status and explanations as text, followed by the
-    /// numbers.
+    /// Returns the sections of the record: first the model, the status and explanations as text,
+    /// and then the outputs.
     pub fn shown(&self, case: &Case) -> Vec<Section> {
         let mut status = self.status_name().to_owned();
         if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
@@ -468,7 +470,7 @@ impl Record {
         notes.extend(self.threshold_play(case, settings, work));
         notes.extend(case.assumed_roughness());
         notes.extend(case.given().unused_by_models());
-        if case.nut.cycle.is_some() {
+        if case.entries.cycle.is_some() {
             notes.push(
                 "The cycle is not used, because the models calculate one ball at axial_load_N and screw_speed_rpm. \
                  `bsm nut` and `bsm axis` use the cycle."
@@ -539,7 +541,7 @@ pub struct Supplement {
     /// True if the answer contains the parts of the screw torque
     /// ([`torque_parts`](crate::torque_parts)), or a note that explains why they are missing.
     pub parts: bool,
-    /// Sensitivities of efficiency and torque to each input, if requested.
+    /// Sensitivities of efficiency and torque with respect to each input, if requested.
     pub sensitivities: Option<Vec<Sensitivity>>,
 }
 
@@ -588,8 +590,8 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 fn of_a_film(film: &FilmState) -> Vec<String> {
     /// Temperature rise of the lubricant film that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Value of the load parameter M below which rigid and elastic contacts have different film
-    /// thicknesses (theory 17).
+    /// Value of the load parameter M below which contacts are so rigid that the formula for elastic
+    /// contacts gives a wrong film thickness (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
@@ -609,8 +611,8 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// Returns the message for the reason why a model has no solution, with numbers in the units of the
-/// outputs.
+/// Returns the message for the reason why a model has no solution. Numbers in the message have the
+/// units of the outputs.
 #[expect(clippy::too_many_lines, reason = "the match has one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {

@@ -1,4 +1,4 @@
-//! The quantities of an answer in the order in which they are shown.
+//! Quantities of a record in display order, with rounding errors replaced by zero.
 
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
@@ -26,8 +26,8 @@ impl Scales {
         Self(scales)
     }
 
-    /// Returns the number, or zero if the number is a rounding error. A number without a unit has
-    /// no scale and is returned unchanged.
+    /// Returns the number, or zero if it is only a rounding error at the scale of its unit. A
+    /// number without a unit has no scale and is returned unchanged.
     pub fn clean(&self, unit: &str, value: f64) -> f64 {
         let scale = self.0.iter().find(|(known, _)| !unit.is_empty() && *known == unit);
         let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);
@@ -36,7 +36,7 @@ impl Scales {
 }
 
 impl Record {
-    /// Returns the numbers for display, with rounding errors replaced by zero. `case` contains the
+    /// Returns the outputs for display, with rounding errors replaced by zero. `case` contains the
     /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
         // All slip speeds of a rolling ball are rounding errors, so the surface speed of the ball

@@ -33,12 +33,12 @@ const PER_GROOVE: u64 = 200;
 pub struct Samples<'a> {
     problem: &'a NutProblem,
     seed: u64,
-    /// Indices of the lead errors whose phases are random.
+    /// Indices of the lead errors that have random phases.
     waves: Vec<usize>,
 }
 
-/// Quantities of a random copy; `None` if the copy cannot carry the load or its preload cannot be
-/// set.
+/// Values of the quantities in [`SAMPLED`] for a random copy; `None` if the copy cannot carry the
+/// load or its preload cannot be set.
 type DrawnNut = Option<Vec<Option<f64>>>;
 
 row! {
@@ -102,7 +102,7 @@ impl<'a> Samples<'a> {
         Some(NutReport::new(one, made).some(&SAMPLED))
     }
 
-    /// Returns the answer for all random copies of the nut: the quantiles of each quantity.
+    /// Returns the answer with the quantiles of each quantity over all random copies of the nut.
     pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
         let carried: Vec<_> = nuts.iter().flatten().collect();
         let failed = nuts.len() - carried.len();
@@ -134,8 +134,7 @@ impl<'a> Samples<'a> {
         })
     }
 
-    /// Adds the 90 % intervals of the quantiles to an answer, if the groove of its case is
-    /// estimated.
+    /// Adds the 90 % intervals of the quantiles to an answer, if the groove is estimated.
     ///
     /// * `number`: number of samples in the answer.
     pub fn over_grooves(

@@ -1,5 +1,5 @@
-//! JSON Schema of cases and results, generated from the tables with which they are checked and
-//! written.
+//! JSON schemas of cases and results, generated from the same tables that the program uses for
+//! checking and output.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Cross section of the grooves.
+//! Cross section of the nut and screw grooves for a drawing.
 
 use bsm_design::{Profile, Thread};
 use bsm_dyn::hertz::Hertz;
@@ -8,8 +8,9 @@ use crate::case::rated_nut;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, OutputName, Record, output};
 
-/// Cross section of the nut and screw grooves. The origin is the ball center. The coordinates are
-/// the axial position and the distance from the screw axis \[mm\].
+/// Cross section of the nut and screw grooves. The origin is the ball center. The first coordinate
+/// is the axial position, and the second coordinate increases with the distance from the screw axis
+/// \[mm\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrooveSection {
     /// Radius of the ball \[mm\].
@@ -20,7 +21,7 @@ pub struct GrooveSection {
     pub screw: Vec<(f64, f64)>,
     /// Outline of the groove and the lands of the nut.
     pub nut: Vec<(f64, f64)>,
-    /// Angles around the ball at which the flanks of nut and screw begin and end \[deg\].
+    /// Angles around the ball center at which the flanks of nut and screw begin and end \[deg\].
     pub flanks: [[f64; 2]; 2],
     /// Radii of the groove arcs of nut and screw \[mm\].
     pub radii: [f64; 2],
@@ -46,7 +47,7 @@ impl GrooveSection {
         }
         let nut = rated_nut::nut_for(&one, || "for the section of the grooves".to_owned())?;
         let thread = rated_nut::thread(case, &nut)?;
-        // If the pitch is large, the lands are only drawn up to one ball diameter from the center.
+        // If the pitch is large, the lands are drawn only up to one ball diameter from the center.
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
@@ -96,7 +97,7 @@ impl GrooveSection {
 
 /// Returns warnings about contacts at nut and screw whose ellipses extend beyond their flanks.
 ///
-/// * `hertz`: Hertz contacts at nut and screw.
+/// * `hertz`: Hertzian contacts at nut and screw.
 /// * `contacts`: load \[N\] and contact angle \[rad\] at nut and screw.
 pub(crate) fn beyond_the_flanks(
     thread: &Thread,
@@ -115,7 +116,7 @@ pub(crate) fn beyond_the_flanks(
 }
 
 /// Returns a warning if a contact ellipse extends beyond the ends of its flank, where Hertz's
-/// theory is not valid.
+/// theory does not apply.
 ///
 /// * `member`: `nut` or `screw`.
 /// * `flank`: angles at which the flank begins and ends \[deg\].

@@ -1,4 +1,4 @@
-//! Selection of nuts from lists: conditions, and the nuts that meet them.
+//! Selection of nuts from lists, based on conditions that the nuts must meet.
 
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
@@ -20,7 +20,7 @@ use crate::{
 };
 
 quantities! {
-    /// Columns of a list of nuts. The screen shows only the columns under the title "shown".
+    /// Columns of a list of nuts. The screen shows only the columns with the title "shown".
     pub CATALOG, read(&Candidate);
     "shown" {
         nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
@@ -116,8 +116,8 @@ impl ListColumn {
         numbers.iter().enumerate().map(column).collect()
     }
 
-    /// Returns the column with the given name, which may have another unit, and the conversion to
-    /// the unit of the column.
+    /// Returns the column to which a name refers, and the conversion to the unit of the column. The
+    /// name may end with a different unit than the column.
     fn named(name: &str, all: &[Self]) -> Result<(Self, UnitChange), CaseError> {
         let names = || all.iter().map(|column| column.output.name);
         let own = || all.iter().find(|column| column.output.name == name);
@@ -158,10 +158,10 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Parses `name>=value`, `name<=value` or `name=value`. The name may have another unit than the
-    /// column.
+    /// Parses `name>=value`, `name<=value` or `name=value`. The name may end with a different unit
+    /// than the column.
     ///
-    /// * `columns`: columns of the list.
+    /// * `columns`: columns of the list to which the condition applies.
     ///
     /// # Errors
     ///
@@ -182,7 +182,8 @@ impl Condition {
             return Err(CaseError::Invalid(why));
         }
         let value = change.value(value);
-        // The decimal numbers in tables can differ from sizes in meters by rounding errors.
+        // The tolerance allows for rounding errors, because tables contain decimal numbers and
+        // sizes are stored in meters.
         let near = 1e-9 * value.abs();
         let range = match sign {
             ">=" => value - near..=f64::INFINITY,
@@ -195,7 +196,7 @@ impl Condition {
 
     /// Returns true if a nut meets the condition.
     ///
-    /// * `sheet`: numbers of the nut on its axis sheet.
+    /// * `sheet`: results for the nut on its axis sheet.
     pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
         self.range.contains(&self.column.read(nut, sheet))
     }
@@ -213,8 +214,8 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
     numbers_json(&read(candidate, |_| true))
 }
 
-/// Converts a nut to a case for the other commands. If a requirement is given, the case has its
-/// operating point.
+/// Converts a nut to a case that other commands can read. If a requirement is given, the case has
+/// the operating point of the requirement.
 pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
         return requirement.case_of(candidate).to_json();
@@ -247,7 +248,7 @@ pub struct NutFilter {
 impl NutFilter {
     /// Creates a filter from conditions such as `lead_mm=20`.
     ///
-    /// * `columns`: columns of the list.
+    /// * `columns`: columns of the list to which the filter applies.
     /// * `pareto`: if true, keeps only the Pareto-optimal nuts with respect to dynamic load rating,
     ///   stiffness and mass.
     ///
@@ -403,7 +404,8 @@ impl NutFilter {
         }
     }
 
-    /// Keeps the sizes whose axis sheet meets the conditions on columns of the sheet.
+    /// Calculates the axis sheets of the found sizes, and keeps only the sizes that meet the
+    /// conditions on columns of the axis sheet.
     fn judge(&self, requirement: &RequirementFile, catalog: &Catalog, found: &mut Found) {
         let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(nut)?));
         let sheets = catalog.map(&found.within, sheet);
@@ -430,8 +432,8 @@ impl NutFilter {
         found.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
     }
 
-    /// Returns reasons why no nut meets all conditions: how many nuts would remain without each
-    /// condition, and which value comes closest to it.
+    /// Returns reasons why no nut meets all conditions. Each reason states how many nuts would
+    /// remain without one of the conditions, and which of their values comes closest to meeting it.
     fn nearest(&self, catalog: &Catalog, all: &[u32]) -> Vec<String> {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
@@ -497,7 +499,7 @@ enum Rows {
 /// A list of selected nuts.
 #[derive(Debug, Clone)]
 pub struct NutList {
-    /// Number of nuts among which the selection was made.
+    /// Number of nuts from which the selection was made.
     pub all: usize,
     /// Indices of the nuts that meet the conditions and the requirement.
     pub within: Vec<u32>,
@@ -506,7 +508,7 @@ pub struct NutList {
     pub chosen: Vec<u32>,
     /// Reasons why no nut was selected.
     pub why: Vec<String>,
-    /// Warnings on the axis sheet of the first nut.
+    /// Warnings from the axis sheet of the first nut.
     pub warnings: Vec<String>,
     columns: Vec<ListColumn>,
     /// Indices of the columns that occur in the conditions or in the sort order.
@@ -528,8 +530,8 @@ impl NutList {
         }
     }
 
-    /// Converts a nut to a case for the other commands. If a requirement is given, the case has its
-    /// operating point.
+    /// Converts a nut to a case that other commands can read. If a requirement is given, the case
+    /// has the operating point of the requirement.
     pub fn case(&self, place: u32, requirement: Option<&RequirementFile>) -> Value {
         match &self.rows {
             Rows::Sizes { catalog, .. } => {
@@ -592,8 +594,8 @@ impl NutList {
                 };
                 self.columns.iter().map(values).collect()
             }
-            // The table is built from all rows, because any row can require the columns of
-            // intervals.
+            // The table is built from all rows, because an interval in any row adds columns to the
+            // table.
             Rows::Table(_) => {
                 let table = ManufacturerRow::table(&self.rows_of(&self.chosen));
                 table.into_iter().map(|(.., values)| values.part(places.clone())).collect()
@@ -601,12 +603,13 @@ impl NutList {
         }
     }
 
-    /// Returns the rows of a manufacturer's table that meet the conditions; none for a list of sizes.
+    /// Returns the rows of a manufacturer's table that meet the conditions. For a list of sizes,
+    /// the result is empty.
     pub fn rows_within(&self) -> Vec<&ManufacturerRow> {
         self.rows_of(&self.within)
     }
 
-    /// Returns the rows of a manufacturer's table.
+    /// Returns the rows of a manufacturer's table with the given indices.
     fn rows_of(&self, places: &[u32]) -> Vec<&ManufacturerRow> {
         match &self.rows {
             Rows::Sizes { .. } => Vec::new(),
@@ -614,7 +617,7 @@ impl NutList {
         }
     }
 
-    /// Returns an answer for the screen with the first nuts and only the given columns.
+    /// Returns an answer for the screen that contains only the first nuts and the given columns.
     pub fn answer_of(&self, first: usize, columns: &[ShownColumn]) -> Answer {
         let count = self.chosen.len().min(first);
         let all = self.values(0..count);

@@ -9,7 +9,7 @@ use crate::case::reader::Reader;
 use crate::vocabulary::members::row;
 use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings};
 
-/// Number of inputs for which one solver run calculates the derivatives. The time of a run
+/// Number of inputs for which a single solver run calculates the derivatives. The time of a run
 /// increases with this number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
@@ -31,18 +31,20 @@ row! {
     }
 }
 
-/// A number with its derivatives with respect to several inputs, in the units of these inputs.
+/// A number together with its derivatives with respect to several inputs, in the units of these
+/// inputs.
 type Jets = Jet<AT_A_TIME>;
 
-/// A case in which several inputs are variables.
+/// A case that is prepared for derivatives with respect to several inputs.
 #[derive(Debug, Clone)]
 pub struct Sensitivities(Vec<Part>);
 
-/// The problem in SI units, and its variables: inputs with their values.
+/// The problem in SI units, and the inputs with respect to which it is differentiated, each with
+/// its value.
 #[derive(Debug, Clone)]
 struct Part(Problem<Jets>, Vec<(InputKey, f64)>);
 
-/// Sensitivities of efficiency and torque to one input.
+/// Sensitivities of efficiency and torque with respect to one input.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensitivity {
     /// Input with respect to which the results are differentiated.
@@ -63,8 +65,8 @@ pub struct Sensitivity {
 }
 
 impl Sensitivities {
-    /// Prepares the derivatives of a case with respect to all inputs of its model. If an input
-    /// takes its default from another input, a change of the other input changes both.
+    /// Prepares the derivatives of a case with respect to all inputs of its model. If the default
+    /// of an input is calculated from another input, a change of the other input changes both.
     ///
     /// # Errors
     ///
@@ -80,8 +82,8 @@ impl Sensitivities {
     ///
     /// Returns the errors of [`Case::problem`].
     pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
-        // The derivatives are calculated at the temperatures of the warm state, which are held
-        // constant.
+        // The derivatives are calculated for constant temperatures, which are the temperatures of
+        // the warm state.
         let case = &case.in_warm_state(settings)?;
         let model = case.ask(settings)?;
         let used = Cell::new(InputSet::default());
@@ -105,8 +107,8 @@ impl Sensitivities {
         Ok(Self(variables.chunks(AT_A_TIME).map(part).collect()))
     }
 
-    /// Returns efficiency and torque, and a row for each variable. The rows are sorted by the
-    /// effect of the variable on the efficiency.
+    /// Returns efficiency and torque, and the sensitivities with respect to each input. The rows
+    /// are sorted by the effect of the input on the efficiency.
     ///
     /// # Errors
     ///

@@ -79,7 +79,7 @@ const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 
 /// Calculates the gyroscopic angles, the differential slip, the slip between neighboring balls, the
 /// spin and the orbit slip. Each formula is evaluated as printed, as corrected and in exact form.
-/// Also calculates the power that each part of the slip dissipates.
+/// The function also calculates the power that each part of the slip dissipates.
 ///
 /// If running contact angles are given, the ball rolls at these angles. Friction and its power are
 /// then omitted, because the given angles are not in equilibrium with the load.
@@ -128,15 +128,15 @@ struct SlipMotion {
 }
 
 impl SlipMotion {
-    /// Applies a printed formula to the contacts with nut and screw. As in the publication, the
-    /// formula for each contact uses the contact angle of the other contact. There is no printed
-    /// formula for the unloaded flank.
+    /// Applies a printed formula to the nut and screw contacts. As in the publication, the formula
+    /// for each contact uses the contact angle of the other contact. There is no printed formula
+    /// for the unloaded flank.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.solved.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))
     }
 
-    /// Returns the slip speed that an angular velocity causes at the end of each contact ellipse.
+    /// Returns the slip speed that an angular velocity causes at the ends of each contact ellipse.
     fn at_rim(&self, rate: impl Fn(&MovingContact) -> f64) -> Values {
         self.solved.contacts.map(|c| {
             let contact = c?;
@@ -213,8 +213,8 @@ struct Loss {
     contacts: [Option<ContactFriction>; 3],
     /// Power that the model dissipates \[W\].
     dissipated: f64,
-    /// Part of the dissipated power that sliding at the contacts causes \[W\]. Without a lubricant,
-    /// it equals `dissipated`.
+    /// Part of the dissipated power that is due to sliding at the contacts \[W\]. Without a
+    /// lubricant, it equals `dissipated`.
     sliding: f64,
     /// Gyroscopic moment \[N·m\].
     gyroscopic_moment: f64,

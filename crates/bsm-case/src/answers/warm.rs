@@ -137,7 +137,7 @@ fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     Some(celsius(fold.set, &fold.unstable.as_ref()?.rises)[node])
 }
 
-/// Returns true if a number can only be calculated by following the branch of warm states to the
+/// Returns true if a result can be calculated only by following the branch of warm states to the
 /// fold.
 fn is_of_fold(name: &str) -> bool {
     name.starts_with("fold_") || name.starts_with("unstable_")
@@ -160,12 +160,11 @@ const OF_BAND: [&str; 10] = [
 /// Results for each phase with motion that have an uncertainty band.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
-/// Returns whether the lower and the upper bound of a number are missing because no steady state
-/// exists under some assumptions.
+/// Returns whether the lower and the upper bound of a result are missing because no steady state
+/// exists under some of the varied assumptions.
 ///
-/// If the axis runs away thermally or becomes too hot, all numbers increase, except that the screw
-/// tension decreases. If no further steady state can be found for another reason, both bounds are
-/// unknown.
+/// In case of thermal runaway or excessive temperature, all results increase, except that the screw
+/// tension decreases. If a steady state is missing for another reason, both bounds are unknown.
 fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
@@ -176,8 +175,8 @@ fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Returns the results for a warm state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase with
-/// motion.
+/// Returns the results for a warm state: first the results in [`OF_BAND`], and then the results in
+/// [`OF_PHASE`] for each phase with motion.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
     let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
@@ -200,7 +199,7 @@ impl Warm {
         Self::of(case, settings, detail, of_band)
     }
 
-    /// Adds numbers, conductances and uncertainty band of the warm state to an answer, if the warm
+    /// Adds results, conductances and uncertainty band of the warm state to an answer, if the warm
     /// state was requested.
     pub(crate) fn add_to(warm: Option<&Self>, answer: Answer) -> Answer {
         let Some(warm) = warm else { return answer };
@@ -303,8 +302,8 @@ impl Warm {
     }
 }
 
-/// Branch of warm steady states of an axis: from standstill to the fold, and back along the
-/// unstable states.
+/// Branch of warm steady states of an axis. It extends from standstill to the fold, and from there
+/// back along the unstable states.
 #[derive(Debug, Clone)]
 #[expect(
     non_snake_case,
@@ -377,7 +376,7 @@ impl WarmBranch {
         self.points[..first_beyond].last()
     }
 
-    /// Converts the branch to a JSON object with a list for each member.
+    /// Converts the branch to a JSON object. Each member is a list with one value per state.
     pub fn to_json(&self) -> Value {
         let list = |number: &dyn Fn(&WarmPoint) -> f64| -> Value {
             self.points.iter().map(number).collect()
@@ -401,11 +400,11 @@ pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
-/// Calculates the results for the warm state. There are no results if the case does not request the
-/// warm state.
+/// Calculates the results for the warm state. If the case does not request the warm state, there
+/// are no results.
 ///
-/// * `wanted`: selects the quantities to calculate. The fold is only searched for if one of its
-///   numbers is selected; otherwise thermal runaway is an error.
+/// * `wanted`: returns true for the quantities to calculate. The fold is searched for only if a
+///   result at the fold is requested; otherwise, thermal runaway is an error.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,

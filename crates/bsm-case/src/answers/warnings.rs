@@ -1,5 +1,5 @@
-//! Number of warnings about a solution, for a column of tables. The column `message` contains their
-//! texts.
+//! Number of warnings about a solution, for a column of tables. The column `message` contains the
+//! texts of the warnings.
 
 use bsm_dyn::Solution;
 
@@ -14,7 +14,8 @@ quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
     }
 }
 
-/// Returns the number of warnings about a solution. [`Numbers::why`] contains their texts.
+/// Returns the number of warnings about a solution. [`Numbers::why`] contains the texts of the
+/// warnings.
 pub(crate) fn numbers(case: &Case, solution: &Solution) -> Numbers {
     let texts = Record::new(solution.clone()).all_warnings(case);
     read(&texts.len(), |_| true).because((!texts.is_empty()).then(|| texts.join("; ")))

@@ -1,4 +1,4 @@
-//! Converts the inputs of a case to an axis in SI units.
+//! Conversion of the inputs of a case to an axis in SI units.
 
 use std::f64::consts::TAU;
 
@@ -27,12 +27,12 @@ pub(crate) const MIN_STROKE_TURNS: f64 = 0.5;
 /// Largest permitted ratio of screw bore to core diameter.
 const MAX_BORE_RATIO: f64 = 0.8;
 
-/// The axis of a case, with its rotating and its moved parts.
+/// The axis of a case, with its rotating parts and its moving masses.
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
-    /// Dynamic and static load rating without factors \[N\], either calculated or stated by the
-    /// manufacturer.
+    /// Dynamic and static load rating without modifying factors \[N\], either calculated or stated
+    /// by the manufacturer.
     pub(crate) ratings: [f64; 2],
     /// Nut and thread; `None` if only the ratings of the screw are known.
     pub(crate) groove: Option<(Nut, Thread)>,
@@ -56,7 +56,8 @@ pub(crate) struct Machine {
     pub(crate) required_life: Option<RequiredLife>,
     /// Torque-speed curve of the motor, if one is given.
     pub(crate) motor_curve: Option<MotorCurve>,
-    /// Axial load of the screw at rest \[N\]. It is positive if it acts against a positive feed.
+    /// Axial load on the screw at standstill \[N\]. It is positive if it acts against a positive
+    /// feed.
     pub(crate) rest_load: f64,
     /// Screw between two fixed bearings; `None` for other supports.
     pub(crate) held: Option<FixedEnds>,
@@ -72,9 +73,9 @@ pub(crate) struct FixedEnds {
     pub(crate) shaft: Shaft,
     /// Stiffness of each bearing \[N/m\].
     pub(crate) bearing: f64,
-    /// Thermal growth of the free screw \[m/K\].
+    /// Thermal expansion of the screw per kelvin if its ends are free \[m/K\].
     growth: f64,
-    /// Temperature rise that the pretension compensates \[K\].
+    /// Temperature rise at which the thermal expansion just cancels the pretension \[K\].
     pub(crate) stretched: f64,
 }
 
@@ -97,7 +98,7 @@ impl FixedEnds {
         Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
     }
 
-    /// Returns the tension of the screw \[N\] if it is warmer than the bed by `rise` \[K\].
+    /// Returns the tension of the screw \[N\] when it is warmer than the bed by `rise` \[K\].
     pub(crate) fn tension(&self, rise: f64) -> f64 {
         self.shaft.tension(self.growth, self.bearing, self.stretched, rise)
     }
@@ -121,7 +122,7 @@ fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
     }
 }
 
-/// Rejects a screw with load ratings on which no load acts.
+/// Rejects an axis with load ratings on whose screw no load acts.
 fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Result<(), CaseError> {
     let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
     if is_loaded || carriage.is_loaded() || case.is_preloaded() {
@@ -152,11 +153,11 @@ fn drive_train(
         motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
         gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
         screws: screws_per_motor(case)?,
-        brake_at_rest: case.nut.brake_at_rest == Some(true),
+        brake_at_rest: case.entries.brake_at_rest == Some(true),
     })
 }
 
-/// Nut and thread, dimensions of the screw and the nut body, and a warning about the ratings.
+/// Nut and thread, dimensions of the screw and of the nut body, and a warning about the ratings.
 type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
 
 /// Returns the nut and thread of a case, the dimensions of its screw and nut body, and a warning if
@@ -168,8 +169,8 @@ fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     let nut = rated_nut::nut(case)?;
     let thread = rated_nut::thread(case, &nut)?;
     if case.has_estimated_groove() {
-        // Catalog lists and rules give the core diameter and the nut body more accurately than an
-        // estimated groove does.
+        // Catalog lists and rules give more accurate values for the core diameter and the nut body
+        // than an estimated groove.
         let pitch_circle_diameter_mm = case.pitch_circle_diameter_mm;
         let line = Case { pitch_circle_diameter_mm, ..case.without_estimates() };
         return Ok((Some((nut, thread)), RatedScrew::of(&line, balls_and_turns(case).1)?, None));
@@ -290,7 +291,7 @@ impl Machine {
     }
 
     /// Returns the sum of the stroke and the length of the nut set \[m\], or `None` if the stroke
-    /// is unknown.
+    /// is not known.
     ///
     /// # Errors
     ///
@@ -320,9 +321,9 @@ impl Machine {
         Ok(Some(stroke + self.body.length))
     }
 
-    /// Returns the length of screw over which the nut moves \[m\]. It is the stroke plus the length
-    /// of the nut set or, without a stroke, the unsupported length minus the overrun at both ends.
-    /// Returns `None` if the nut does not fit.
+    /// Returns the length of the screw section over which the nut moves \[m\]. It is the stroke
+    /// plus the length of the nut set or, without a stroke, the unsupported length minus the
+    /// overrun at both ends. Returns `None` if the nut does not fit between the overruns.
     pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let by_length = || {
             let overrun = mount(case).overrun_of(self.axis.screw.lead);
@@ -342,20 +343,20 @@ impl Machine {
         self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
-    /// Returns the life under the cycle. The life is also `None` if the stroke is shorter than half
-    /// a turn, because the groove then fails by false brinelling.
+    /// Returns the life under the cycle. The result is also `None` if the stroke is shorter than
+    /// half a turn, because the groove then fails by false brinelling.
     pub(crate) fn life(&self) -> Option<Life> {
         let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= MIN_STROKE_TURNS))
     }
 
-    /// Returns the travel per radian of the screw \[m\].
+    /// Returns the travel per radian of screw rotation \[m\].
     pub(crate) fn advance(&self) -> f64 {
         self.axis.screw.lead / TAU
     }
 }
 
-/// Axial load input, which may have any sign for an axis.
+/// The input for the axial load, which may have any sign for an axis.
 pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
 
 /// Returns the loads that act on the axis in addition to the process force.
@@ -401,11 +402,11 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     // Differences below a millionth of the stroke are rounding errors.
     const ROUNDING: f64 = 1e-6;
     let given = case.stroke_mm.map(|mm| mm * MM);
-    if case.nut.cycle.is_none() {
+    if case.entries.cycle.is_none() {
         return Ok(given);
     }
     let cycle = Cycle::of(case)?;
-    // If the whole cycle is given by feed rates, its travel does not depend on the lead.
+    // If the cycle states all its speeds as feed rates, its travel does not depend on the lead.
     let is_known = case.lead().is_some() || cycle.has_only_feeds();
     let travel = is_known.then(|| cycle.travel(case.lead().map_or(1.0, |lead| lead * MM)));
     let range = travel.flatten().map(|travel| travel.range).filter(|range| *range > 0.0);
@@ -423,7 +424,8 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     Ok(given.or(range))
 }
 
-/// Properties that determine the tolerance of the preload torque. Grade and length may be unknown.
+/// Data that determine the tolerance of the friction torque due to preload. Grade and length may be
+/// unknown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TorqueTolerance {
     /// Accuracy grade of the screw.
@@ -435,12 +437,12 @@ pub(crate) struct TorqueTolerance {
 }
 
 impl TorqueTolerance {
-    /// Returns the permitted variation of a torque \[N·m\] in each direction \[%\].
+    /// Returns the permitted variation of a torque \[N·m\] as a ± value \[%\].
     pub(crate) fn percent(&self, torque: f64) -> Option<f64> {
         self.grade?.torque_variation(torque, self.length?, self.diameter)
     }
 
-    /// Returns the lower (-1) or upper (1) limit of a torque \[N·m\].
+    /// Returns the lower limit (`side` is -1) or the upper limit (`side` is 1) of a torque \[N·m\].
     pub(crate) fn end(&self, torque: f64, side: f64) -> Option<f64> {
         Some(torque * (1.0 + side * 0.01 * self.percent(torque)?))
     }
@@ -461,7 +463,7 @@ pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
 pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
     let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
-    let given = case.nut.driven_part.map(|Named(part)| part);
+    let given = case.entries.driven_part.map(|Named(part)| part);
     match (given, screw, nut) {
         (_, true, true) => {
             let what = "and screw_speed_rpm are both given, but an axis has one driven part. Give \
@@ -481,21 +483,21 @@ pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     }
 }
 
-/// Returns the nut set. If circuits are listed, their nut bodies determine it, otherwise the
-/// preload method.
+/// Returns the nut set. If circuits are listed, the nut set follows from their nut bodies;
+/// otherwise, it follows from the preload method.
 pub(crate) fn nut_set(case: &Case) -> NutSet {
-    let method = match &case.nut.circuits {
+    let method = match &case.entries.circuits {
         Some(circuits) if circuits.iter().any(|circuit| circuit.body > 0) => {
             Some(PreloadMethod::DoubleNut)
         }
-        Some(_) => case.nut.preload_by.map(|Named(method)| method),
+        Some(_) => case.entries.preload_by.map(|Named(method)| method),
         None => case.is_preloaded().then(|| preload_method(case)),
     };
     NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
 }
 
-/// Returns the length of the thread or, without a stroke, the unsupported length \[m\]. Returns
-/// `None` if both are unknown.
+/// Returns the length of the thread \[m\]. Without a stroke, this is the unsupported length.
+/// Returns `None` if both inputs are unknown.
 ///
 /// * `lead`, `nut_length`: lead and length of the nut \[m\].
 pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f64> {
@@ -507,7 +509,7 @@ pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f
 /// Returns the end conditions and the length of the screw.
 pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
-        support: case.nut.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
+        support: case.entries.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
         length: case.unsupported_length_mm.map(|mm| mm * MM),
         overrun: case.overrun_mm.map(|mm| mm * MM),
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
@@ -516,7 +518,7 @@ pub(crate) fn mount(case: &Case) -> Mount {
             case.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
         ),
         buckling: (
-            case.nut.buckling_support.map(|Named(support)| support),
+            case.entries.buckling_support.map(|Named(support)| support),
             case.buckling_length_mm.map(|mm| mm * MM),
         ),
     }
@@ -530,7 +532,9 @@ pub(crate) fn mount(case: &Case) -> Mount {
 /// Returns [`CaseError`] if the rating basis is given without a rating, or if the basis is a travel
 /// and the lead is missing.
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
-    let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
+    let Some(Named(basis)) = case.entries.rating_basis else {
+        return Ok(case.rated_dynamic_load_N);
+    };
     let Some(stated) = case.rated_dynamic_load_N else {
         return Err(bad(
             "rating_basis",
@@ -544,16 +548,16 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
     }
 }
 
-/// Returns the required life, which a case may state in different units.
+/// Returns the required life. A case may state it in different units.
 ///
 /// * `cycle`: duration of the cycle \[s\].
 /// * `stroke`: stroke \[m\].
 ///
 /// # Errors
 ///
-/// Returns [`CaseError`] if the life is given in cycles, but the cycle has no durations; if it is
-/// given in strokes, but the stroke is unknown; or if it is given in years, but the hours or days
-/// of operation are missing.
+/// Returns [`CaseError`] in three cases: the life is given in cycles, but the cycle has no
+/// durations; it is given in strokes, but the stroke is unknown; or it is given in years, but the
+/// hours or days of operation are missing.
 pub(crate) fn required_life(
     case: &Case,
     cycle: Option<f64>,
@@ -600,7 +604,7 @@ pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
 /// curve do not increase, or if the motor turns faster than the last point of the curve.
 fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
     const NAME: &str = "motor_curve";
-    let Some(rows) = &case.nut.motor_curve else { return Ok(None) };
+    let Some(rows) = &case.entries.motor_curve else { return Ok(None) };
     for key in [InputKey::motor_peak_torque_Nm, InputKey::motor_rated_torque_Nm] {
         if case[key].is_some() {
             return Err(CaseError::given_twice([NAME, key.name()]));
@@ -631,16 +635,16 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
     Ok(Some(curve))
 }
 
-/// Returns the factors of the load ratings. A manufacturer's rating is multiplied by the accuracy
-/// factor only if the factor is given, because catalogs state ratings for the accuracy grade of the
-/// product.
+/// Returns the factors that modify the load ratings. A manufacturer's rating is multiplied by the
+/// accuracy factor only if the factor is given, because catalogs state ratings for the accuracy
+/// grade of the product.
 pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
     let own = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_none();
-    let grade = case.nut.accuracy_grade.filter(|_| own);
+    let grade = case.entries.accuracy_grade.filter(|_| own);
     let by_grade = grade.map_or(1.0, |word| word.grade.rating_factor());
     let hardness = case.hardness_HRC.map(Hardness::Rockwell);
     let hardness = hardness.or(case.hardness_HV10.map(Hardness::Vickers));
-    let steel = case.nut.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
+    let steel = case.entries.steel.map_or(1.0, |Named(SteelFactor(factor))| factor);
     RatingFactors::of(hardness, case.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
@@ -662,14 +666,14 @@ pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
     let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
     let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };
-    case.nut.preload_by.map_or(usual, |Named(method)| method)
+    case.entries.preload_by.map_or(usual, |Named(method)| method)
 }
 
-/// Returns the preload of a case, and the axial play \[m\] if the preload class permits play
-/// instead of a preload.
+/// Returns the preload of a case. If the preload class permits play instead of a preload, also
+/// returns the axial play \[m\].
 pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>), CaseError> {
     let force = case.preload_N.map(PreloadSize::Force);
-    let Some(word) = case.nut.preload_class else { return Ok((force, None)) };
+    let Some(word) = case.entries.preload_class else { return Ok((force, None)) };
     let others = [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um];
     if let Some(other) = others.into_iter().find(|key| case[*key].is_some()) {
         return Err(CaseError::given_twice(["preload_class", other.name()]));
@@ -681,16 +685,16 @@ pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>),
 }
 
 impl Case {
-    /// Returns the case with its preload class replaced by a preload force or an axial play.
+    /// Returns the case in which the preload class is replaced by a preload force or an axial play.
     pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
         let mut case = self.clone();
-        if case.nut.preload_class.take().is_none() {
+        if case.entries.preload_class.take().is_none() {
             return Ok(case);
         }
         let (preload, play) = preload(self)?;
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
-            // The axis is only needed to calculate a preload that depends on the load.
+            // The axis is needed only if the preload depends on the load.
             let axis = Machine::of(&case)?.axis;
             case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }
@@ -700,7 +704,7 @@ impl Case {
 
 /// Returns the manufacturing method of the screw.
 pub(crate) fn make(case: &Case) -> Make {
-    case.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
+    case.entries.screw_make.map_or(Make::Ground, |Named(make)| make)
 }
 
 /// Returns the ratio of the life at the given reliability to the life at a reliability of 90 %.

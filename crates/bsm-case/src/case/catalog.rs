@@ -1,4 +1,4 @@
-//! Catalog of nuts: lists of sizes, and the limits of their combinations.
+//! Catalog of nuts: lists of sizes, and limits for their combinations.
 
 use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::Material;
@@ -18,7 +18,8 @@ pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
 /// Maximum number of combinations of the listed sizes.
 const MAX_COMBINATIONS: usize = 20_000_000;
 
-/// Conformity that is assumed for nuts of manufacturers, which do not state the conformity.
+/// Conformity that is assumed for manufacturers' nuts, because catalogs do not state the
+/// conformity.
 const OF_MANUFACTURERS: f64 = 0.52;
 
 /// Number of nuts that are compared in one pass of the Pareto selection.
@@ -37,8 +38,8 @@ pub struct Catalog {
 }
 
 keys! {
-    /// Keys of the lists of sizes and of the limits. The value of each key is the standard list,
-    /// another list, a range or a number.
+    /// Keys of the lists and limits. A list can be the standard list, another list or a range; a
+    /// limit is a number.
     pub LISTS;
     nominal_diameter_mm ["mm" "d_0"] Within(MIN_LENGTH_MM, 1e4), None, "nominal diameters";
     lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
@@ -83,7 +84,7 @@ impl Catalog {
 
     /// Reads a table of sizes with the columns of
     /// [`MANUFACTURER_SIZES`](crate::MANUFACTURER_SIZES). Returns `None` if the table has no column
-    /// `turns`, because it is then a table of nuts.
+    /// `turns`, which means that it is a table of nuts.
     ///
     /// # Errors
     ///
@@ -141,14 +142,14 @@ impl Catalog {
         given.catalog()
     }
 
-    /// Returns the indices of all combinations that meet the limits, in the order of the lists. A
-    /// nut needs sixty times as much memory as its index, so nuts are only created when they are
+    /// Returns the indices of all combinations that meet the limits, in the order of the lists. An
+    /// index needs only one sixtieth of the memory of a nut, so nuts are created only when they are
     /// needed.
     pub fn indices(&self) -> Vec<u32> {
         self.lists.indices(&self.limits)
     }
 
-    /// Calls `each` with the nuts of the given indices and collects the results in the same order.
+    /// Calls `each` with the nut for each index and collects the results in the same order.
     pub fn map<R: Send>(
         &self,
         indices: &[u32],
@@ -162,7 +163,8 @@ impl Catalog {
     #[must_use]
     pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
-        // A nut that is dominated by another nut of its chunk is also dominated in the whole list.
+        // A nut that is dominated by another nut of its chunk cannot be Pareto-optimal in the whole
+        // list.
         for part in indices.chunks(CHUNK) {
             best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();

@@ -1,5 +1,5 @@
-//! A case that contains only catalog data: nominal diameter, lead and load ratings. The groove is
-//! estimated before a problem is built, so that every command can use the case.
+//! Cases that contain only catalog data: nominal diameter, lead and load ratings. The groove is
+//! estimated before a problem is built, so every command can use such a case.
 
 use bsm_design::{
     CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
@@ -36,8 +36,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns these inputs. If they contain diameter, lead and dynamic load rating, the result
-    /// also contains the inputs of the groove that is estimated from them.
+    /// Returns this set of inputs. If the set contains diameter, lead and dynamic load rating, the
+    /// result also contains the inputs of the groove that is estimated from these inputs.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
@@ -50,7 +50,7 @@ impl InputSet {
         }
     }
 
-    /// Returns true if the estimate of a groove depends on at least one of these inputs.
+    /// Returns true if the estimate of a groove depends on at least one input of this set.
     pub fn changes_groove(self) -> bool {
         self.meets(READ)
     }
@@ -63,18 +63,18 @@ impl Case {
         let given = self.stated().overridden_by(columns);
         // If circuits are given, they determine the numbers of turns and balls.
         let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
-        let estimates = lacks_groove && self.nut.estimate_groove != Some(false);
+        let estimates = lacks_groove && self.entries.estimate_groove != Some(false);
         if estimates { given.with_groove() } else { given }
     }
 
-    /// Returns true if inputs of the groove are estimated.
+    /// Returns true if the groove of the case is estimated, at least in part.
     pub fn has_estimated_groove(&self) -> bool {
-        self.nut.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
+        self.entries.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
     }
 
     /// Returns true if the input with this name is estimated.
     pub fn estimates(&self, name: &str) -> bool {
-        let mut names = self.nut.estimated_inputs.iter().flatten();
+        let mut names = self.entries.estimated_inputs.iter().flatten();
         names.any(|InputName(key)| key.name() == name)
     }
 
@@ -82,19 +82,19 @@ impl Case {
     #[must_use]
     pub fn without_estimates(&self) -> Self {
         let mut case = self.clone();
-        for InputName(key) in case.nut.estimated_inputs.take().into_iter().flatten() {
+        for InputName(key) in case.entries.estimated_inputs.take().into_iter().flatten() {
             case[key] = None;
         }
         case
     }
 
-    /// Returns the case with a complete groove. If the groove is not fully given, it is estimated
+    /// Returns the case with a complete groove. If the given groove is incomplete, it is estimated
     /// from nominal diameter, lead and load ratings. The case is returned unchanged if the groove
-    /// is complete or if these inputs are missing.
+    /// is already complete or if these inputs are missing.
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::NoGroove`] if no typical groove has these ratings, unless
+    /// Returns [`CaseError::NoGroove`] if no typical groove has the given ratings, unless
     /// `keep_ratings` is true. Returns [`CaseError::OutOfRange`] if an input violates its rule.
     pub fn with_groove(&self) -> Result<Self, CaseError> {
         let line = self.without_estimates();
@@ -105,7 +105,7 @@ impl Case {
     /// Returns the estimate of the groove for a case without estimated inputs, or `None` if no
     /// estimate is necessary or possible.
     pub(crate) fn groove_estimate(&self) -> Result<Option<GrooveEstimate>, CaseError> {
-        let wanted = self.nut.estimate_groove != Some(false) && self.lacks_groove();
+        let wanted = self.entries.estimate_groove != Some(false) && self.lacks_groove();
         if !wanted {
             return Ok(None);
         }
@@ -121,7 +121,7 @@ impl Case {
         match line.estimate() {
             Ok(estimate) => Ok(Some(estimate)),
             Err(RefusedLine { nearest: Some(nearest), .. })
-                if self.nut.keep_ratings == Some(true) =>
+                if self.entries.keep_ratings == Some(true) =>
             {
                 Ok(Some(*nearest))
             }
@@ -152,7 +152,7 @@ impl Case {
         }))
     }
 
-    /// Returns the case with its missing inputs taken from an estimated groove.
+    /// Returns the case in which missing inputs are taken from an estimated groove.
     fn with(&self, groove: &EstimatedGroove) -> Self {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
@@ -168,7 +168,7 @@ impl Case {
             (InputKey::contact_angle_deg, angle, self.groove_bottom_distance_mm.is_none()),
             (InputKey::nut_conformity, groove.conformity.0, true),
             (InputKey::screw_conformity, groove.conformity.1, true),
-            (InputKey::loaded_balls_per_turn, per_turn, self.nut.circuits.is_none()),
+            (InputKey::loaded_balls_per_turn, per_turn, self.entries.circuits.is_none()),
             (InputKey::loaded_turns, turns, given_turns.is_none()),
         ];
         let mut estimated = Vec::new();
@@ -178,11 +178,11 @@ impl Case {
                 estimated.push(InputName(key));
             }
         }
-        case.nut.estimated_inputs = Some(estimated);
+        case.entries.estimated_inputs = Some(estimated);
         case
     }
 
-    /// Returns the case with one of the possible grooves, whose results show the uncertainty of the
+    /// Returns the case with one of the possible grooves, which represent the uncertainty of the
     /// estimate. If friction is not given, a possible catalog efficiency is added.
     ///
     /// * `draw`: index of the possible groove.
@@ -197,8 +197,8 @@ impl Case {
         case
     }
 
-    /// Returns the message that explains why no groove can be estimated. It states the given
-    /// numbers, the nearest groove with its numbers, and possible mistakes.
+    /// Returns a message that explains why no groove can be estimated. The message states the given
+    /// values, the nearest groove with its ratings, and possible mistakes in the data.
     fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {

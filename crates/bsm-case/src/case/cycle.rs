@@ -1,4 +1,4 @@
-//! Converts the cycle of a case to ramps, constant speeds and standstills in SI units.
+//! Conversion of the duty cycle of a case to ramps, constant speeds and standstills in SI units.
 
 use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
 
@@ -13,29 +13,30 @@ use crate::{Case, CaseError, InputKey, InputSet, PhaseEntry};
 /// errors of the inputs.
 const SHARE_ROUNDING: f64 = 0.01;
 
-/// Ratio of the speeds at the ends of a ramp below which the slower end is assumed to be
-/// standstill. Times and accelerations are usually given with only two or three digits.
+/// Upper limit of the ratio of the speeds at the two ends of a ramp up to which the slower end is
+/// treated as standstill. Times and accelerations are usually given with only two or three digits.
 const STANDSTILL: f64 = 0.01;
 
-/// The cycle of an axis, or its single operating point.
+/// The duty cycle of an axis, or its single operating point.
 #[derive(Debug, Clone)]
 pub(crate) struct Cycle {
     /// Segments in chronological order.
     pub(crate) segments: Vec<ProfileSegment>,
     /// Duration of the cycle \[s\]; `None` for time shares and for a single operating point.
     pub(crate) time: Option<f64>,
-    /// Process force that acts at rest \[N\]. It is positive if it acts against a positive feed.
+    /// Process force that acts at standstill \[N\]. It is positive if it acts against a positive
+    /// feed.
     pub(crate) rest_force: f64,
     /// Notes on assumptions about the cycle.
     pub(crate) notes: Vec<String>,
 }
 
 impl Cycle {
-    /// Converts the cycle of a case. Without a cycle, converts the operating point, which is at
-    /// standstill if no speed is given.
+    /// Converts the duty cycle of a case. If the case has no cycle, converts its operating point,
+    /// which is at standstill if no speed is given.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         let load_factor = case.number(InputKey::load_factor);
-        let Some(entries) = &case.nut.cycle else {
+        let Some(entries) = &case.entries.cycle else {
             if case.cycles_per_hour.is_some() {
                 return Err(bad("cycles_per_hour", "needs a cycle"));
             }
@@ -141,10 +142,10 @@ impl Cycle {
 }
 
 impl Case {
-    /// Returns a note on a load or a speed that an axis does not use, because its cycle states the
-    /// loads and speeds of all phases.
+    /// Returns a note on a given load or speed that has no effect on an axis, because its cycle
+    /// states the loads and speeds of all phases.
     pub(crate) fn unused_with_cycle(&self) -> Option<String> {
-        self.nut.cycle.as_ref()?;
+        self.entries.cycle.as_ref()?;
         let unused = self.given().iter().filter(|key| InputSet::LOAD_AND_SPEED.contains(*key));
         let names: Vec<_> = unused.map(InputKey::name).collect();
         (!names.is_empty()).then(|| {
@@ -156,8 +157,8 @@ impl Case {
     }
 }
 
-/// Returns the process force at rest: `hold_force_N` or, if it is not given, a force that is the
-/// same in all entries.
+/// Returns the process force at standstill: `hold_force_N` or, if it is not given, the process
+/// force of all entries, provided that this force is constant.
 fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f64 {
     if let Some(force) = case.hold_force_N {
         return force;
@@ -256,8 +257,8 @@ impl SegmentMaker {
         Ok(parts.map(|(time, pace)| self.segment(time, pace)).collect())
     }
 
-    /// Returns the speeds at the start and the end of a phase with acceleration. The speed of the
-    /// entry is the end speed if the axis accelerates, and the start speed otherwise.
+    /// Returns the speeds at the start and the end of a phase with acceleration. The speed that the
+    /// entry states is the end speed if the axis accelerates, and the start speed otherwise.
     ///
     /// * `change`: change of the feed rate over the phase \[m/s\].
     fn ramp(

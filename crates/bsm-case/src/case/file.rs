@@ -65,7 +65,7 @@ impl Case {
         let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
         let number = |key: InputKey| Some((key.name().to_owned(), json!(self[key]?)));
         let numbers = InputKey::ALL.into_iter().filter_map(number);
-        Value::Object(text.chain(numbers).chain(self.nut.to_map()).collect())
+        Value::Object(text.chain(numbers).chain(self.entries.to_map()).collect())
     }
 
     pub(crate) fn assign_json(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
@@ -81,7 +81,7 @@ impl Case {
         }
         let key = key_of(key, value.as_str());
         if CaseEntries::have(key) {
-            return self.nut.set(key.to_owned(), value.clone());
+            return self.entries.set(key.to_owned(), value.clone());
         }
         // The name is checked first, so that an unknown name is reported instead of a wrong type.
         let (input, change) = InputKey::in_unit(key)?;
@@ -102,7 +102,7 @@ impl Case {
     pub fn remove(&mut self, name: &str) -> Result<(), CaseError> {
         if name == DESCRIPTION {
             self.description = None;
-        } else if !self.nut.remove(name) {
+        } else if !self.entries.remove(name) {
             let (key, _) = InputKey::in_unit(name)?;
             self[key] = None;
         }
@@ -158,7 +158,7 @@ impl Case {
         Ok(())
     }
 
-    /// Checks every given value against its rule, and the relations between the values.
+    /// Checks each given value against its rule, and the rules that relate several values.
     ///
     /// # Errors
     ///
@@ -167,7 +167,7 @@ impl Case {
         self.check_but(InputSet::default())
     }
 
-    /// Checks all inputs and relations that do not depend on the inputs in `open`.
+    /// Checks all rules that do not depend on the inputs in `open`.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
         let given = self.given().without(open);
         for key in given.iter() {
@@ -184,8 +184,8 @@ impl Case {
         Ok(())
     }
 
-    /// Returns the speeds of screw and nut, or `None` if the screw speed is missing. The nut speed
-    /// defaults to 0.
+    /// Returns the speeds of screw and nut \[rpm\], or `None` if the screw speed is missing. The
+    /// nut speed defaults to 0.
     pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
         let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
         Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
@@ -248,9 +248,9 @@ impl Case {
     /// Returns a warning if the mass or the moment of inertia per length of the screw exceeds the
     /// value of a solid steel rod with its outer diameter.
     fn too_heavy(&self) -> Option<String> {
-        /// Permitted ratio to the rod with the nominal diameter. Outer diameters exceed nominal
-        /// diameters by up to 2 %, and the moment of inertia increases with the fourth power of the
-        /// diameter.
+        /// Permitted ratio to the value of a rod with the nominal diameter. Outer diameters exceed
+        /// nominal diameters by up to 2 %, and the moment of inertia increases with the fourth
+        /// power of the diameter.
         const SLACK: f64 = 1.08;
         let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
         let mass = rod_mass_per_length(outer_mm * MM);
@@ -270,8 +270,8 @@ impl Case {
     }
 }
 
-/// Returns the key to which a value is assigned. The word `auto` as a preload is a preload class,
-/// not a force.
+/// Returns the key to which a value is assigned. If the value of the preload is the word `auto`,
+/// this is the key of the preload class instead of the preload force.
 fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     let is_least = word == Some("auto") && key == InputKey::preload_N.name();
     if is_least { "preload_class" } else { key }
@@ -285,7 +285,8 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that no model of the ball uses, and the results that include them.
+/// Inputs that no ball model uses, and the names of the results that take these inputs into
+/// account.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [
@@ -311,13 +312,13 @@ impl InputSet {
     }
 }
 
-/// Inputs that a warm state calculates for the nut.
+/// Inputs whose values a warm state calculates for the nut.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;
     [nut, screw, balls, InputKey::screw_tension_N]
 };
 
-/// Temperature rises of nut, screw and balls.
+/// Inputs for the temperature rises of nut, screw and balls.
 pub(crate) const RISES: [InputKey; 3] = [
     InputKey::nut_temperature_rise_K,
     InputKey::screw_temperature_rise_K,
@@ -325,7 +326,7 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Case {
-    /// Returns a warning if a moved mass is given, but the axial load does not include its forces.
+    /// Returns a warning if a moving mass is given, but the axial load does not include its forces.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {
@@ -363,7 +364,7 @@ impl Case {
     }
 
     /// Returns the speed inputs that need not be checked because the screw is at standstill. The
-    /// balls of a nut also carry their load at standstill.
+    /// nut analysis is also valid at standstill, because the balls still carry the load.
     pub(crate) fn speeds_at_rest(&self) -> InputSet {
         let is_at_rest = self.speeds_rpm().is_some_and(|(screw, nut)| screw - nut == 0.0);
         if is_at_rest {
@@ -375,14 +376,14 @@ impl Case {
 
     /// Returns true if the case requests its warm steady state.
     pub fn asks_warm(&self) -> bool {
-        self.nut.warm_state == Some(true)
+        self.entries.warm_state == Some(true)
     }
 
-    /// Returns the case as it was when the preload was set: without temperature rises, screw
+    /// Returns the case in the state in which the preload is set: without temperature rises, screw
     /// tension and warm state.
     pub(crate) fn cold(&self) -> Self {
         let mut cold = self.clone();
-        cold.nut.warm_state = None;
+        cold.entries.warm_state = None;
         for key in WARM {
             cold[key] = None;
         }

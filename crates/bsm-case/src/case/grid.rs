@@ -277,8 +277,8 @@ impl Grid {
         base.check_but(self.varied().replaced())
     }
 
-    /// Chooses one model for all points. A fixed model must cover the first or the last point (see
-    /// [`ModelChoice::resolve`]).
+    /// Chooses one model for all points. If the model is fixed, the first or the last point must be
+    /// within its range (see [`ModelChoice::resolve`]).
     ///
     /// # Errors
     ///
@@ -290,7 +290,7 @@ impl Grid {
         choice.resolve(base.stated_over(self.varied()), covers)
     }
 
-    /// Returns `base` with the values of a [`point`](Self::point).
+    /// Returns a copy of `base` with the input values of a [`point`](Self::point).
     #[must_use]
     pub fn case(&self, base: &Case, point: &[f64]) -> Case {
         let (mut case, mut settings) = (base.clone(), Case::default());

@@ -14,10 +14,10 @@ use crate::{CaseError, INPUTS, Known, LISTS, Rule, TableFormat, entries, nearest
 /// Sizes offered by THK (general catalog, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9) as a CSV
 /// table, which users can copy and edit.
 ///
-/// For THK end-cap nuts whose lead is at least as large as the diameter, the catalog only states
+/// For THK end-cap nuts whose lead is at least as large as the diameter, the catalog states only
 /// the product of circuits and turns. A product of three or more is interpreted as circuits of
 /// fewer than three turns on 2 or 4 thread starts. The reason is that TBI (SFY) prints 1.8x2 and
-/// 2.8x2 for such nuts, which are as long as nuts with one such circuit (SFH).
+/// 2.8x2 for such nuts, which are as long as nuts with a single circuit of this kind (SFH).
 pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
 /// Columns of a table of sizes that are not named after an input.
@@ -100,7 +100,7 @@ pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
 /// Returns the name of the input in a column and the conversion to its unit, or `None` if the
 /// column is ignored.
 ///
-/// * `words`: known columns that are not named after an input.
+/// * `words`: known column names that are not names of inputs.
 pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,

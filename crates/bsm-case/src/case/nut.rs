@@ -1,4 +1,4 @@
-//! Converts the inputs of a nut with all its balls to a problem in SI units.
+//! Conversion of the inputs for a nut with all its balls to a problem in SI units.
 
 mod bodies;
 mod circuits;

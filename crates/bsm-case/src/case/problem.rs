@@ -1,4 +1,4 @@
-//! Choice of the model, and the inputs that each model requires.
+//! Choice of the model for a case, and the inputs that each model requires.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -17,7 +17,7 @@ use crate::vocabulary::rules::{covered, not_covered};
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, InputSet, Rule};
 
-/// The model that solves a case, or its automatic choice.
+/// The model that solves a case, chosen by the user or automatically.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
     /// The program chooses the fastest model whose error is below the tolerance. If inputs for the
@@ -71,8 +71,8 @@ pub struct Settings {
     pub model: ModelChoice,
     /// Largest efficiency error that `auto` may accept (see [`Self::TOLERANCE`]).
     pub tolerance: f64,
-    /// Accuracy of the quadrature over the contact ellipses in model `traction`: its error relative
-    /// to the friction (see [`Self::ACCURACY`]).
+    /// Accuracy of the quadrature over the contact ellipses in model `traction`, as the error of
+    /// the friction relative to the friction (see [`Self::ACCURACY`]).
     pub accuracy: f64,
     /// Creep speed that smooths the friction law in model `traction`, relative to `$r_b|W|$` (see
     /// [`Self::CREEP`]).
@@ -98,7 +98,7 @@ impl Default for Settings {
 }
 
 impl From<Model> for Settings {
-    /// Returns the model with its default settings.
+    /// Returns settings that select this model and have default values otherwise.
     fn from(model: Model) -> Self {
         Self { model: model.into(), ..Self::default() }
     }
@@ -122,7 +122,7 @@ pub(crate) struct SettingsJson {
 }
 
 impl Settings {
-    /// Keys of the JSON object of the settings.
+    /// Keys of the settings in a JSON object.
     const KEYS: [&str; 6] = ["name", "tolerance", "accuracy", "creep", "control", "friction"];
     /// Permitted range of [`tolerance`](Self::tolerance).
     pub const TOLERANCE: Rule = Rule::Above(0.0);
@@ -220,12 +220,13 @@ impl Settings {
         }
     }
 
-    /// Checks settings that a user has given. The model must use every setting that differs from
-    /// its default. `auto` accepts all settings, because it may choose any model.
+    /// Checks settings that a user has specified. Each setting that differs from its default must
+    /// have an effect on the chosen model. `auto` accepts all settings, because it may choose any
+    /// model.
     ///
     /// # Errors
     ///
-    /// Returns a [`CaseError::Invalid`] that lists the settings of the model, or
+    /// Returns [`CaseError::Invalid`] with a list of the settings that the model uses, or
     /// [`CaseError::OutOfRange`] for a value out of range.
     pub fn checked(self) -> Result<Self, CaseError> {
         self.check()?;
@@ -262,7 +263,7 @@ impl Settings {
 pub(crate) struct Needs {
     /// Inputs that must all be given.
     pub(crate) all: InputSet,
-    /// Quantities of which at least one form must be given.
+    /// Quantities that must each be given in at least one form.
     pub(crate) quantities: &'static [Quantity],
 }
 
@@ -319,9 +320,9 @@ impl Needs {
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
-    /// Returns the missing inputs as text. If a catalog line, from which the groove is estimated, lacks
-    /// fewer inputs than the groove, its inputs are returned, and the inputs of the groove are named as
-    /// an alternative.
+    /// Returns the missing inputs as text. If fewer inputs are missing for a catalog line than for
+    /// the groove itself, the inputs of the catalog line are returned, because the groove can be
+    /// estimated from it. The inputs of the groove are then named as an alternative.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let given = given.completed();
         let of_groove = lacking(self.all, self.quantities.iter(), given);
@@ -355,7 +356,7 @@ impl Needs {
 /// missing inputs is named.
 ///
 /// * `all`: inputs that must all be given.
-/// * `quantities`: quantities of which one form is required.
+/// * `quantities`: quantities that must each be given in one of their forms.
 fn lacking<'a>(
     all: InputSet,
     quantities: impl Iterator<Item = &'a Quantity>,
@@ -364,7 +365,7 @@ fn lacking<'a>(
     let mut missing = Vec::new();
     for Quantity { words, forms } in quantities {
         let begun = forms.iter().filter(|form| given.contains(form.key));
-        // Inputs in `self.all` are reported separately below.
+        // Inputs in `all` are reported separately below.
         let lacks = |form: &Form| form.with.without(given).without(all);
         match begun.min_by_key(|form| lacks(form).iter().count()) {
             None => missing.push((*words).to_owned()),
@@ -378,7 +379,7 @@ fn lacking<'a>(
     missing
 }
 
-/// Inputs of a groove that are estimated from a catalog line.
+/// Inputs of a groove that can be estimated from a catalog line.
 const GROOVE: InputSet = inputs! {
     ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity screw_conformity
     loaded_balls loaded_balls_per_turn loaded_turns
@@ -400,19 +401,22 @@ pub(crate) fn has_lubricant(model: Model) -> bool {
 }
 
 impl ModelChoice {
-    /// Chooses the model for points with the inputs `given`. A fixed model is returned unchanged.
+    /// Chooses the model for points with the inputs `given`. If the model is fixed, it is returned
+    /// unchanged.
     ///
-    /// With a lubricant or with play, `auto` becomes `traction`. Otherwise `auto` is kept if the
-    /// inputs of `raceway-control` are given, because they are required to estimate the error of a
-    /// model. If they are not given, `auto` becomes the most complete model that the inputs permit.
+    /// With a lubricant or with play, `auto` becomes `traction`. Otherwise, `auto` remains
+    /// unchanged if the inputs of `raceway-control` are given, which are required to estimate the
+    /// error of a model. If these inputs are missing, `auto` becomes the most complete model for
+    /// which inputs are given.
     ///
-    /// * `covers`: checks that the values of the inputs are within the range of a model.
+    /// * `covers`: function that checks that the values of the inputs are within the range of a
+    ///   model.
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::Entry`] if even the model with the fewest inputs lacks inputs, the
-    /// error of `covers` for a fixed model, and [`CaseError::Invalid`] if friction is given twice
-    /// or in a form that the model does not support.
+    /// Returns [`CaseError::Entry`] if an input of the model with the fewest inputs is missing.
+    /// Returns [`CaseError::Invalid`] if friction is given twice or in a form that the model does
+    /// not support. For a fixed model, returns the error of `covers`.
     pub fn resolve(
         self,
         given: InputSet,
@@ -446,7 +450,8 @@ impl ModelChoice {
             let purpose = given.purpose(&by);
             let mut missing = needs.missing(given);
             if self == Self::Auto {
-                // Friction can also be given by a lubricant, from which `auto` calculates it.
+                // Friction can also be specified by a lubricant, from which `auto` calculates the
+                // friction.
                 let dry = missing.iter_mut().filter(|name| *name == "friction_coefficient");
                 dry.for_each(|name| name.push_str(" (or iso_vg and lubricant_temperature_C)"));
             }
@@ -457,9 +462,9 @@ impl ModelChoice {
 }
 
 impl ModelChoice {
-    /// Chooses the model for an analysis of the ball motion, whose numbers have no error bound.
+    /// Chooses the model for an analysis of the ball motion, for which no error bound exists.
     /// `auto` chooses the most complete model for which the inputs `given` are sufficient, so that
-    /// all points of a table share one model. If the running contact angles are given, `auto`
+    /// all points of a table use the same model. If the running contact angles are given, `auto`
     /// chooses raceway control.
     #[must_use]
     pub fn of_motion(self, given: InputSet) -> Self {
@@ -478,8 +483,8 @@ impl Case {
         Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
-    /// Returns the missing inputs as a clause that ends a message. The text is empty if no input is
-    /// missing.
+    /// Returns a clause that names the missing inputs of a model and ends a message. The clause is
+    /// empty if no input is missing.
     pub(crate) fn lacks(&self, model: Model) -> String {
         let missing = self.missing(model);
         if missing.is_empty() {
@@ -492,7 +497,7 @@ impl Case {
     /// with the inputs `given`.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
-        let listed = self.nut.circuits.is_some();
+        let listed = self.entries.circuits.is_some();
         let by_gap = given.contains_all(inputs! { gap_deg circuits_count });
         let of_balls = [
             (K::loaded_balls_per_turn, given.contains(K::loaded_balls_per_turn)),
@@ -522,7 +527,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::OutOfRange`] for a value that the model does not cover.
+    /// Returns [`CaseError::OutOfRange`] for a value outside the range of the model.
     pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
         match covered(model, self) {
             Some(false) => Err(not_covered(model, self)),
@@ -574,7 +579,7 @@ impl Case {
     /// Returns [`CaseError`] if a value or a setting violates a rule, if an input of the model is
     /// missing, or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
-        if self.nut.preload_class.is_some() {
+        if self.entries.preload_class.is_some() {
             return Err(bad(
                 "preload_class",
                 "applies to `axis` and `nut`, but not to the models of one ball",

@@ -27,12 +27,12 @@ pub(crate) fn given(case: &Case) -> InputSet {
     case.given().and(stated.collect())
 }
 
-/// Returns the nut of a case, as required for its ratings.
+/// Returns the nut of a case with the data that its ratings require.
 pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
     nut_for(case, || case.given().purpose("for the ratings of a nut"))
 }
 
-/// Returns the nut of a case. If inputs are missing, the error message states for which purpose
+/// Returns the nut of a case. If inputs are missing, the error message states the purpose for which
 /// they are needed.
 pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
@@ -73,8 +73,8 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
     Ok(Nut { contact_angle, ..nut })
 }
 
-/// Returns the load ratings of the nut. The ratings are calculated from the groove, unless the
-/// groove was estimated from given ratings; in that case the given ratings are returned.
+/// Returns the load ratings of the nut. The ratings are calculated from the groove. If the groove
+/// itself was estimated from given ratings, the given ratings are returned.
 ///
 /// # Errors
 ///
@@ -145,10 +145,11 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
 /// Returns [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless
 /// `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Ranges of the ratio of calculated to stated rating for which no note is given, because the
-    /// formulas of manufacturers differ by this much.
+    /// Ranges of the ratio of calculated to stated rating in which no note is given, because the
+    /// formulas of different manufacturers differ by this much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
-    /// If the ratio is outside this range, the ratings belong to another nut.
+    /// Range of the ratio of calculated to stated rating outside which the ratings are assumed to
+    /// belong to another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);
     let within = |(low, high): (f64, f64), ratio: f64| (low..=high).contains(&ratio);
     let (dynamic, rated) = (nut.dynamic_rating().rating, nut.static_rating().rating);
@@ -164,7 +165,7 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
         };
         let Some(stated) = stated else { continue };
         let ratio = calculated / stated;
-        if !within(OTHER, ratio) && case.nut.keep_ratings != Some(true) {
+        if !within(OTHER, ratio) && case.entries.keep_ratings != Some(true) {
             return Err(CaseError::Invalid(format!(
                 "`{}` = {stated} N, but the rating of the groove is {calculated:.0} N, so the geometry belongs to another nut; correct the \
                  geometry, omit it, or set keep_ratings=true",

@@ -13,17 +13,17 @@ use crate::vocabulary::number::{digits, trimmed};
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Catalog ratings, of which the results of an axis need at least one.
+/// Inputs for the catalog ratings. Results for an axis need at least one of them.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
-/// Results that are omitted from the sheet of a screw with only catalog data.
+/// Results that are omitted from the axis sheet if only catalog data of the screw are given.
 pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life from the loads of all \
     balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
     from a ball model, and lubricant film; ball return, and jamming.";
 
 impl InputSet {
-    /// Describes the purpose of missing inputs, and names the command for which the given inputs
-    /// are sufficient.
+    /// Describes the purpose for which inputs are missing, and names the command for which the
+    /// given inputs are sufficient.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
             "; this nut has only ratings, which suffice for `axis`"
@@ -67,7 +67,7 @@ impl RatedScrew {
     ///
     /// * `estimated_turns`: loaded turns of an estimated groove.
     pub(crate) fn of(case: &Case, estimated_turns: Option<f64>) -> Result<Self, CaseError> {
-        if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
+        if case.rated_rigidity_N_um.is_some() && case.entries.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
         }
@@ -132,8 +132,8 @@ impl RatedScrew {
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]
         {
-            // A dimension of half the nominal diameter or less, or of twice the nominal diameter or
-            // more, belongs to another screw.
+            // If a dimension is at most half of the nominal diameter or at least twice as large, it
+            // is assumed to belong to another screw.
             if size >= 2.0 * nominal || size <= 0.5 * nominal {
                 let rule = format!("between half and twice nominal_diameter_mm = {nominal_mm}");
                 return Err(CaseError::out_of_range(key.name(), size / MM, rule));
@@ -151,7 +151,7 @@ impl RatedScrew {
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
     }
 
-    /// Works like [`of`](Self::of), and adds a note if the case contains only a part of the groove.
+    /// Works like [`of`](Self::of), but adds a note if the groove of the case is incomplete.
     pub(crate) fn without_groove(case: &Case) -> Result<Self, CaseError> {
         let mut size = Self::of(case, None)?;
         if case.given().meets(inputs! { contact_angle_deg nut_conformity screw_conformity }) {

@@ -1,4 +1,4 @@
-//! Converts the inputs of a case to a model problem in SI units.
+//! Conversion of the inputs of a case to a model problem in SI units.
 
 use bsm_dyn::{
     Ball, Coulomb, Direction, ElasticPoint, Load, Material, Model, OperatingPoint, Problem,
@@ -26,17 +26,17 @@ pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 impl Case {
     /// Returns the base oil of the lubricant.
     pub(crate) fn base_oil(&self) -> BaseOil {
-        self.nut.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
+        self.entries.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
     }
 
     /// Returns the lubricant that all rows of a table share, except for its temperature. Returns
-    /// `None` if the columns change another property of the lubricant, or if the temperature
-    /// depends on the losses. Missing inputs take their defaults.
+    /// `None` if a column changes another property of the lubricant, or if the temperature depends
+    /// on the losses. Missing inputs take their default values.
     pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
         if columns.iter().any(|key| InputSet::OF_ONE_LUBRICANT.contains(key)) {
             return None;
         }
-        // The value is a placeholder, because each row has its own temperature.
+        // The temperature is only a placeholder, because each row has its own temperature.
         let warm = |key| (key == InputKey::lubricant_temperature_C).then_some(40.0);
         let reader = Reader(|key| self.value_or_default(key).or(warm(key)), self.base_oil());
         let lubricant = reader.lubricant()?;
@@ -272,7 +272,7 @@ pub(crate) fn has_grooves(model: Model) -> bool {
 pub(crate) struct GothicArches<D> {
     /// Fit of the ball in its grooves; `None` if the balls have two contacts.
     fit: Option<ArchFit<D>>,
-    /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
+    /// Friction coefficient at the far flanks; `None` if it is the same as at the loaded flanks.
     far_friction: Option<D>,
 }
 

@@ -70,15 +70,15 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ),
 ];
 
-/// Inputs of an axis that a requirement does not accept, because the search itself calculates these
-/// catalog data.
+/// Axis inputs that are not permitted in a requirement, because they are catalog data that the
+/// search itself calculates.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
     catalog_efficiency catalog_back_efficiency rated_rigidity_N_um
 };
 
-/// Inputs of screw and nut that a requirement may contain, and other inputs that only the axis
-/// sheet uses.
+/// Inputs of screw and nut that a requirement may contain, and other inputs that are used only for
+/// the axis sheet.
 const OF_NUTS: InputSet = inputs! {
     lead_mm lead_angle_deg ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg
     nut_conformity screw_conformity loaded_turns density_kg_m3 youngs_modulus_GPa poisson_ratio
@@ -86,8 +86,8 @@ const OF_NUTS: InputSet = inputs! {
     screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
-/// Returns the case inputs that a requirement may contain: inputs that affect the selection, and
-/// inputs that only `bsm axis` uses. One file can therefore serve all commands.
+/// Returns the case inputs that a requirement may contain. Some of them affect the selection, and
+/// others are used only by `bsm axis`, so that all commands can read the same file.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
@@ -98,8 +98,8 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(*key))
 }
 
-/// Inputs of the single-ball models. In a design, the number of balls follows from the turns, and
-/// the nut does not turn.
+/// Inputs of the single-ball models that a requirement must not contain. In a design, the number of
+/// balls follows from the turns, and the nut does not turn.
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Text and list inputs that a requirement may contain.
@@ -133,7 +133,8 @@ pub struct RequirementFile {
     /// Model and solver settings for friction.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
-    /// True if the warnings that can be permitted do not limit the selection.
+    /// If true, warnings do not limit the selection, except for warnings that can never be
+    /// permitted.
     pub(crate) allow_warnings: bool,
     /// Notes on the assumptions that complete the requirement.
     pub(crate) notes: Vec<String>,
@@ -265,10 +266,11 @@ impl RequirementKeys {
             }
             return Ok(LoadCase::Cycle(segments));
         };
-        // The torque includes all loads of the screw, so additional loads are not permitted.
+        // The torque already includes all loads on the screw, so additional loads are not
+        // permitted.
         let loads = [
             ("axial_load_N", case.axial_load_N.is_some()),
-            ("cycle", case.nut.cycle.is_some()),
+            ("cycle", case.entries.cycle.is_some()),
             ("moved_mass_kg", case.moved_mass_kg.is_some_and(|mass| mass != 0.0)),
         ];
         if let Some((key, _)) = loads.into_iter().find(|(_, given)| *given) {
@@ -281,8 +283,8 @@ impl RequirementKeys {
         Ok(LoadCase::Torque(torque, pace))
     }
 
-    /// Returns the smallest and the largest permitted value of a number, which have separate keys
-    /// in a requirement.
+    /// Returns the smallest and the largest permitted value of a quantity. Each of the two limits
+    /// has its own key in a requirement.
     ///
     /// * `usual`: default range, which applies if no limits are given.
     fn range(
@@ -292,7 +294,7 @@ impl RequirementKeys {
     ) -> Result<(Option<f64>, Option<f64>), CaseError> {
         let limits = (self.number(low), self.number(high));
         let (least, most) = (limits.0.unwrap_or(usual.0), limits.1.unwrap_or(usual.1));
-        // The search needs a range with different ends. A fixed value has a separate key.
+        // The two ends of a searched range must differ. A fixed value has a separate key.
         if least < most {
             return Ok(limits);
         }
@@ -343,7 +345,7 @@ impl RequirementKeys {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
         let moves = case.screw_speed_rpm.is_some() || case.feed_m_min.is_some();
-        if !moves && case.nut.cycle.is_none() {
+        if !moves && case.entries.cycle.is_none() {
             let missing = ["screw_speed_rpm (or feed_m_min)".to_owned()];
             return Err(CaseError::missing(&missing, "for a design"));
         }
@@ -425,7 +427,7 @@ impl RequirementKeys {
             pressure: limit("pressure_limit_MPa") * MPA,
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&case),
-            grade: case.nut.accuracy_grade.map(|word| word.grade),
+            grade: case.entries.accuracy_grade.map(|word| word.grade),
             motor: (case.number(InputKey::gear_ratio), motor_speed(&case).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,

@@ -71,7 +71,7 @@ pub(crate) fn thermal_axis(
         return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
     }
     let flow = case.coolant_flow_l_min.map(|flow| {
-        let coolant = case.nut.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
+        let coolant = case.entries.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
         coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
     });
     let hold = machine.held.map(|held| AxialHold {

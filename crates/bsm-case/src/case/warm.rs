@@ -1,4 +1,4 @@
-//! Warm steady state of an axis. The state is calculated once. The case is then solved at the
+//! Warm steady state of an axis. The state is calculated first, and the case is then solved at the
 //! temperatures of this state.
 
 mod axis;
@@ -20,34 +20,35 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// Warm steady state that a case requests, and the fold of its solution branch.
+/// Warm steady state that a case requests, and the fold of the branch of states.
 #[derive(Debug)]
 pub(crate) struct Warm {
     /// Steady state; `None` in case of thermal runaway.
     pub(crate) state: Option<WarmState>,
     pub(crate) fold: Option<Fold>,
-    /// Reason why the branch of states ends before a fold.
+    /// Reason why the branch of states ends before a fold, if it does.
     pub(crate) end: Option<NoSteadyState>,
     /// Multiple of the given speeds up to which a fold was searched for; `None` if there was no
     /// search.
     pub(crate) search: Option<f64>,
-    /// Model and settings of the friction.
+    /// Model and settings with which the friction was calculated.
     pub(crate) settings: Settings,
-    /// Reason why the model that `auto` chooses first has no warm state; `None` if the settings are the requested settings.
+    /// Reason why the first choice of `auto` has no warm state and was replaced by another model;
+    /// `None` if the requested settings were used.
     pub(crate) replaced: Option<Box<NoSteadyState>>,
 }
 
-/// Selection of optional results, which take additional time.
+/// Selection of optional results, whose calculation takes additional time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Detail {
     pub(crate) fold: bool,
     pub(crate) band: bool,
-    /// Warnings, notes and order of an axis.
+    /// True if the report includes warnings, notes and order data of an axis.
     pub(crate) texts: bool,
 }
 
 impl Detail {
-    /// The results that decide whether an axis is suitable.
+    /// Selects the results that decide whether an axis is suitable.
     pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
 }
 
@@ -57,7 +58,7 @@ pub(crate) struct WarmState {
     pub(crate) steady: Steady,
     /// Temperatures of the network nodes \[°C\].
     pub(crate) celsius: [f64; NODES],
-    /// Thermal growth of the free screw \[m\].
+    /// Thermal expansion that the screw would have with free ends \[m\].
     pub(crate) growth: f64,
     /// Preload without external load; `None` without a preload.
     pub(crate) preload: Option<NutPreload>,
@@ -66,7 +67,7 @@ pub(crate) struct WarmState {
     pub(crate) stiffness: Option<[f64; 2]>,
     /// Life under the cycle with the cold preload \[revolutions\].
     pub(crate) cold_life: Option<f64>,
-    /// Results of the nut in each phase of the cycle.
+    /// Results for the nut in each phase of the cycle.
     pub(crate) phases: Vec<Option<NutInPhase>>,
     /// Tension of a screw between two fixed bearings \[N\].
     pub(crate) tension: Option<f64>,
@@ -78,7 +79,7 @@ pub(crate) struct WarmState {
     pub(crate) band: Option<StateInterval>,
 }
 
-/// Results of the warm nut in a phase of the cycle.
+/// Results for the warm nut in a phase of the cycle.
 #[derive(Debug, Clone)]
 pub(crate) struct NutInPhase {
     /// Axial force on each nut body \[N\].
@@ -97,7 +98,7 @@ impl Warm {
     /// For a lubricated nut, `auto` chooses model traction. Under very light loads, the balls skid, and model traction may have no
     /// solution. The warm state is then calculated with raceway control, whose friction is limited by gross sliding (U33).
     ///
-    /// * `of_band`: returns the numbers of a state for which an uncertainty band is calculated.
+    /// * `of_band`: function that returns the results of a state that have an uncertainty band.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
@@ -177,7 +178,7 @@ impl Warm {
     }
 
     /// Returns the temperature at which the preload is set \[K\], the cold preload \[N\], and the
-    /// steady states from standstill up to the largest speed in the search for a fold.
+    /// steady states from standstill up to the largest speed of the fold search.
     pub(crate) fn branch(
         case: &Case,
         settings: &Settings,
@@ -229,15 +230,16 @@ impl Warm {
     }
 }
 
-/// Returns true if a warm state is missing because the friction of balls is unknown or jumps.
+/// Returns true if the reason for a missing warm state is that the friction of the balls is unknown
+/// or jumps.
 fn is_without_friction(why: &NoSteadyState) -> bool {
     matches!(why, NoSteadyState::NoFriction | NoSteadyState::Jump { .. } | NoSteadyState::NotFound)
 }
 
 impl Case {
     /// Returns the case with the temperature rises, the screw tension and the lubricant temperature
-    /// of the warm steady state that it requests. If no warm state is requested, the case is
-    /// returned unchanged.
+    /// of its warm steady state. If the case does not request a warm state, it is returned
+    /// unchanged.
     ///
     /// # Errors
     ///

@@ -1,9 +1,10 @@
-//! Answers of the program: sections with numbers, tables and texts, rules with limit, margin and
-//! source, notes, and warnings. Text, JSON and HTML output are all generated from these answers.
+//! Answers of the program. An answer consists of sections with numbers, tables and texts, of rules
+//! with limit, margin and source, and of notes and warnings. Text, JSON and HTML output are all
+//! generated from answers.
 
 use std::borrow::Cow;
 
-use bsm_design::Band;
+use bsm_design::{Band, Bounds};
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::members::row;
@@ -14,22 +15,22 @@ use crate::{DisplayUnit, Numbers, Output, OutputName, Scope, trimmed};
 pub struct Answer {
     /// Sections in the order in which they are shown.
     pub sections: Vec<Section>,
-    /// Rules that the numbers must meet.
+    /// Rules that the results must meet.
     pub rules: Vec<Criterion>,
     /// Notes on defaults that were used and on effects that are neglected.
     pub notes: Vec<String>,
     /// Warnings about the results.
     pub warnings: Vec<String>,
-    /// Missing inputs that were treated as zero, each with a number that it affects.
+    /// Missing inputs that were treated as zero, each with a result that the input affects.
     pub not_given: Vec<NotGiven>,
     /// True if there is no solution, if nothing was found, or if a rule is violated.
     pub fails: bool,
 }
 
-/// A missing input that was treated as zero, so that a number lacks its contribution.
+/// A missing input that was treated as zero, so that its contribution to a result is missing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
-    /// Name of the number that the missing input affects.
+    /// Name of the result that the missing input affects.
     pub number: &'static str,
     /// Sentence that names the missing input and states how it was treated.
     pub text: String,
@@ -38,8 +39,9 @@ pub struct NotGiven {
 /// A section of an answer: numbers, a table or text.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// Name of the member in the JSON object. If the name is empty, the numbers of the section
-    /// become members of the enclosing object. A section with `None` is only shown on the screen.
+    /// Name of the section in the JSON object. If the name is empty, the numbers of the section
+    /// become members of the enclosing object. If it is `None`, the section is shown only on the
+    /// screen.
     pub member: Option<&'static str>,
     /// Numbers, table or text of the section.
     pub content: Content,
@@ -48,13 +50,13 @@ pub struct Section {
 /// The kinds of content that a section can have.
 #[derive(Debug, Clone)]
 pub enum Content {
-    /// Numbers from a table of quantities.
+    /// Values of the quantities in a table of quantities.
     Numbers {
-        /// Numbers that the section contains.
+        /// Quantities of the section with their values.
         numbers: Numbers,
-        /// Heading of the numbers that do not belong to a contact or a direction.
+        /// Heading of the quantities that do not refer to a single contact or direction.
         whole: &'static str,
-        /// Names of the numbers to which no error bound applies.
+        /// Names of the quantities to which no error bound applies.
         unbounded: Vec<&'static str>,
     },
     /// A table with rows of numbers and strings.
@@ -87,7 +89,7 @@ pub struct Table {
 /// A column of a result table.
 #[derive(Debug, Clone)]
 pub struct Column {
-    /// Name in JSON. A column with an empty name is only shown on the screen.
+    /// Name of the column in JSON. A column with an empty name is shown only on the screen.
     pub name: &'static str,
     /// Unit of the column as text.
     pub unit: &'static str,
@@ -100,13 +102,13 @@ pub struct Column {
 pub struct Criterion {
     /// Title of the rule.
     pub title: &'static str,
-    /// Name of the number, with its unit as a suffix.
+    /// Name of the limited quantity, with its unit as a suffix.
     pub name: &'static str,
-    /// Symbol of the number that the rule limits.
+    /// Symbol of the limited quantity.
     pub symbol: &'static str,
-    /// Displayed unit.
+    /// Unit in which value and limit are displayed.
     pub unit: DisplayUnit,
-    /// Value of the number that the rule limits.
+    /// Value of the limited quantity.
     pub value: f64,
     /// Limit; `None` if there is no requirement.
     pub limit: Option<f64>,
@@ -114,15 +116,15 @@ pub struct Criterion {
     pub at_least: bool,
     /// Source of the rule, with the equation tag of the theory.
     pub source: Cow<'static, str>,
-    /// Smallest change of one input with which the rule would be met, if it is violated. If the rule is undecided, also the
-    /// inputs that would decide it.
+    /// For a violated rule, the smallest change of one input with which the rule would be met. For
+    /// an undecided rule, also the inputs that would decide the rule.
     pub remedy: Option<String>,
-    /// 90 % interval of the number, if it depends on an estimated groove.
+    /// 90 % interval of the value, if the value depends on an estimated groove.
     pub band: Option<Band>,
-    /// 90 % interval of the margin, if it depends on an estimated groove.
+    /// 90 % interval of the margin, if the margin depends on an estimated groove.
     pub margins: Option<Band>,
-    /// Margin of the rule if a default that the user has not confirmed does not apply, such as a
-    /// guided load.
+    /// Margin of the rule without a default that the user has not confirmed, such as the assumption
+    /// that the load is guided.
     pub margin_without_default: Option<f64>,
 }
 
@@ -131,8 +133,8 @@ pub struct Criterion {
 pub enum Verdict {
     /// The rule is violated.
     Fails,
-    /// The groove is estimated, and the 90 % interval of the number contains the limit; or the rule
-    /// is only met with a default that may not apply.
+    /// The groove is estimated, and the limit lies within the 90 % interval of the value; or the
+    /// rule is met only with a default that may not apply.
     Undecided,
     /// The rule is met, or the rule has no limit.
     Passes,
@@ -161,14 +163,21 @@ impl Verdict {
 impl Criterion {
     /// Returns the verdict on the rule.
     pub fn verdict(&self) -> Verdict {
-        // The tolerance allows for rounding errors of limits that are entered as decimal numbers.
-        let meets = |margin: f64| margin >= 1.0 - 1e-9;
-        match (self.margin(), self.margins) {
-            (Some(_), Some(Band { low, high })) if !meets(low) && meets(high) => Verdict::Undecided,
-            (Some(margin), _) if !meets(margin) => Verdict::Fails,
-            _ if self.margin_without_default.is_some_and(|m| !meets(m)) => Verdict::Undecided,
+        match (self.margins, self.margin_without_default) {
+            (Some(Band { low, high }), _)
+                if !Bounds::is_sufficient(low) && Bounds::is_sufficient(high) =>
+            {
+                Verdict::Undecided
+            }
+            _ if !self.bounds().are_met_by(self.value) => Verdict::Fails,
+            (_, Some(margin)) if !Bounds::is_sufficient(margin) => Verdict::Undecided,
             _ => Verdict::Passes,
         }
+    }
+
+    /// Returns the limits of the number.
+    pub(crate) fn bounds(&self) -> Bounds {
+        if self.at_least { Bounds::at_least(self.limit) } else { Bounds::at_most(self.limit) }
     }
 
     /// Returns true if the rule is met or there is no requirement.
@@ -183,8 +192,7 @@ impl Criterion {
 
     /// Returns the margin of the rule. The rule is met if the margin is at least 1.
     pub fn margin(&self) -> Option<f64> {
-        let limit = self.limit?;
-        Some(if self.at_least { self.value / limit } else { limit / self.value })
+        self.bounds().margin(self.value)
     }
 
     fn sign(&self) -> &'static str {
@@ -193,7 +201,7 @@ impl Criterion {
 
     /// Returns the requirement as text, or `None` if there is no requirement.
     pub fn must_be(&self) -> Option<String> {
-        Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
+        limits_in_words(self.bounds())
     }
 
     /// Returns the rule as a row of the table of rules.
@@ -211,6 +219,16 @@ impl Criterion {
             source: self.source.clone(),
             remedy: self.remedy.clone(),
         }
+    }
+}
+
+/// Returns limits as text, or `None` if there are none.
+pub(crate) fn limits_in_words(Bounds { least, most }: Bounds) -> Option<String> {
+    let least = least.map(|least| format!(">= {}", trimmed(least)));
+    let most = most.map(|most| format!("<= {}", trimmed(most)));
+    match (least, most) {
+        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
+        (one, other) => one.or(other),
     }
 }
 
@@ -271,8 +289,8 @@ impl Table {
     }
 }
 
-/// Converts numbers to a JSON object, with null for missing numbers. True-or-false statements are
-/// omitted.
+/// Converts quantities to a JSON object. Missing values become null, and true-or-false statements
+/// are omitted.
 pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
     let shown = numbers.all().iter().filter(|row| row.quantity.scope != Scope::Statement);
     let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -284,7 +302,7 @@ pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
 }
 
 impl Content {
-    /// Creates a section content that consists of numbers.
+    /// Creates the content of a section from quantities with values.
     pub fn numbers(numbers: Numbers, whole: &'static str) -> Self {
         Self::Numbers { numbers, whole, unbounded: Vec::new() }
     }
@@ -340,7 +358,7 @@ impl Answer {
         }
     }
 
-    /// Returns the numbers of all sections that have a JSON member name.
+    /// Returns the quantities of all sections that have a JSON member name.
     pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
         self.sections.iter().filter_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
@@ -348,7 +366,8 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the last section of numbers that is only shown on the screen.
+    /// Returns the quantities of the last section that consists of quantities and is shown only on
+    /// the screen.
     pub fn shown_numbers(&self) -> Option<&Numbers> {
         self.sections.iter().rev().find_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_none() => Some(numbers),
@@ -356,7 +375,7 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the first section of numbers.
+    /// Returns the quantities of the first section that consists of quantities.
     pub(crate) fn into_numbers(self) -> Numbers {
         let numbers = self.sections.into_iter().find_map(|section| match section.content {
             Content::Numbers { numbers, .. } => Some(numbers),
@@ -365,12 +384,12 @@ impl Answer {
         numbers.unwrap_or_else(|| Numbers::none(&[]))
     }
 
-    /// Returns all numbers with the outputs that define their names and units.
+    /// Returns all values, each with the output that defines its name and unit.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
         self.numbers().flat_map(Numbers::entries)
     }
 
-    /// Returns the descriptions of the missing inputs that affect a number, in one line.
+    /// Returns the descriptions of the missing inputs that affect a result, joined to one line.
     pub fn lacks(&self, number: &str) -> Option<String> {
         let lacks = self.not_given.iter().filter(|lack| lack.number == number);
         let texts: Vec<_> = lacks.map(|lack| lack.text.as_str()).collect();
@@ -388,20 +407,20 @@ impl Answer {
         texts
     }
 
-    /// Returns the verdict on all rules, which is the worst of their verdicts.
+    /// Returns the verdict on all rules together, which is the worst verdict on any of them.
     pub fn verdict(&self) -> Verdict {
         let of_rules = self.rules.iter().map(Criterion::verdict).min();
         let verdict = if self.fails { Verdict::Fails } else { Verdict::Passes };
         of_rules.unwrap_or(verdict).min(verdict)
     }
 
-    /// Returns the number with the given name.
+    /// Returns the value of the output with the given name, or `None` if it is missing.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers().find_map(|numbers| numbers.number(name))
     }
 
-    /// Converts the answer to a JSON object with its sections, rules, notes and warnings. If a
-    /// single table is the whole answer, only this table is returned.
+    /// Converts the answer to a JSON object with its sections, rules, notes and warnings. If the
+    /// whole answer is a single table, only this table is returned.
     pub fn to_json(&self) -> Value {
         let mut map = Map::new();
         for Section { member, content } in &self.sections {

@@ -7,7 +7,7 @@ use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::units::UnitChange;
 use crate::{CaseError, TableFormat};
 
-/// Name of the quantity in a column, and the conversion to its unit.
+/// Name of the quantity in a column, and the conversion to the unit of this quantity.
 pub(crate) type NamedColumn = (&'static str, UnitChange);
 
 /// A table in text form, as read from a file.
@@ -22,7 +22,8 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] that names the line, and [`CaseError::Separator`].
+    /// Returns [`CaseError::Invalid`] with the number of the line that cannot be read, and
+    /// [`CaseError::Separator`] if the columns are separated by an unexpected character.
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
         let wrong = |error: TextError| CaseError::Invalid(error.to_string());
         let mut lines = Lines::new(table);
@@ -52,10 +53,10 @@ impl Cells {
         &self.heads
     }
 
-    /// Returns the quantity in each column and the conversion to its unit, or `None` for a column
-    /// that is ignored. Two columns must not contain the same quantity.
+    /// Returns the quantity in each column and the conversion to the unit of this quantity, or
+    /// `None` for a column that is ignored. Two columns must not contain the same quantity.
     ///
-    /// * `column`: returns the quantity of a column with a given name.
+    /// * `column`: function that returns the quantity in the column with a given name.
     ///
     /// # Errors
     ///
@@ -76,8 +77,8 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
-    /// Returns the columns whose name satisfies `wanted` and in which at least one cell is text.
-    /// Each column includes all its cells.
+    /// Returns the columns whose name satisfies `wanted` and which contain text in at least one
+    /// cell. Each column is returned with all its cells.
     pub(crate) fn texts(&self, wanted: impl Fn(&str) -> bool) -> Vec<(String, Vec<String>)> {
         let cells = |place: usize| self.rows.iter().map(move |row| row[place].clone());
         let is_text = |cell: String| !cell.is_empty() && self.number(&cell).is_err();
@@ -86,7 +87,7 @@ impl Cells {
         texts.map(|place| (self.heads[place].clone(), cells(place).collect())).collect()
     }
 
-    /// Calls a function for each row with the cells that are neither empty nor in an ignored
+    /// Calls a function for each row with those cells that are neither empty nor in an ignored
     /// column.
     pub(crate) fn each<R>(
         &self,

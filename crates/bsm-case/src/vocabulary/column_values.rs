@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 pub enum ColumnValues {
     /// Numbers of the column; an empty cell is NaN.
     Numbers(Vec<f64>),
-    /// Texts of the column; an empty cell is `None`.
+    /// Strings of the column; an empty cell is `None`.
     Texts(Vec<Option<String>>),
 }
 

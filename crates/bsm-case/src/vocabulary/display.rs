@@ -11,7 +11,7 @@ use crate::{
     nearest,
 };
 
-/// System of units for screen, sheet, figures and columns.
+/// System of units for screen output, reports, figures and table columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DisplayUnits {
     /// Metric units, which are the units of the vocabulary.
@@ -21,7 +21,8 @@ pub enum DisplayUnits {
     Inch,
 }
 
-/// Units of the vocabulary with their counterparts in the inch system. Other units are the same in both systems.
+/// Units of the vocabulary, each with its counterpart in the inch system. Units that are not listed
+/// are the same in both systems.
 const INCH: [(&str, &str); 23] = [
     ("mm", "in"),
     ("um", "uin"),
@@ -53,8 +54,8 @@ const INCH: [(&str, &str); 23] = [
 pub struct DisplayUnit {
     /// Unit as text.
     pub text: &'static str,
-    /// Suffix of the unit of the vocabulary, suffix of the displayed unit, and change from the displayed unit; `None` if both
-    /// units are the same.
+    /// Suffix of the unit of the vocabulary, suffix of the displayed unit, and conversion from the
+    /// displayed unit. `None` if both units are the same.
     other: Option<Counterpart>,
 }
 
@@ -66,12 +67,12 @@ impl DisplayUnit {
         Self { text: unit, other: None }
     }
 
-    /// Returns the change from the displayed unit to the unit of the vocabulary.
+    /// Returns the conversion from the displayed unit to the unit of the vocabulary.
     pub fn change(self) -> UnitChange {
         self.other.map_or(UnitChange::NONE, |(.., change)| change)
     }
 
-    /// Returns true if numbers keep the unit of the vocabulary.
+    /// Returns true if values are displayed in the unit of the vocabulary.
     pub const fn is_own(self) -> bool {
         self.other.is_none()
     }
@@ -94,8 +95,8 @@ impl DisplayUnit {
         renamed.unwrap_or_else(|| name.to_owned())
     }
 
-    /// Converts the number in a requirement such as "<= 12000". Returns `None` if the text has
-    /// another form.
+    /// Converts the number in a requirement such as "<= 12000" to the displayed unit. Returns
+    /// `None` if the text does not have this form.
     fn limit(self, text: &str) -> Option<String> {
         let (sign, number) =
             text.split_once(' ').filter(|(sign, _)| [">=", "<="].contains(sign))?;
@@ -113,13 +114,13 @@ impl DisplayUnit {
 impl Case {
     /// Returns the units in which the answers about the case are displayed.
     pub fn display_units(&self) -> DisplayUnits {
-        self.nut.display_units.map(|Named(units)| units).unwrap_or_default()
+        self.entries.display_units.map(|Named(units)| units).unwrap_or_default()
     }
 }
 
 impl DisplayUnits {
-    /// Returns the units that are displayed differently from the units of the vocabulary: the unit of the vocabulary as text, and
-    /// the displayed unit.
+    /// Returns the units of the vocabulary that are displayed in another unit, each with its
+    /// displayed unit.
     pub fn changed(self) -> impl Iterator<Item = (&'static str, DisplayUnit)> {
         let of_inch = INCH.iter().filter(move |_| self == Self::Inch);
         of_inch.map(|(own, text)| (*own, DisplayUnit { text, other: counterpart(own, text) }))
@@ -135,7 +136,7 @@ impl DisplayUnits {
     }
 
     /// Replaces the unit in a label such as "axial load, N" by the displayed unit, and returns the
-    /// label and this unit.
+    /// new label together with this unit.
     pub fn label(self, label: &str) -> (String, DisplayUnit) {
         let found =
             label.rsplit_once(", ").and_then(|(words, unit)| Some((words, self.found(unit)?)));
@@ -160,16 +161,16 @@ impl DisplayUnits {
 /// A column of a table in its displayed unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownColumn {
-    /// Index among the columns of the table.
+    /// Index of the column in the table.
     pub place: usize,
-    /// Name, with the displayed unit as suffix.
+    /// Name of the column, with the displayed unit as a suffix.
     pub name: String,
-    /// Displayed unit.
+    /// Unit in which the values are displayed.
     pub unit: DisplayUnit,
 }
 
 impl ShownColumn {
-    /// Selects the columns of a table that are displayed.
+    /// Selects the table columns to display.
     ///
     /// * `heads`: name and unit of each column of the table.
     /// * `wanted`: names of the selected columns, in any unit. If it is `None`, all columns are
@@ -177,7 +178,7 @@ impl ShownColumn {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::Unknown`] for a name that is not a column.
+    /// Returns [`CaseError::Unknown`] for a name that is not the name of a column.
     pub fn select(
         heads: &[(String, &'static str)],
         wanted: Option<&[String]>,
@@ -241,8 +242,8 @@ impl Numbers {
 }
 
 impl Table {
-    /// Returns the table in displayed units. If a row has its own unit, the numbers in this row are
-    /// converted from this unit.
+    /// Returns the table in displayed units. If the rows have different units, the numbers in each
+    /// row are converted from the unit of this row.
     #[must_use]
     fn in_units(mut self, display: DisplayUnits) -> Self {
         for (place, column) in self.columns.iter_mut().enumerate() {
@@ -279,7 +280,7 @@ impl Table {
 }
 
 impl Criterion {
-    /// Returns the name of the number with the suffix of its displayed unit.
+    /// Returns the name of the limited quantity with the suffix of its displayed unit.
     pub fn shown_name(&self) -> String {
         self.unit.name(self.name)
     }
@@ -299,8 +300,8 @@ impl Criterion {
 }
 
 impl Answer {
-    /// Returns the answer in displayed units. Sentences keep the units of the vocabulary, because
-    /// they contain names of inputs that end with these units.
+    /// Returns the answer in displayed units. The sentences of notes and warnings keep the units of
+    /// the vocabulary, because they contain names of inputs that end with these units.
     #[must_use]
     pub fn in_units(self, display: DisplayUnits) -> Self {
         if display == DisplayUnits::Metric {
@@ -326,7 +327,8 @@ impl Answer {
 mod tests {
     use super::*;
 
-    /// Each counterpart has the correct size. The expected values were calculated by hand.
+    /// The inch counterpart of each unit has the correct size. The expected values were calculated
+    /// by hand.
     #[test]
     fn inch_counterparts_of_units_have_the_correct_size() {
         for (own, text) in INCH {
@@ -344,7 +346,8 @@ mod tests {
             ("rpm", 7.0, 7.0),
         ] {
             let found = DisplayUnits::Inch.of(unit).value(value);
-            // Two roundings can each cause an error of half a unit in the last place.
+            // The result is rounded twice, and each rounding can cause an error of half a unit in
+            // the last place.
             assert!((found / expected - 1.0).abs() < 1e-14, "{unit}: {found}");
             assert!((DisplayUnits::Metric.of(unit).value(value) - value).abs() <= 0.0, "{unit}");
         }
@@ -354,7 +357,8 @@ mod tests {
         assert_eq!(label, "axial load, klbf");
     }
 
-    /// A column that is requested in its own unit states this unit instead of the display unit.
+    /// If the name of a requested column ends with a unit, the column has this unit instead of the
+    /// default display unit.
     #[test]
     fn selected_columns_have_the_unit_of_their_name() {
         let heads = [

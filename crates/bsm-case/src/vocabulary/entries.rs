@@ -1,5 +1,5 @@
-//! Inputs of a case that are not numbers: lists, objects, strings and flags of its nut, axis and
-//! lubricant.
+//! Inputs of a case that are not single numbers: lists, objects, strings and flags for nut, axis
+//! and lubricant.
 
 use std::borrow::Cow;
 
@@ -20,7 +20,7 @@ use crate::{CaseError, DisplayUnits, INPUTS, InputKey, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
-        /// Inputs of a case that are not single numbers.
+        /// Inputs of a case other than single numbers.
         #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct CaseEntries {
@@ -42,7 +42,7 @@ macro_rules! entries {
                 })*
             }
 
-            /// Returns an entry as JSON. The value is null if the entry is not given. Returns
+            /// Returns an entry as a JSON value, which is null if the entry is not given. Returns
             /// `None` for an unknown key.
             pub fn get(&self, key: &str) -> Option<Value> {
                 match key {
@@ -390,7 +390,7 @@ schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
     [] InputName = { "type": "string", "enum": INPUTS.iter().map(|input| input.name).collect::<Vec<_>>() };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
-    // Names of accuracy grades, and numbers that identify P grades.
+    // Names of accuracy grades, and numbers that are short for P grades.
     [] GradeName = {
         "type": ["string", "integer"],
         "enum": Grade::all().map(|grade| json!(grade.name)).chain(NUMBERS.map(Value::from)).collect::<Vec<_>>(),
@@ -420,7 +420,7 @@ impl From<InputName> for String {
     }
 }
 
-/// Numbers that identify a P grade without the letter.
+/// Numbers that identify P grades without the letter.
 const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 
 /// An accuracy grade that is specified by its name or, for a P grade, by its number.
@@ -433,9 +433,9 @@ pub struct GradeName {
     number: Option<u8>,
 }
 
-/// Returns the grades of the same series with the next smaller and the next larger number. For
-/// example, `P2` occurs in lists of JIS and GB/T, but is not a known grade. The list is empty
-/// unless `name` consists of a letter and a number.
+/// Returns the grades of the same series with the next smaller and the next larger number. This
+/// serves grades such as `P2`, which is in the lists of JIS and GB/T, but is not known to the
+/// program. The list is empty unless `name` consists of a letter and a number.
 fn neighbors(name: &str) -> Vec<&'static str> {
     let split = |name: &str| -> Option<(char, u8)> {
         let letter = name.chars().next().filter(char::is_ascii_alphabetic)?;

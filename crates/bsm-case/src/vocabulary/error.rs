@@ -1,4 +1,5 @@
-//! Errors in case files and settings. Each error states the key, the value and the requirement.
+//! Errors in case files and settings. Each error states the key, the value and the violated
+//! requirement.
 
 use std::io;
 use std::path::PathBuf;
@@ -38,7 +39,7 @@ pub enum CaseError {
         /// Known name that is most similar to the unknown name.
         nearest: Option<String>,
     },
-    /// The names of the columns of a table are separated by an unexpected character.
+    /// The column names of a table are separated by an unexpected character.
     #[error(transparent)]
     Separator(OtherSeparator),
     /// A number is outside its permitted range or outside the range of a model.
@@ -48,9 +49,9 @@ pub enum CaseError {
         key: String,
         /// Invalid value.
         value: f64,
-        /// Permitted range as text after "must be".
+        /// Permitted range as a phrase that follows "must be".
         rule: String,
-        /// Name of the model that limits the range, if it depends on the model.
+        /// Name of the model that limits the range, if the range depends on the model.
         model: Option<&'static str>,
     },
     /// An input is invalid or missing.
@@ -70,7 +71,7 @@ pub enum CaseError {
     /// No typical groove has the given load ratings, so no groove can be estimated.
     #[error("{0}")]
     NoGroove(String),
-    /// No search range is known for an input.
+    /// The default search range of an input is not known.
     #[error("`{key}` has no value in the case, and no search range is given")]
     NoRange {
         /// Name of the input without a search range.
@@ -89,7 +90,7 @@ pub enum CaseError {
     },
 }
 
-/// Kinds of names that a message can describe as unknown.
+/// Kinds of names that can be unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// Names of the inputs of a case.
@@ -164,7 +165,7 @@ impl CaseError {
     }
 
     /// Creates the error for an analysis of the ball motion with a model that does not calculate
-    /// this motion.
+    /// the ball motion.
     ///
     /// * `missing`: missing inputs of the simplest model that calculates the motion of the ball.
     pub(crate) fn no_motion(model: Model, missing: &[String]) -> Self {
@@ -250,7 +251,8 @@ impl CaseError {
         Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }
 
-    /// Returns the error inside an error of a table row. Other errors are returned unchanged.
+    /// Returns the inner error if this is the error of a table row. Other errors are returned
+    /// unchanged.
     fn of_row(&self) -> &Self {
         match self {
             Self::InRow { error, .. } => error.of_row(),
@@ -258,7 +260,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the name of the input or column that caused the error, if it is known.
+    /// Returns the name of the input or column that caused the error, if the name is known.
     pub fn key(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { key, .. } | Self::Entry { key, .. } => Some(key),
@@ -276,7 +278,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the violated rule as text after "must be", if the error is a range error.
+    /// Returns the violated rule as a phrase that follows "must be", if the error is a range error.
     pub fn rule(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { rule, .. } => Some(rule),
@@ -300,7 +302,7 @@ impl CaseError {
         }
     }
 
-    /// Returns the error of a table row that contains this error. Rows are counted from 1.
+    /// Returns this error as the error of a table row. Rows are counted from 1.
     #[must_use]
     pub fn in_row(self, row: usize) -> Self {
         Self::InRow { row, error: Box::new(self) }
@@ -312,7 +314,8 @@ impl CaseError {
     }
 }
 
-/// Returns the changes of inputs that may give a warm state, for a state that is missing because of the friction of the balls.
+/// Describes changes of inputs with which a warm state may exist, if the warm state is missing
+/// because of the friction of the balls.
 fn remedy_of_no_state(why: &NoSteadyState) -> &'static str {
     use NoSteadyState::{Jump, NoFriction, NotFound};
     match why {
@@ -331,7 +334,8 @@ pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError 
     CaseError::Entry { what: format!("`{key}` {what}"), key }
 }
 
-/// Returns the beginning of a user's text for use in a message, with control characters escaped.
+/// Returns the beginning of a text that the user entered, for use in a message. Control characters
+/// are escaped.
 pub fn brief(text: &str) -> String {
     // The limit corresponds to about one line of text, and to twice the length of the longest input
     // name.
@@ -372,7 +376,7 @@ fn nearest_hint(name: &str, nearest: Option<&str>) -> String {
     }
 }
 
-/// Formats a list with its verb, such as "a is", "a and b are" or "a, b and c are".
+/// Formats a list of names followed by the verb, such as "a is", "a and b are" or "a, b and c are".
 pub(crate) fn list(keys: &[String]) -> String {
     match keys {
         [] => "nothing is".to_owned(),

@@ -1,4 +1,5 @@
-//! Inputs of a case. Case files, checks, schema and help texts are generated from one table.
+//! Inputs of a case. Case files, checks, the schema and help texts are generated from a single
+//! table of inputs.
 
 use std::ops::{Index, IndexMut};
 
@@ -10,7 +11,7 @@ use super::rules::Pointwise;
 use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
-/// Largest number up to which a double can represent every integer.
+/// Largest number up to which a double-precision number can represent every integer.
 pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Rule that a value must satisfy.
@@ -111,8 +112,8 @@ macro_rules! inputs {
         pub struct Case {
             /// Description of the case as free text.
             pub description: Option<String>,
-            /// Inputs that are not single numbers.
-            pub nut: CaseEntries,
+            /// Inputs other than single numbers.
+            pub entries: CaseEntries,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
 
@@ -207,7 +208,7 @@ impl InputKey {
         Self::known_in_unit(name).ok_or_else(|| unknown_key(name))
     }
 
-    /// Works like [`in_unit`](Self::in_unit), but returns `None` for an unknown name and so avoids
+    /// Works like [`in_unit`](Self::in_unit), but returns `None` for an unknown name, which avoids
     /// the slow search for the most similar name.
     pub(crate) fn known_in_unit(name: &str) -> Option<(Self, UnitChange)> {
         let given = || Some((Self::known(name)?, UnitChange::NONE));

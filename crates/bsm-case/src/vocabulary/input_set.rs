@@ -1,4 +1,4 @@
-//! Sets of inputs, and the changes to a set if new inputs are given.
+//! Sets of inputs, and rules for the inputs that are replaced when new inputs are given.
 
 use std::f64::consts::PI;
 
@@ -108,9 +108,9 @@ impl InputSet {
         })
     }
 
-    /// Returns the inputs that are replaced if the inputs of this set get new values: these inputs
-    /// and other forms of the same quantities. For example, a lead replaces a lead angle, and a
-    /// viscosity replaces a friction coefficient.
+    /// Returns the inputs that are replaced when the inputs of this set get new values: these
+    /// inputs and other forms of the same quantities. For example, a lead replaces a lead angle,
+    /// and a viscosity replaces a friction coefficient.
     #[must_use]
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
@@ -126,7 +126,8 @@ impl InputSet {
             .fold(self.and(friction), Self::and)
     }
 
-    /// Returns the set completed by the inputs that can be calculated from it (see [`following`]).
+    /// Returns the set together with the inputs that can be calculated from the inputs of the set
+    /// (see [`following`]).
     #[must_use]
     pub fn completed(self) -> Self {
         let known = |key| self.contains(key).then_some(1.0);
@@ -134,7 +135,8 @@ impl InputSet {
         self.and(follow.filter(|key| following(*key, known).is_some()).collect())
     }
 
-    /// Returns two of the given inputs for each quantity that is given in more than one form.
+    /// Returns the quantities of the set that are given in more than one form, each with two of the
+    /// given forms.
     pub(crate) fn two_forms(self) -> impl Iterator<Item = [InputKey; 2]> {
         QUANTITIES.iter().filter_map(move |quantity| {
             let mut given =
@@ -157,8 +159,8 @@ impl InputSet {
         }
     }
 
-    /// Returns the inputs of a case that has the inputs of this set, after `settings` have been
-    /// applied to it.
+    /// Returns the inputs that a case with the inputs of this set has after `settings` have been
+    /// applied.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).and(settings)
@@ -174,7 +176,7 @@ impl FromIterator<InputKey> for InputSet {
 /// A quantity that may be given in one of several forms.
 #[derive(Debug)]
 pub(crate) struct Quantity {
-    /// Text that names the quantity in messages about missing inputs.
+    /// Text that describes the forms of the quantity in messages about missing inputs.
     pub(crate) words: &'static str,
     /// Forms of the quantity.
     pub(crate) forms: &'static [Form],
@@ -197,8 +199,8 @@ impl Quantity {
     }
 }
 
-/// Declares quantities with several forms. Each quantity has a text for messages and the inputs of
-/// its forms.
+/// Declares quantities with several forms. Each quantity has a text for messages and a list of its
+/// forms.
 macro_rules! forms {
     ($($(#[doc = $about:literal])* $visible:vis $quantity:ident, $words:literal:
         $($key:ident $(with $other:ident $to:literal)?),+;)*) => {
@@ -220,8 +222,8 @@ forms! {
     /// Lead angle, or lead together with the pitch circle diameter.
     pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
         lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to convert lead_mm to an angle";
-    /// Contact angle, or the distance between the groove bottoms, from which it is calculated. Only
-    /// the ratings of a nut use the distance.
+    /// Contact angle, or the distance between the groove bottoms, from which the contact angle is
+    /// calculated. Only the ratings of a nut use the distance.
     pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
     /// Speed of the screw, or feed rate of the nut.
     SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to convert feed_m_min to a speed";
@@ -231,9 +233,9 @@ forms! {
     /// Temperature of the lubricant, or the inputs from which it is calculated.
     pub(crate) TEMPERATURE, "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)":
         heat_transfer_W_K with ambient_temperature_C "for the heat transfer to the surroundings", lubricant_temperature_C;
-    /// Conductance from nut and table to the air.
+    /// Thermal conductance from nut and table to the air.
     NUT_IN_AIR, "nut_conductance_W_K (or carriage_area_m2)": nut_conductance_W_K, carriage_area_m2;
-    /// Conductance from a hollow screw to its coolant.
+    /// Thermal conductance from a hollow screw to its coolant.
     COOLED_SCREW, "coolant_flow_l_min (or coolant_conductance_W_K)":
         coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
     /// Pretension of a screw between two fixed bearings.
@@ -254,8 +256,8 @@ pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Opti
         K::loaded_balls => {
             let balls = given(K::loaded_balls_per_turn)? * loaded_turns(&given)?;
             match (given(K::loaded_turns), given(K::circuits_count)) {
-                // Each circuit covers one turn minus its gap, and contains an integer number of
-                // balls.
+                // The loaded arc of each circuit is one turn minus the gap, and each circuit
+                // contains a whole number of balls.
                 (None, Some(circuits)) => Some((balls / circuits).round() * circuits),
                 _ => Some(balls),
             }
@@ -282,8 +284,8 @@ pub(crate) fn lead_mm(lead_angle: f64, pitch_circle_diameter_mm: f64) -> f64 {
     PI * pitch_circle_diameter_mm * lead_angle.tan()
 }
 
-/// Returns the number of loaded turns: either the given number, or the number of circuits times one
-/// turn minus the gap.
+/// Returns the number of loaded turns. This is either the given number, or the number of circuits
+/// times the loaded arc of a circuit, which is one turn minus the gap.
 pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     let by_gap = || {
         let arc = 360.0 - given(InputKey::gap_deg)?;
@@ -292,8 +294,8 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
     given(InputKey::loaded_turns).or_else(by_gap)
 }
 
-/// Inputs that show that friction is calculated from a lubricant. Density and drag coefficient are
-/// not included, because the jamming analysis also uses them for dry balls.
+/// Inputs that indicate that friction is calculated from a lubricant. Density and drag coefficient
+/// are not included, because the jamming analysis also uses them for dry balls.
 pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
@@ -305,15 +307,15 @@ impl InputSet {
     /// Lubricant inputs that must be constant in a table in which only the temperature of the
     /// lubricant varies.
     pub(crate) const OF_ONE_LUBRICANT: Self = {
-        // These inputs are also valid for a dry ball.
+        // Lubricant inputs that are also valid for a dry ball.
         let more = inputs! {
             lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
         };
         OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
-    /// Inputs that state the load and the speed of a single phase. A cycle states them for all
-    /// phases.
+    /// Inputs that state the load and the speed of a single operating point. A cycle states the
+    /// loads and speeds of all phases instead.
     pub(crate) const LOAD_AND_SPEED: Self =
         inputs! { axial_load_N screw_speed_rpm feed_m_min nut_speed_rpm };
 
@@ -331,8 +333,8 @@ impl InputSet {
         self.contains(InputKey::friction_coefficient) || self.is_lubricated()
     }
 
-    /// Checks that friction is given only once, and that inputs that depend on each other are given
-    /// together.
+    /// Checks that friction is given in only one form, and that inputs that depend on each other
+    /// are given together.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
@@ -364,18 +366,18 @@ impl Case {
     /// entries, and inputs that the warm state determines.
     pub fn stated(&self) -> InputSet {
         let given = self.given();
-        let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
+        let listed = self.entries.circuits.as_ref().map(|_| InputKey::loaded_balls);
         let warm = self.asks_warm() && given.is_lubricated();
         let found = warm.then_some(InputKey::lubricant_temperature_C);
-        let class = self.nut.contamination.as_ref().map(|_| InputKey::contamination_factor);
+        let class = self.entries.contamination.as_ref().map(|_| InputKey::contamination_factor);
         given.and(listed.into_iter().chain(found).chain(class).collect())
     }
 
-    /// Returns the value of an input that is not given, but follows from other inputs, from the
-    /// circuits of a nut or from the manufacturing method of a screw.
+    /// Returns the value of an input that is not given but follows from other inputs, from the
+    /// circuits of the nut or from the manufacturing method of the screw.
     #[inline(never)]
     pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
-        match (key, &self.nut) {
+        match (key, &self.entries) {
             (InputKey::loaded_balls, CaseEntries { circuits: Some(circuits), .. }) => {
                 let first = circuits.iter().filter(|circuit| circuit.body == 0);
                 Some(count(first.map(|circuit| circuit.balls).sum()))
@@ -391,7 +393,7 @@ impl Case {
 
     /// Applies all values of `settings` at once. A new form of a quantity replaces its other forms.
     ///
-    /// Grid points and changes of a case are applied with this function.
+    /// This function also applies the values of grid points and other changes of a case.
     pub fn override_with(&mut self, settings: &Self) {
         let given = settings.given();
         self.remove_replaced(given);
@@ -399,14 +401,14 @@ impl Case {
             self[key] = settings[key];
         }
         // A new preload class replaces a preload.
-        if settings.nut.preload_class.is_some() && settings.preload_N.is_none() {
+        if settings.entries.preload_class.is_some() && settings.preload_N.is_none() {
             self.preload_N = None;
         }
-        self.nut.override_with(&settings.nut);
+        self.entries.override_with(&settings.entries);
     }
 
     /// Applies several numbers at once, in the same way as [`override_with`](Self::override_with).
-    /// This function applies the rows of a table, for which it needs no second case.
+    /// Unlike that function, it needs no second case, so it is used for the rows of a table.
     pub fn override_with_numbers(&mut self, numbers: &[(InputKey, f64)]) {
         self.remove_replaced(numbers.iter().map(|(key, _)| *key).collect());
         for (key, value) in numbers {
@@ -414,22 +416,22 @@ impl Case {
         }
     }
 
-    /// Removes the inputs that are replaced if the inputs in `given` get new values.
+    /// Removes the inputs that are replaced when the inputs in `given` get new values.
     fn remove_replaced(&mut self, given: InputSet) {
         for key in given.replaced().without(given).iter() {
             self[key] = None;
         }
         // An input that the user gives is no longer an estimate.
-        if let Some(estimated) = &mut self.nut.estimated_inputs {
+        if let Some(estimated) = &mut self.entries.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }
         // A new load or speed replaces the cycle, which states the loads and speeds of all phases.
         if given.meets(InputSet::LOAD_AND_SPEED) {
-            self.nut.cycle = None;
+            self.entries.cycle = None;
         }
         // A new preload replaces a preload class.
         if given.contains(InputKey::preload_N) {
-            self.nut.preload_class = None;
+            self.entries.preload_class = None;
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Reader for lines of text and for the cells of CSV lines, used for all tables in text form.
+//! Reader for the lines of a text and for the cells of CSV lines. All text tables are read with it.
 
 use std::borrow::Cow;
 use std::io::{self, BufRead, BufReader, Read};
@@ -6,7 +6,7 @@ use std::io::{self, BufRead, BufReader, Read};
 /// Maximum length of a line in bytes. The limit prevents endless input from exhausting the memory.
 const MAX_LINE_LENGTH: usize = 16 << 20;
 
-/// Error in a table in text form.
+/// Error in a text table.
 #[derive(Debug, thiserror::Error)]
 pub enum TextError {
     /// The file could not be read.
@@ -17,7 +17,7 @@ pub enum TextError {
     Malformed(String),
 }
 
-/// The first line of a CSV table uses another separator than expected.
+/// The first line of a CSV table uses an unexpected separator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the column names are separated by `{}`, but the expected separator is `{}`",
     found.escape_debug(), expected.escape_debug())]
@@ -29,15 +29,15 @@ pub struct OtherSeparator {
 }
 
 impl OtherSeparator {
-    /// Returns the error if a header contains only another separator than the expected one.
+    /// Returns the error if a header contains another separator but not the expected separator.
     pub fn of(header: &str, expected: char) -> Option<Self> {
         let found = header.chars().find(|sign| [',', ';', '\t', '|'].contains(sign))?;
         (!header.contains(expected)).then_some(Self { found, expected })
     }
 }
 
-/// Lines of a text, numbered as in an editor. A line ends with LF, CRLF or CR. Blank lines are only
-/// permitted at the end.
+/// Lines of a text, numbered as in an editor. A line ends with LF, CRLF or CR. Blank lines are
+/// permitted only at the end.
 pub struct Lines<R> {
     reader: BufReader<R>,
     line: Vec<u8>,
@@ -63,8 +63,8 @@ impl<R: Read> Lines<R> {
     ///
     /// # Errors
     ///
-    /// Returns a [`TextError`] that names the line, if the line is too long, blank, or not valid
-    /// text.
+    /// Returns a [`TextError`] with the number of the line if the line is too long, blank, or not
+    /// valid text.
     pub fn next_line(&mut self) -> Result<Option<&str>, TextError> {
         self.next_but(|line| line.trim_ascii().is_empty())
     }
@@ -141,8 +141,9 @@ impl<R: Read> Lines<R> {
 /// Passes the cells of a CSV line with their indices to `each`, and returns the number of cells. A
 /// cell that begins with a quote must end with a quote, and may contain delimiters and doubled
 /// quotes. Other cells must not contain quotes, so a missing or extra quote cannot join cells or
-/// lines. The crate `csv` accepts misplaced quotes and skips blank lines. It takes 1.12 times as
-/// long to read a million rows of nine cells, and 1.8 times as long to write them.
+/// lines. The crate `csv` is not used, because it accepts misplaced quotes and skips blank lines.
+/// It also takes 1.12 times as long to read a million rows of nine cells, and 1.8 times as long to
+/// write them.
 ///
 /// # Errors
 ///
@@ -202,7 +203,7 @@ pub fn split<'a>(
 ///
 /// # Errors
 ///
-/// Returns a [`TextError`] that names the line, if the numbers differ.
+/// Returns a [`TextError`] with the number of the line if the two numbers differ.
 pub fn check_width(found: usize, columns: usize, line: u64) -> Result<(), TextError> {
     if found == columns {
         return Ok(());

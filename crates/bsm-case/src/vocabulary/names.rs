@@ -13,9 +13,9 @@ use crate::{CaseEntries, CaseError, INPUTS, Output};
 /// Description of a case for messages about invalid files.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
-/// Quantities that one source specifies, such as a case, the settings of a command or the header of
-/// a table. Each quantity is stored with the name that the source uses, and may be specified only
-/// once, in any unit.
+/// Quantities that a single source specifies, such as a case, the settings of a command or the
+/// header of a table. Each quantity is stored with the name that the source uses. The source may
+/// specify a quantity only once, in any unit.
 #[derive(Debug, Default)]
 pub struct GivenNames(Vec<(&'static str, String)>);
 
@@ -34,7 +34,7 @@ impl GivenNames {
     }
 }
 
-/// Reads the members of a JSON object, in the order of the text.
+/// Returns the members of a JSON object, in the order of the text.
 ///
 /// # Errors
 ///
@@ -52,7 +52,7 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     }
 }
 
-/// Reads a value that JSON can represent from any input format.
+/// Converts a value from any input format to a JSON value.
 ///
 /// # Errors
 ///
@@ -62,7 +62,7 @@ pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value
     UniqueKeys(&RefCell::default()).deserialize(deserializer)
 }
 
-/// Reads the value of a setting as JSON. If it is not valid JSON, reads it as a text without
+/// Parses the value of a setting as JSON. If it is not valid JSON, the setting is a string without
 /// quotes.
 ///
 /// # Errors
@@ -75,8 +75,8 @@ pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
     }
 }
 
-/// Reads a JSON value and rejects repeated keys, of which the crate `serde_json` would keep the
-/// last value.
+/// Parses a JSON value and rejects repeated keys. The crate `serde_json` would silently keep the
+/// last value of a repeated key.
 fn json_value(json: &[u8]) -> Result<Value, CaseError> {
     let repeated = RefCell::default();
     let mut reader = serde_json::Deserializer::from_slice(json);
@@ -182,7 +182,7 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
 
 /// Returns the name that is most similar to `key`, if a name is similar enough.
 pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // A text that is much longer than a name is not similar to it, and comparing the two would be
+    // If the text is much longer than a name, the two are not similar, and comparing them would be
     // slow.
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
@@ -191,7 +191,8 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
         let lower = name.to_lowercase();
         let distance = strsim::damerau_levenshtein(&key, &lower);
         let (begins, has) = (name.starts_with(part), name.contains(part));
-        // The text may lack some words of the name, such as `max` of nut_max_pressure_MPa.
+        // The text may consist of only some words of the name, such as `max_pressure` for
+        // nut_max_pressure_MPa.
         let short =
             key.contains('_') && key.split('_').all(|word| lower.split('_').any(|w| w == word));
         let distance = match has {

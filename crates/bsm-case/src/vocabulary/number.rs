@@ -1,14 +1,15 @@
-//! Conversion of numbers to text: exact for programs, and with five or two digits for readers.
+//! Conversion of numbers to text: with all significant digits for programs, and with five or two
+//! digits for readers.
 
 use std::io::{self, Write};
 
 use bsm_design::Band;
 
-/// Formats a number with the fewest decimal digits that reproduce it when read back, as in CSV
-/// tables. Numbers from 1e16 on and below 1e-5 have an exponent, and integers have no decimal
-/// point.
+/// Formats a number with the fewest decimal digits that reproduce the number when read back. CSV
+/// tables contain this format. Numbers of at least 1e16 and numbers below 1e-5 have an exponent,
+/// and integers have no decimal point.
 ///
-/// JSON output has the same digits, but writes integral numbers with `.0` to distinguish them from
+/// JSON output has the same digits, but whole numbers end with `.0` to distinguish them from
 /// counts.
 pub fn exact(value: f64) -> String {
     let mut text = Vec::with_capacity(24);
@@ -33,12 +34,12 @@ pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     Ok(())
 }
 
-/// Formats a number with five significant digits, in fixed notation if that is readable.
+/// Formats a number with five significant digits. Fixed notation is used if it is readable.
 pub fn number(value: f64) -> String {
     digits(value, 5)
 }
 
-/// Formats a number with the given number of significant digits, in fixed notation if that is
+/// Formats a number with the given number of significant digits. Fixed notation is used if it is
 /// readable. All digits before the decimal point are shown.
 pub fn digits(value: f64, count: u8) -> String {
     let magnitude = value.abs();
@@ -75,7 +76,7 @@ pub fn interval(band: Option<Band>) -> String {
     })
 }
 
-/// Formats a number with the digits of its 90 % interval, followed by the interval.
+/// Formats a number with as many digits as its 90 % interval, followed by the interval.
 pub fn with_interval(value: f64, band: Band) -> String {
     digits(value, digits_of_interval(band)) + &interval(Some(band))
 }
@@ -87,10 +88,10 @@ fn digits_of_interval(Band { low, high }: Band) -> u8 {
     if high - low < NARROW * low.abs().max(high.abs()) { 5 } else { 3 }
 }
 
-/// Rounds a number in a given direction to the digits that [`digits`] shows. If the number differs
-/// from such a rounded number only by rounding errors, that number is returned.
+/// Rounds a number up or down to the digits that [`digits`] shows. If the number differs from a
+/// number with these digits only by rounding errors, the number with these digits is returned.
 fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
-    /// Largest rounding error, relative to the last digit.
+    /// Largest rounding error, in units of the last shown digit.
     const ROUNDING: f64 = 1e-6;
     if value == 0.0 {
         return value;
@@ -111,7 +112,7 @@ pub fn short(value: f64) -> String {
     digits(value, 2)
 }
 
-/// Rounds a size to a multiple of 1e-9, which removes rounding errors of unit conversions.
+/// Rounds a dimension to a multiple of 1e-9, which removes rounding errors of unit conversions.
 pub(crate) fn decimal(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }

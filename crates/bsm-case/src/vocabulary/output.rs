@@ -1,4 +1,5 @@
-//! Outputs of the models. Records, tables and the schema are generated from one table.
+//! Outputs of the models. Records, tables and the schema are generated from a single table of
+//! outputs.
 
 use std::sync::LazyLock;
 
@@ -68,7 +69,8 @@ impl Output {
         }
     }
 
-    /// Returns the key in [`OUTPUTS`], or `None` if the output is not a result of a model.
+    /// Returns the key of the output in [`OUTPUTS`], or `None` if the output is not a result of a
+    /// model.
     pub fn key(&self) -> Option<OutputKey> {
         match self.origin {
             Origin::Solution { key, .. } => Some(key),
@@ -86,8 +88,8 @@ impl Output {
         }
     }
 
-    /// If the output is an end of a 90 % interval, returns the output to which the interval
-    /// belongs, and true for the upper end.
+    /// If the output is one end of a 90 % interval, returns the output to which the interval
+    /// belongs, and true if it is the upper end.
     pub fn interval(&self) -> Option<(&'static Self, bool)> {
         match self.origin {
             Origin::Interval { of, is_high } => Some((of, is_high)),
@@ -95,7 +97,7 @@ impl Output {
         }
     }
 
-    /// Returns the definition of an input as a column of numbers.
+    /// Returns the output that defines a table column with the values of an input.
     pub(crate) fn input(key: InputKey) -> &'static Self {
         static COLUMNS: LazyLock<Vec<Output>> = LazyLock::new(|| {
             let column = |input: &Quantity| Output {
@@ -116,15 +118,15 @@ impl Output {
         matches!(self.origin, Origin::Input)
     }
 
-    /// Returns the names of both ends of an interval, which have `low` or `high` before the unit of
-    /// the name.
+    /// Returns the names of both ends of an interval. In these names, `low` or `high` precedes the
+    /// unit.
     pub fn end_names(name: &str, unit: &str) -> [String; 2] {
         let (stem, unit) = name.split_at(name.len() - unit_suffix(name, unit).len());
         ["low", "high"].map(|word| format!("{stem}_{word}{unit}"))
     }
 
     /// Returns the outputs for both ends of the 90 % interval of an output over the possible
-    /// grooves. Their names have `low` or `high` before the unit.
+    /// grooves. In their names, `low` or `high` precedes the unit.
     fn ends(of: &'static Self) -> [Self; 2] {
         let [low, high] = Self::end_names(of.name, of.unit);
         [(low, "lower", false), (high, "upper", true)].map(|(name, end, is_high)| {
@@ -142,7 +144,7 @@ impl Output {
         })
     }
 
-    /// Returns the output for an end of an interval with the given name.
+    /// Returns the output for the interval end with the given name.
     pub(crate) fn interval_end(name: &str) -> Option<&'static Self> {
         static ENDS: LazyLock<Vec<Output>> = LazyLock::new(|| {
             let numbers = Output::all().filter(|output| output.json_type == "number");
@@ -160,7 +162,7 @@ impl Output {
         place.is_some_and(|key| of_the_ball.contains(&key) || of_its_contacts.contains(&key))
     }
 
-    /// Returns the text that a number in a column of texts represents.
+    /// Returns the string that a number represents in a column of strings.
     pub fn word(&self, number: f64) -> Option<&'static str> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
         let place = number as usize;
@@ -180,8 +182,8 @@ impl Output {
 }
 
 /// Declares outputs: `"label" ["unit"] Kind: name member = reader, "meaning";`. Outputs of contacts
-/// have several names and members. The reader returns the value in a solution at a contact. Flags
-/// are 0 or 1, and texts are represented by their index.
+/// have one name and one member for each contact. The reader returns the value in a solution at a
+/// contact. Flags are 0 or 1, and strings are represented by their index.
 macro_rules! outputs {
     ($($title:literal { $(
         $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $site:ident)+ =
@@ -203,8 +205,8 @@ macro_rules! outputs {
             },
         },)+)*)*];
 
-        /// Outputs as they are displayed, with one quantity for all contacts. Quantities with the
-        /// title "hidden" are only displayed as part of a sentence.
+        /// Outputs in the form in which they are displayed, with one quantity for all contacts.
+        /// Quantities with the title "hidden" are displayed only as part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
@@ -223,9 +225,9 @@ macro_rules! outputs {
             $($($(#[doc = $about] $name,)+)*)*
         }
 
-        /// Passes each output of several solutions to `store` with the index that `place` returns
-        /// for the output. Outputs without an index are skipped. The values have the unit of the
-        /// output.
+        /// Passes each output of several solutions to `store`, together with the index that `place`
+        /// returns for the output. Outputs without an index are skipped. The values have the unit
+        /// of the output.
         #[inline(always)]
         pub fn store_outputs<F: Real>(
             solved: &SteadyState<F>,
@@ -266,7 +268,7 @@ macro_rules! outputs {
     (@words $kind:ident) => { &[] };
 }
 
-/// Calls a reader for a contact. The function is inlined, because SIMD lanes can use the
+/// Calls a reader for a contact. The function must be inlined, because the SIMD lanes use the
 /// instruction set of the caller only in inlined functions.
 #[inline(always)]
 fn read_at<F: Real>(
@@ -432,7 +434,7 @@ mod tests {
 
     use super::*;
 
-    /// A column for the controlling raceway contains the index of its text.
+    /// A column for the controlling raceway contains the index of the raceway name.
     #[test]
     fn columns_contain_the_index_of_the_controlling_raceway() {
         let output = Output::named("controlling_raceway").expect("an output");

@@ -1,4 +1,5 @@
-//! Cycle of an axis, which consists of moves, phases and dwells, as read from JSON or from a table.
+//! Duty cycle of an axis, which consists of moves, phases and dwells. It is read from JSON or from
+//! a table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,7 +25,7 @@ pub enum MoveProfile {
 macro_rules! phase {
     ($($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
         keys! {
-            /// Numeric keys of a cycle entry.
+            /// Keys of a cycle entry with numeric values.
             pub(crate) PHASE_INPUTS;
             $($name [$unit $($symbol)?] $rule, $default, $about;)*
         }

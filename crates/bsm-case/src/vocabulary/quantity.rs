@@ -1,6 +1,6 @@
-//! Tables of quantities. Each row defines the name, unit, symbol, scope and meaning of a quantity,
-//! and either the rule for an input or the reader of a result. Cases, answers, JSON, columns and
-//! the schema are generated from these tables.
+//! Tables of quantities. Each row defines the name, unit, symbol, scope and meaning of a quantity.
+//! For an input, the row also contains its rule; for a result, it contains its reader. Cases,
+//! answers, JSON, columns and the schema are generated from these tables.
 
 use bsm_design::Band;
 
@@ -26,12 +26,11 @@ pub enum AnalysisKind {
     Warm,
     /// Number of warnings about a solution.
     Warnings,
-    /// 90 % intervals due to uncertain friction of a lubricant.
+    /// 90 % intervals due to uncertain lubricant friction.
     Band,
 }
 
-/// An input or a result, which consists of a single number or of one number for each contact or
-/// direction.
+/// An input or a result. It has a single value, or one value for each contact or direction.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantity {
     /// Name, with its unit as a suffix.
@@ -44,9 +43,10 @@ pub struct Quantity {
     pub about: &'static str,
     /// Title of the table that contains the result, or group to which the input belongs.
     pub title: &'static str,
-    /// Scope of the quantity, which determines how many numbers it has.
+    /// Scope of the quantity, which determines how many values it has.
     pub scope: Scope,
-    /// Columns of the numbers. The names of columns begin with the contact or the direction.
+    /// Columns that contain the values. The names of columns begin with the contact or the
+    /// direction.
     pub columns: &'static [Output],
     /// Additional inputs without a default that this quantity needs. At least one input of each set
     /// is required.
@@ -58,7 +58,7 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// Template for a single number, in which all texts are empty.
+    /// Template for a quantity with a single value. All string fields are empty.
     pub(crate) const WHOLE: Self = Self {
         name: "",
         unit: "",
@@ -72,8 +72,8 @@ impl Quantity {
         default: None,
     };
 
-    /// Returns the quantity with the given name from a table. The text of its meaning is cut off at
-    /// the first semicolon.
+    /// Returns the quantity with the given name from a table. The description of its meaning is cut
+    /// off at the first semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
@@ -90,8 +90,8 @@ impl Quantity {
         }
     }
 
-    /// Returns true if the quantity depends on friction, which is given by a coefficient or by a
-    /// lubricant.
+    /// Returns true if the quantity depends on friction, which is specified by a coefficient or by
+    /// a lubricant.
     pub fn follows_from_friction(&self) -> bool {
         self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
     }
@@ -123,21 +123,21 @@ pub(crate) const fn is_same(one: &str, other: &str) -> bool {
     true
 }
 
-/// Scope of a quantity, which determines how many numbers it has.
+/// Scope of a quantity, which determines how many values it has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// A single number for the ball, the screw or the nut.
+    /// A single value for the ball, the screw or the nut.
     Scalar,
-    /// One number for each contact: nut, screw and unloaded flank of the nut.
+    /// One value for each contact: nut, screw and unloaded flank of the nut.
     Contacts,
-    /// One number for each direction of drive: rotary to linear, and linear to rotary.
+    /// One value for each direction of drive: rotary to linear, and linear to rotary.
     Directions,
     /// A statement that is true or false.
     Statement,
 }
 
 impl Scope {
-    /// Returns the headings of the numbers in a table.
+    /// Returns the table headings for the values.
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Scalar | Self::Statement => &[""],
@@ -147,10 +147,10 @@ impl Scope {
     }
 }
 
-/// Numbers of a quantity. True-or-false statements are stored as 1 and 0.
+/// Values of a quantity. True-or-false statements are stored as 1 and 0.
 pub type Values = [Option<f64>; 3];
 
-/// A type that the reader of a quantity can return.
+/// Type that the reader of a quantity can return.
 pub(crate) trait Read {
     fn values(self) -> Values;
 }
@@ -197,12 +197,12 @@ macro_rules! keys {
 
 pub(crate) use keys;
 
-/// Declares a table of quantities and the function that reads their numbers.
+/// Declares a table of quantities and the function that calculates their values.
 ///
-/// The syntax is `name ["unit"] Scope(reader), "meaning";`. A `"symbol"` may follow the unit. A
-/// list `needs [a, b | c]`, or a constant of this form, may follow the reader. It contains
-/// additional inputs that the quantity needs (here `a`, and either `b` or `c`). The form `name =
-/// TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
+/// The syntax is `name ["unit"] Scope(reader), "meaning";`. A `"symbol"` may follow the unit. The
+/// reader may be followed by a list `needs [a, b | c]`, or by a constant that contains such a list.
+/// The list names additional inputs that the quantity needs (here `a`, and either `b` or `c`). The
+/// form `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
 macro_rules! quantities {
     ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
@@ -233,7 +233,7 @@ macro_rules! quantities {
             },)*)*];
         }
 
-        /// Returns the requested numbers of the table.
+        /// Returns the requested quantities of the table with their values.
         fn $numbers(
             state: &$state,
             wanted: impl Fn(&$crate::Quantity) -> bool,
@@ -328,16 +328,16 @@ pub struct Row {
 #[derive(Debug, Clone)]
 pub struct Numbers {
     rows: Vec<Row>,
-    /// Reason why some of the requested numbers are missing.
+    /// Reason why some of the requested values are missing.
     why: Option<String>,
     /// Names of quantities that are not shown on the screen.
     unshown: &'static [&'static str],
 }
 
 impl Numbers {
-    /// Returns the requested numbers of a table.
+    /// Returns all quantities of a table. Only the requested quantities have values.
     ///
-    /// * `read`: returns the values of the quantity with the given index.
+    /// * `read`: function that returns the values of the quantity with the given index.
     pub(crate) fn of(
         table: &'static [Quantity],
         read: impl Fn(usize) -> Values,
@@ -350,12 +350,12 @@ impl Numbers {
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
 
-    /// Returns all quantities of a table, but without values.
+    /// Returns all quantities of a table without values.
     pub(crate) fn none(table: &'static [Quantity]) -> Self {
         Self::of(table, |_| [None; 3], |_| false)
     }
 
-    /// Appends the rows of `other` to this table.
+    /// Appends the quantities of `other` to this list.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.rows.extend(other.rows);
@@ -395,34 +395,34 @@ impl Numbers {
         self.rows.iter().flat_map(|row| row.quantity.columns.iter().zip(row.values))
     }
 
-    /// Returns the columns that have a value, with this value.
+    /// Returns the columns that have a value, each with its value.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
         self.columns().filter_map(|(column, value)| Some((column, value?)))
     }
 
-    /// Returns the number with the given name.
+    /// Returns the value of the output with the given name, or `None` if it is missing.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.columns().find(|(column, _)| column.name == name.name())?.1
     }
 
-    /// Returns the value of an output, if the output belongs to this table. True-or-false
-    /// statements are returned as 1 and 0.
+    /// Returns the value of an output, if the output belongs to this list. True-or-false statements
+    /// are returned as 1 and 0.
     pub fn value(&self, output: &Output) -> Option<f64> {
         self.number(output.into()).filter(|_| matches!(output.origin, Origin::Table { .. }))
     }
 
-    /// Returns the reason why some of the requested numbers are missing.
+    /// Returns the reason why some of the requested values are missing.
     pub fn why(&self) -> Option<&str> {
         self.why.as_deref()
     }
 
-    /// Sets the reason why some of the requested numbers are missing.
+    /// Sets the reason why some of the requested values are missing.
     #[must_use]
     pub(crate) fn because(self, why: Option<String>) -> Self {
         Self { why, ..self }
     }
 
-    /// Removes all numbers that are not finite.
+    /// Removes all values that are not finite.
     #[must_use]
     pub(crate) fn where_finite(mut self) -> Self {
         for value in self.rows.iter_mut().flat_map(|row| &mut row.values) {
@@ -431,11 +431,11 @@ impl Numbers {
         self
     }
 
-    /// Returns the numbers unchanged if all of them are finite.
+    /// Returns the list unchanged if all its values are finite.
     ///
     /// # Errors
     ///
-    /// Returns a [`CaseError::Invalid`] that names the first number that is not finite.
+    /// Returns a [`CaseError::Invalid`] that names the first quantity whose value is not finite.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
         let endless = self.entries().find(|(_, value)| !value.is_finite());
         match endless.map(|(column, _)| column.name) {

@@ -1,7 +1,7 @@
 //! Rules that relate the values of several inputs. A rule is evaluated for one point, or for
 //! several points in SIMD lanes.
 //!
-//! The rule for a single value is a [`Rule`](crate::Rule).
+//! A rule for a single value is a [`Rule`](crate::Rule).
 
 use bsm_design::turn_length;
 use bsm_dyn::Model;
@@ -13,7 +13,7 @@ use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
 /// A number at one point, or the numbers at several points in SIMD lanes, to which functions of
-/// scalar numbers can be applied.
+/// ordinary numbers can be applied.
 pub trait Pointwise: Real {
     /// Applies a function to the numbers of each point in `self` and `other`.
     #[must_use]
@@ -59,7 +59,7 @@ impl Inputs for Case {
 pub enum Relation {
     /// The balls fit on the pitch circle.
     BallsFit,
-    /// The number of balls per turn fits into one turn.
+    /// One turn has room for the given number of balls per turn.
     TurnHolds,
     /// Lead and lead angle describe the same helix.
     LeadsAgree,

@@ -1,5 +1,5 @@
-//! Conversion factors from the units of inputs and outputs to SI units, and alternative units that
-//! the names of inputs may have.
+//! Conversion factors from the units of inputs and outputs to SI units, and alternative units with
+//! which the names of inputs may end.
 
 use std::f64::consts::PI;
 
@@ -37,7 +37,7 @@ pub fn label(name: &str, unit: &str) -> String {
     if unit.is_empty() { words } else { format!("{words}, {unit}") }
 }
 
-/// Returns the suffix of a name that represents its unit, including the underscore. The suffix is
+/// Returns the part of a name that represents its unit, including the underscore. The result is
 /// empty if the unit is empty.
 pub(crate) fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
     let unit = if unit == "%" { "percent" } else { unit };
@@ -49,8 +49,8 @@ pub(crate) fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
     spellings.iter().filter(|_| !unit.is_empty()).find_map(ends).unwrap_or_default()
 }
 
-/// Tolerance within which a direction near -180 deg is converted to 180 deg \[deg\], because
-/// rounding errors determine on which side of this discontinuity a solution lies.
+/// Tolerance within which a direction near -180 deg is converted to 180 deg \[deg\]. Without the
+/// tolerance, rounding errors would determine on which side of this discontinuity a solution lies.
 const TURN_ROUNDING: f64 = 1e-9;
 
 /// Converts an angle \[rad\] to a direction in (-180, 180\] deg.
@@ -103,16 +103,16 @@ struct Unit {
     size: f64,
 }
 
-/// A physical quantity with its units.
+/// A physical quantity with its units of measurement.
 struct Dimension {
     name: &'static str,
-    /// Units with which the names of the vocabulary end.
+    /// Units that the vocabulary uses for this physical quantity.
     own: &'static [&'static str],
     units: &'static [Unit],
 }
 
-/// Units of each physical quantity. The quantity is known from the name of the value, so `g` can be
-/// a unit of mass or of acceleration.
+/// Units of each physical quantity. The physical quantity follows from the name of the value, so
+/// `g` can be a unit of mass or of acceleration.
 const DIMENSIONS: &[Dimension] = {
     const INCH: f64 = 0.0254;
     const FOOT: f64 = 12.0 * INCH;
@@ -193,7 +193,7 @@ const DIMENSIONS: &[Dimension] = {
     }
 };
 
-/// Values that correspond to 0 °C, for temperature units with another zero point.
+/// Values that correspond to 0 °C, for temperature units with a different zero point.
 const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
 
 /// Returns the units of all physical quantities.
@@ -215,7 +215,7 @@ pub(crate) fn is_unit(text: &str) -> bool {
 }
 
 /// Returns the name in `known` that differs from `name` only in its unit, and the conversion to the
-/// unit of this known name. For example, `axial_load_kN` gives `axial_load_N` and a factor of 1000.
+/// unit of the known name. For example, `axial_load_kN` gives `axial_load_N` and a factor of 1000.
 pub(crate) fn convert<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
@@ -239,11 +239,12 @@ pub(crate) fn convert_with_text<'a>(
     })
 }
 
-/// Suffix of a unit of the vocabulary, suffix of another unit of the same quantity, and the change from the other unit to the first one.
+/// Suffix of a unit of the vocabulary, suffix of another unit of the same quantity, and the
+/// conversion from the other unit to the unit of the vocabulary.
 pub(crate) type Counterpart = (&'static str, &'static str, UnitChange);
 
-/// Returns the suffixes of a unit of the vocabulary and of another unit of the same quantity, both given as text, and the change from
-/// the other unit.
+/// Returns the suffixes of two units of the same quantity, and the conversion from the second unit
+/// to the first. The units are given as text; the first is a unit of the vocabulary.
 pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
     let of = |dimension: &'static Dimension, unit: Option<&'static Unit>| {
         // If several suffixes have the same text, the first one is the preferred suffix.
@@ -278,8 +279,8 @@ impl Dimension {
     }
 }
 
-/// Splits a name of the vocabulary into its stem, its unit and the physical quantity. If several
-/// units match the end of the name, the longest one is used.
+/// Splits a name of the vocabulary into its stem and its unit, and also returns the physical
+/// quantity. If several units match the end of the name, the longest one is used.
 fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
     let units = DIMENSIONS
         .iter()
@@ -325,8 +326,8 @@ fn suffix<'a>(name: &'a str, stem: &str) -> Option<&'a str> {
     name.strip_prefix(stem)?.strip_prefix('_')
 }
 
-/// Rounds a conversion factor to 15 digits, if this changes the factor by no more than the rounding
-/// error of the division.
+/// Rounds a conversion factor to 15 digits, unless the rounded factor differs by more than the
+/// rounding error of a division.
 fn digits(factor: f64) -> f64 {
     let rounded = format!("{factor:.14e}").parse().unwrap_or(factor);
     if (rounded - factor).abs() <= 2.0 * f64::EPSILON * factor { rounded } else { factor }
@@ -361,7 +362,7 @@ mod tests {
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
             let (found, change) = convert(name, known()).expect(name);
-            // The conversion factors are rounded to fifteen digits.
+            // The conversion factors have fifteen digits.
             assert!(
                 found == own && (change.factor / factor - 1.0).abs() < 1e-14,
                 "{name}: {found} {change:?}"
@@ -381,7 +382,7 @@ mod tests {
             assert!((change.back(change.value(value)) - value).abs() < 1e-12, "{name}");
             (own, change.value(value))
         };
-        // The tolerance allows for one rounding of each value.
+        // The tolerance allows for one rounding error per value.
         for (name, given, own, expected) in [
             ("lubricant_temperature_degF", 68.0, "lubricant_temperature_C", 20.0),
             ("lubricant_temperature_K", 293.15, "lubricant_temperature_C", 20.0),
@@ -419,11 +420,12 @@ mod tests {
                 offered += 1;
             }
         }
-        // A smaller number would mean that the test does not construct the names correctly.
+        // The inputs have more than 300 names in alternative units. A smaller number would mean
+        // that the test does not construct the names correctly.
         assert!(offered > 300, "{offered}");
     }
 
-    /// The table contains every unit suffix of an input, except for units that only one quantity
+    /// The table contains the unit suffix of every input, except for units that only one quantity
     /// has.
     #[test]
     fn unit_table_contains_every_unit_of_the_inputs() {

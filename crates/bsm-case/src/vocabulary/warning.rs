@@ -1,15 +1,16 @@
-//! Warnings on an axis sheet, and the selection limits that correspond to some of them.
+//! Warnings on an axis sheet, some of which correspond to selection limits.
 
 /// A limit of `select` that corresponds to a warning of `axis`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SelectionLimit {
-    /// The screw is longer than any screw that manufacturers list.
+    /// The screw is longer than any screw in the manufacturers' lists.
     ScrewLength,
     /// The number of loaded turns is outside the typical range.
     LoadedTurns,
     /// The land between the grooves is too narrow for these balls.
     BallOverLead,
-    /// The nut with all its balls has no solution, so its preload rules cannot be checked.
+    /// The nut model has no solution, so the preload rules, which need the loads of all balls,
+    /// cannot be checked.
     UnsolvedNut,
     /// The steady-state temperature rise is too high.
     TemperatureRise,

@@ -86,7 +86,7 @@ fn slip_powers_add_up_to_the_dissipated_power() {
 }
 
 /// The printed formula for each contact uses the contact angle of the other contact. If both angles
-/// are equal, the printed and the corrected results are equal. Otherwise the printed results equal
+/// are equal, the printed and the corrected results are equal. Otherwise, the printed results equal
 /// the corrected spin slip with the contacts exchanged. There is no formula for the unloaded flank.
 #[test]
 fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
@@ -111,7 +111,7 @@ fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
 /// Model `rigid` has three contacts, but no contact ellipses. The report states this and contains
 /// no values that depend on the ellipses.
 #[test]
-fn rigid_reports_no_contact_ellipses() {
+fn model_rigid_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
     (case.nut_conformity, case.screw_conformity) = (None, None);
     let report = slip(&case, Model::Rigid);
@@ -128,8 +128,8 @@ fn rigid_reports_no_contact_ellipses() {
     assert!(report.number(output!(locking_ratio)).is_none());
 }
 
-/// If an input is missing, the jamming report names it in place of the part that needs it, and
-/// still calculates the other parts.
+/// If an input is missing, the jamming report names the input in place of the part that needs it.
+/// The other parts are still calculated.
 #[test]
 fn jamming_report_names_missing_inputs() {
     let names = [
@@ -156,22 +156,22 @@ fn jamming_report_names_missing_inputs() {
     }
 }
 
-fn statement(report: &Answer, name: &str) -> (bool, String) {
+fn verdict_on(report: &Answer, name: &str) -> (bool, String) {
     let verdict = &report.to_json()["verdicts"][name];
     (verdict["answer"].as_bool().expect("a statement"), verdict["words"].to_string())
 }
 
 /// The verdict depends on the ball-return margin. A rolling ball has no friction along the track,
-/// so a criterion that was based on this friction reported jamming at any thrust. The friction of
-/// stopped balls is not zero.
+/// so an earlier criterion that was based on this friction reported jamming at any thrust. The
+/// friction of stopped balls is not zero.
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
         let report = jam(&case(DONG, &[]), model);
-        let (jams, words) = statement(&report, "jams");
+        let (jams, words) = verdict_on(&report, "jams");
         assert!(!jams && number(&report, "ball_return_margin") > 1.0, "{words}");
         let report = jam(&case(DONG, &[("step_normal_force_N", 1e5)]), model);
-        let (jams, words) = statement(&report, "jams");
+        let (jams, words) = verdict_on(&report, "jams");
         assert!(jams && number(&report, "ball_return_margin") < 1.0, "{words}");
     }
     let rolls = jam(&case(DONG, &[]), Model::RacewayControl);
@@ -204,7 +204,7 @@ fn ball_in_steady_motion_meets_the_wedge_criterion() {
             assert!(
                 number(&report, "wedge_angle_deg").abs() <= number(&report, "widest_wedge_deg")
             );
-            assert!(!statement(&report, "self_locking_under_load").0);
+            assert!(!verdict_on(&report, "self_locking_under_load").0);
         }
     }
 }
@@ -215,7 +215,7 @@ fn ball_in_steady_motion_meets_the_wedge_criterion() {
 fn self_locking_margin_depends_on_friction_and_load() {
     let at = |changes: &[(&str, f64)]| {
         let report = jam(&case(DONG, changes), Model::RacewayControl);
-        (number(&report, "locking_margin"), statement(&report, "self_locking_under_load").0)
+        (number(&report, "locking_margin"), verdict_on(&report, "self_locking_under_load").0)
     };
     let (healthy, locks) = at(&[]);
     assert!(healthy > 10.0 && !locks, "{healthy}");
@@ -232,13 +232,13 @@ const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
 /// The analysis reports jamming for a case that was designed to jam. The margin decreases with
-/// speed, return angle and step height. It increases with load and friction, because the loaded
-/// balls push with both.
+/// speed, return angle and step height. It increases with load and friction, because both increase
+/// the force with which the loaded balls push.
 #[test]
 fn jamming_is_reported_for_a_case_designed_to_jam() {
     let margin = |changes: &[(&str, f64)]| {
         let report = jam(&case(JAMMING, changes), Model::RacewayControl);
-        let (jams, words) = statement(&report, "jams");
+        let (jams, words) = verdict_on(&report, "jams");
         let margin = number(&report, "ball_return_margin");
         assert_eq!(jams, margin <= 1.0, "{words}");
         margin
@@ -256,7 +256,7 @@ fn jamming_is_reported_for_a_case_designed_to_jam() {
         &case(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
         Model::RacewayControl,
     );
-    let (jams, words) = statement(&high, "jams");
+    let (jams, words) = verdict_on(&high, "jams");
     assert!(jams && words.contains("No thrust lifts"), "{words}");
 }
 
@@ -276,7 +276,7 @@ fn assert_no_alarm(case: &Case) {
     assert!(report.number(output!(ball_return_margin)).is_none_or(|margin| margin > 1.0));
 }
 
-/// The jamming analysis reports nothing for healthy screws. It used to report self-locking balls
+/// The jamming analysis reports no jamming for healthy screws. It used to report self-locking balls
 /// for every healthy screw.
 #[test]
 fn jamming_raises_no_alarm_for_healthy_screws() {
@@ -306,7 +306,7 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
             // permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
-            // These yield strengths correspond to steel with a hardness of 60 HRC.
+            // The yield strengths correspond to steel with a hardness of 60 HRC.
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
@@ -389,7 +389,7 @@ const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 /// the results of a dry ball with the friction coefficient of the asperities. The analysis used to
 /// reject lubricated balls.
 #[test]
-fn jamming_without_a_film_equals_dry_jamming() {
+fn jamming_results_without_a_film_equal_dry_results() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
     let oil = case(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
@@ -569,7 +569,8 @@ fn tangential_friction_moments_balance_the_gyroscopic_moment() {
         ["nut", "screw"].map(|c| number(&report, &format!("{c}_tangent_friction_moment_Nmm")));
     let gyroscopic = number(&report, "gyroscopic_moment_Nmm");
     assert!(gyroscopic.abs() > 1e-4, "{gyroscopic}");
-    // The balance is solved to 1e-10 of load times ball radius, about 500 N x 1.75 mm.
+    // The moment balance is solved to 1e-10 of the product of load and ball radius, which is about
+    // 500 N x 1.75 mm.
     assert!((nut + screw - gyroscopic).abs() < 1e-6, "{nut} {screw} {gyroscopic}");
 }
 
@@ -581,7 +582,7 @@ fn jamming_report_uses_the_closed_form_self_locking_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
     for model in [Model::RacewayControl, Model::Traction] {
         let report = jam(&case(DONG, &steep), model);
-        let (locks, words) = statement(&report, "self_locking_under_load");
+        let (locks, words) = verdict_on(&report, "self_locking_under_load");
         let angle = 0.5
             * (number(&report, "nut_angle_with_permanent_set_deg")
                 + number(&report, "screw_angle_with_permanent_set_deg"));
@@ -624,9 +625,9 @@ const OF_A_NUT: [&str; 22] = [
     "warm_preload_N",
 ];
 
-/// Column names are unambiguous: no other analysis and no input has the same name. If an analysis
-/// shares an output with a solution, or an axis with its nut, both have the same value, unit and
-/// label.
+/// A column name refers to a single output: no other analysis and no input uses the same name.
+/// Exceptions are outputs that an analysis shares with a solution, and outputs that an axis shares
+/// with its nut. These outputs have the same value, unit and label in both places.
 #[test]
 fn column_names_are_unambiguous() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
@@ -643,7 +644,7 @@ fn column_names_are_unambiguous() {
     assert_eq!(twice, shared);
     let inputs: Vec<_> =
         INPUTS.iter().map(|input| input.name).filter(|name| names.contains(name)).collect();
-    // These outputs have the names of inputs. They contain values that are calculated if the inputs
+    // The listed outputs have the names of inputs. They contain calculated values for inputs that
     // are not given.
     let same = [
         "pressure_viscosity_1_GPa",

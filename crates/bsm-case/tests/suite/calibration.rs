@@ -38,7 +38,7 @@ fn exact_points() -> Vec<(f64, f64)> {
     (1..=12).map(|i| 1000.0 * f64::from(i)).map(|load| (load, torque(load))).collect()
 }
 
-fn normal(random: &mut ChaCha8Rng) -> f64 {
+fn draw_normal(random: &mut ChaCha8Rng) -> f64 {
     let (a, b): (f64, f64) = (random.random(), random.random());
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
@@ -81,7 +81,7 @@ fn miss_and_alarm_rates(
         let mut point = |&(load, torque): &(f64, f64)| {
             let error = noise(torque);
             // The factor of 7 shows that the fit does not depend on the common scale of the errors.
-            (load, torque + error * normal(&mut random), with_column.then_some(7.0 * error))
+            (load, torque + error * draw_normal(&mut random), with_column.then_some(7.0 * error))
         };
         let points: Vec<_> = exact.iter().map(&mut point).collect();
         let (fit, report) = fit_to_points(&points, errors);

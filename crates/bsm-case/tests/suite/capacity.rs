@@ -70,8 +70,9 @@ fn displacement_at_small_load_matches_the_elastic_model() {
     assert!((model / ours - 1.0).abs() < 3e-4, "{model} {ours}");
 }
 
-/// The displacement is measured along the axis. Along the binormal, it would be smaller by the
-/// cosine of the lead angle, which is 0.3 % and 4.4 % at these leads.
+/// The displacement is measured along the axis. Measured along the binormal, the displacement would
+/// be smaller by a factor equal to the cosine of the lead angle, which means 0.3 % and 4.4 % at the
+/// two leads.
 #[test]
 fn solve_and_nut_give_the_same_axial_displacement() {
     let settings: Settings = Model::RacewayControl.into();
@@ -87,8 +88,8 @@ fn solve_and_nut_give_the_same_axial_displacement() {
             solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a state");
         let of_nut = nut.number(output!(nut_displacement_um)).expect("a displacement");
-        // The tolerance is ten times the ratio of centrifugal force to load at 1 rpm, which is
-        // 1e-9.
+        // The tolerance is ten times the ratio of centrifugal force to load, which is 1e-9 at 1
+        // rpm.
         assert!((1e6 * of_solve / of_nut - 1.0).abs() < 1e-8, "{lead}: {of_solve} {of_nut}");
     }
 }
@@ -171,9 +172,9 @@ fn violated_recommendations_of_sobolewski_are_reported() {
     }
 }
 
-/// The distance between the groove bottoms can be given instead of the contact angle. The program
-/// rejects both in one case, a distance for which no contact angle exists, a play that the arcs do
-/// not permit, and a screw that is wider than the nut bore.
+/// The distance between the groove bottoms can be given instead of the contact angle. The following
+/// inputs are rejected: both the distance and the angle, a distance for which no contact angle
+/// exists, a play that the arcs do not permit, and a screw that is wider than the nut bore.
 #[test]
 fn groove_bottom_distance_can_replace_the_contact_angle() {
     let mut case = nut(&[]);

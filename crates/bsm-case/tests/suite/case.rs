@@ -1,4 +1,4 @@
-//! Tests of cases: units, choice of model, and invalid inputs.
+//! Tests of cases: conversion of units, choice of the model, and rejection of invalid inputs.
 
 use std::path::Path;
 
@@ -26,8 +26,8 @@ fn error_text(json: &str) -> String {
     result.expect_err(json).to_string()
 }
 
-/// The name of an output is recognized as such. The program used to suggest `seal_torque_Nm`, which
-/// is spelled similarly but has another meaning.
+/// The error message recognizes the name of an output. The program used to suggest `seal_torque_Nm`
+/// instead, which is spelled similarly but has another meaning.
 #[test]
 fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
@@ -100,7 +100,8 @@ fn auto_chooses_the_most_complete_model() {
     let rigid = Model::Rigid;
     let [closed, quasi, gross_skid] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
-    // If both conformities are given, the error of each model is bounded, so `auto` is kept.
+    // If both conformities are given, the error of each model is bounded, so the choice remains
+    // `auto`.
     let auto = Some(ModelChoice::Auto);
     assert_eq!(
         chosen,
@@ -214,7 +215,7 @@ fn errors_state_key_value_and_permitted_range() {
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
-/// A review found that inputs outside the range of a model were only rejected after the
+/// A review found that inputs outside the range of a model were rejected only after the
 /// calculation.
 #[test]
 fn values_outside_the_model_range_are_rejected_before_solving() {
@@ -247,7 +248,7 @@ fn auto_states_error_bound_and_reason_of_its_choice() {
         let bound = record.number(output!(efficiency_error_bound)).expect("a bound");
         assert!(bound <= tolerance, "{bound} {tolerance}");
         let why = record.choice().expect("a reason");
-        // An audit found that some numbers were printed with five digits next to an error bound
+        // An audit found that some outputs were printed with five digits next to an error bound
         // that did not apply to them.
         let json = record.to_json();
         let marked = json["without_error_bound"].as_array().map_or(0, |names| {
@@ -302,7 +303,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
 }
 
 #[test]
-fn numbers_and_settings_override_a_case_in_the_same_way() {
+fn override_with_numbers_and_with_settings_give_the_same_case() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),
@@ -411,8 +412,9 @@ fn error_about_two_forms_of_a_quantity_states_both_names() {
     ] {
         let names: Vec<_> = names.split(" and ").map(|name| format!("`{name}`")).collect();
         let expected = format!("{} are the same input; give one of them", names.join(" and "));
-        // The same input in two units is reported as given twice. Different inputs for the same
-        // quantity are reported as two forms.
+        // If an input is given in two units, the message states that both are the same input. If
+        // different inputs define the same quantity, the message states that only one of them may
+        // be given.
         let expected = if names.iter().any(|name| name.contains("load_kN")) {
             expected
         } else {
@@ -471,9 +473,9 @@ fn schemas_contain_all_inputs_and_outputs() {
     }
 }
 
-/// A point that cannot be solved has a message and no numbers.
+/// The result for a point without a solution has a message instead of numeric outputs.
 #[test]
-fn a_failed_point_states_the_reason() {
+fn result_of_an_unsolved_point_states_the_reason() {
     let mut lin = case(LIN);
     lin.apply(&["lead_angle_deg=5"]).expect("known name");
     let problem = lin.problem(&Settings::default()).expect("complete");

@@ -19,8 +19,8 @@ fn all_nuts(catalog: &Catalog) -> Vec<Candidate> {
     catalog.map(&catalog.indices(), |_, nut| Some(*nut))
 }
 
-/// The catalog contains the published rows with the printed numbers, to the newton, millimeter and
-/// percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
+/// The catalog contains the published rows with the printed values, rounded to newtons, millimeters
+/// and percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
 #[test]
 fn the_catalog_contains_the_published_nuts() {
     let all = all_nuts(&Catalog::from_json(SMALL).expect("lists"));
@@ -59,10 +59,11 @@ fn catalog_contains_nuts_for_every_standard_diameter() {
     }
 }
 
-/// The catalog contains each printed row exactly once, with its calculated diameter. An audit found
-/// that the lists of the paper gave only six of its thirteen printed rows.
+/// With the size lists of Sobolewski's paper, the catalog contains each printed row exactly once,
+/// with its calculated diameter. An audit found that these lists gave only six of the thirteen
+/// printed rows.
 #[test]
-fn lists_of_the_paper_give_every_printed_row() {
+fn size_lists_of_sobolewski_give_every_printed_row() {
     let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
     let all = all_nuts(&Catalog::from_json(lists).expect("lists"));
     let table = include_str!("../../../../validation/published/ratings/sobolewski.csv");
@@ -88,8 +89,8 @@ fn lists_of_the_paper_give_every_printed_row() {
 }
 
 /// The lands of each nut must retain its balls under the preload. An audit found that the nut bore
-/// was outside the balls in 17 255 of 88 515 nuts, and that the balls touched the lands at 45 deg
-/// in 40 705 nuts.
+/// was larger than the circle around the balls in 17 255 of 88 515 nuts, and that the balls touched
+/// the lands at 45 deg in 40 705 nuts.
 #[test]
 fn lands_of_every_catalog_nut_retain_its_balls() {
     let catalog = Catalog::standard().expect("compiled in");
@@ -104,8 +105,8 @@ fn lands_of_every_catalog_nut_retain_its_balls() {
     assert!(bad.is_empty(), "{bad:?}");
 }
 
-/// The gap between balls and the axial play are lists with a single number. A smaller gap requires
-/// larger pitch circles, and a play moves the arc centers closer together.
+/// The gap between balls and the axial play can be set by a single number each. A smaller gap
+/// requires larger pitch circles, and a play moves the arc centers closer together.
 #[test]
 fn ball_gap_and_axial_play_can_be_set() {
     let with = |key: &str, value: f64| {

@@ -89,7 +89,7 @@ fn groove_is_estimated_from_catalog_ratings() {
     let others = [found.nut_conformity, found.screw_conformity, found.contact_angle_deg];
     assert_eq!(others, [Some(0.52), Some(0.52), Some(45.0)]);
     assert_eq!([found.loaded_turns, found.loaded_balls_per_turn], [Some(4.0), Some(16.0)]);
-    assert_eq!(found.nut.estimated_inputs.as_ref().map(Vec::len), Some(7));
+    assert_eq!(found.entries.estimated_inputs.as_ref().map(Vec::len), Some(7));
     assert_eq!(found.without_estimates(), line);
     let again = Case::from_json(found.to_json().to_string().as_bytes()).expect("a case");
     assert_eq!(again.with_groove().expect("a groove"), found);
@@ -132,7 +132,7 @@ fn given_input_replaces_its_estimate() {
 /// 128 grooves (`validation/published/groove/public.json`).
 #[test]
 fn intervals_match_independent_implementation() {
-    // F h/(2 pi) is the torque without friction.
+    // The torque without friction is the product of load and lead, divided by 2 pi.
     let ideal = [1353.3 * 0.005, 5130.0 * 0.02].map(|work| work / std::f64::consts::TAU);
     for (text, ideal, [low, high], [least, most]) in [
         (SFU1605, ideal[0], [0.02521, 0.032_751], [0.97049, 0.97713]),
@@ -214,7 +214,7 @@ fn axis_life_is_calculated_even_if_no_groove_matches_the_ratings() {
 /// intervals. Torque, heat, temperature and stiffness depend on the estimated groove and have
 /// intervals.
 #[test]
-fn axis_of_a_catalog_line_has_intervals() {
+fn axis_results_from_catalog_data_have_intervals() {
     let of = |settings: &[&str]| {
         AxisReport::of(&case(R40, settings), &Settings::default()).expect("a sheet")
     };
@@ -283,7 +283,7 @@ fn torque_without_friction_input_has_catalog_efficiency_interval() {
 
 /// The results of a warm state have intervals over the warm states for all possible grooves.
 #[test]
-fn warm_state_of_a_catalog_line_has_intervals() {
+fn warm_state_from_catalog_data_has_intervals() {
     let line = case(R40, &["stroke_mm=800", "warm_state=true"]);
     let report = AxisReport::of(&line, &Settings::default()).expect("a warm axis");
     let names = [
@@ -312,7 +312,7 @@ fn warm_state_of_a_catalog_line_has_intervals() {
 /// If the warm state of an axis with catalog data does not exist, the reason is reported as for a
 /// given groove. The message used to ask for the inputs of the groove.
 #[test]
-fn nonexistent_warm_state_of_a_catalog_line_is_reported() {
+fn nonexistent_warm_state_from_catalog_data_is_reported() {
     let hot = case(R40, &["stroke_mm=800", "warm_state=true", "screw_speed_rpm=300000"]);
     let why = AxisReport::of(&hot, &Settings::default()).expect_err("too hot").to_string();
     assert!(why.contains("a temperature exceeds 180 C"), "{why}");
@@ -363,7 +363,7 @@ fn life_does_not_depend_on_the_estimated_groove() {
 
 /// The groove of each table row is estimated separately. If no groove has the ratings of a row, or
 /// if the given groove has other ratings, the row is kept, and a message states both sets of
-/// numbers.
+/// values.
 #[test]
 fn table_rows_get_estimated_grooves_and_contradictions_are_reported() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
@@ -411,10 +411,10 @@ SFU02505,25,5,3.175,4,1724,4904";
 }
 
 /// In the axis of a requirement, heat, torque and stiffness of a nut have intervals. Life and
-/// safety follow from the ratings and have none. In the table, the columns of interval ends follow
-/// the column of the number.
+/// safety follow from the ratings and have no intervals. In the table, each column with an interval
+/// is followed by the columns for the two ends of the interval.
 #[test]
-fn list_columns_of_an_estimated_nut_have_intervals() {
+fn list_columns_of_a_nut_with_an_estimated_groove_have_intervals() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
 line,40,20,,,,51300,144400
 given,15,10,3.175,3,12.32,9600,19300";
@@ -486,7 +486,7 @@ fn quantiles_of_random_nuts_have_intervals() {
     assert!(low < median && median < high, "{low} {median} {high}");
 }
 
-/// The friction coefficient that was fitted to a mean heat has an interval.
+/// A friction coefficient that is fitted to the mean heat generation of an axis has an interval.
 #[test]
 fn fitted_input_of_an_axis_has_an_interval() {
     let line = case(R40, &["stroke_mm=500"]).with_groove().expect("a groove");
@@ -538,7 +538,7 @@ fn results_for_a_complete_groove_match_the_stored_results() {
 /// The edge load depends on the groove. A load within the 90 % interval of an estimated groove leaves the rule undecided, with the
 /// inputs that would decide it; a load below the interval passes, and a load above the interval fails.
 #[test]
-fn rule_is_undecided_where_the_interval_of_an_estimated_groove_contains_its_limit() {
+fn rule_is_undecided_if_the_interval_for_an_estimated_groove_contains_the_limit() {
     let line = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "screw_speed_rpm": 100,
         "stroke_mm": 500}"#;
     let line = Case::from_json(line.as_bytes()).expect("a catalog line");
@@ -577,7 +577,7 @@ fn rule_is_undecided_where_the_interval_of_an_estimated_groove_contains_its_limi
     }
     // If the groove is given, the rule is decided.
     let mut given = sheet(band.low * margin).case.with_groove().expect("a groove");
-    given.nut.estimated_inputs = None;
+    given.entries.estimated_inputs = None;
     given.axial_load_N = Some(band.low * margin);
     let decided = AxisReport::of(&given, &Settings::default()).expect("a sheet");
     assert_ne!(edge(&decided).verdict(), Verdict::Undecided);
@@ -616,10 +616,11 @@ strong,40,20,51300";
     );
 }
 
-/// Only some of the possible grooves have a fold of the warm states. The answer states how many, with the interval of the fold over
-/// these grooves. It used to say nothing if the best groove has no fold.
+/// The warm states have a fold only for some of the possible grooves. The answer states the number
+/// of these grooves, and the interval of the fold over these grooves. If the best groove has no
+/// fold, the answer used to contain nothing about a fold.
 #[test]
-fn fold_that_exists_only_for_some_grooves_is_reported_with_their_number() {
+fn fold_that_exists_for_some_grooves_is_reported_with_the_number_of_grooves() {
     let base = ["stroke_mm=800", "warm_state=true", "preload_N=2000", "screw_speed_rpm=1500"];
     let limit = |factor: f64| format!("fold_search_factor={factor}");
     let fold = |factor: f64| {
@@ -635,7 +636,7 @@ fn fold_that_exists_only_for_some_grooves_is_reported_with_their_number() {
     let interval = &estimate["intervals"]["fold_speed_factor"];
     let [low, high] = [0, 1].map(|end| interval[end].as_f64().expect("an end"));
     assert!(low < all && all < high, "{low} {all} {high}");
-    // The search ends between the smallest fold and the fold of the best groove.
+    // The search ends at a speed between the lowest fold and the fold of the best groove.
     let (none, estimate, notes) = fold(0.5 * (low + all));
     assert_eq!(none, None);
     let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");
@@ -644,7 +645,7 @@ fn fold_that_exists_only_for_some_grooves_is_reported_with_their_number() {
     let text = format!("but {grooves} of 16 possible grooves have one");
     let is_stated = |note: &String| note.contains("fold_speed_factor") && note.contains(&text);
     assert!(notes.iter().any(is_stated), "{notes:?}");
-    // The search ends between the fold of the best groove and the largest fold.
+    // The search ends at a speed between the fold of the best groove and the highest fold.
     let (some, estimate, notes) = fold(0.5 * (all + high));
     assert!(some.is_some_and(|some| (some / all - 1.0).abs() < 1e-3), "{some:?}");
     let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");
@@ -652,8 +653,9 @@ fn fold_that_exists_only_for_some_grooves_is_reported_with_their_number() {
     assert!(notes.iter().any(|note| note.starts_with(&text)), "{notes:?}");
 }
 
-/// A nut without preload has a warm state under light loads, because `auto` replaces model traction where the balls skid. Such a
-/// state used to fail with "a ball has no friction torque".
+/// A nut without preload has a warm state under light loads, because `auto` replaces model traction
+/// where the balls skid. The calculation of such a state used to fail with "a ball has no friction
+/// torque".
 #[test]
 fn warm_state_exists_under_light_loads_at_high_speed() {
     let mut line = case(R40, &["stroke_mm=800", "warm_state=true", "iso_vg=100"]);
@@ -667,14 +669,14 @@ fn warm_state_exists_under_light_loads_at_high_speed() {
         let report = problem.solve().expect("balls");
         let answer = report.answer();
         let nut = answer.number(output!(nut_temperature_C)).expect("a temperature");
-        // The surroundings have 20 C, and a smaller load produces less heat.
+        // The temperature of the surroundings is 20 °C, and a smaller load generates less heat.
         assert!(nut > 20.0 && nut < last, "{load} N: {nut} after {last}");
         last = nut;
         assert!(report.number(output!(friction_torque_Nm)).is_some_and(|torque| torque > 0.0));
         let is_stated = |text: &&String| text.contains("follow from model raceway-control");
         assert_eq!(answer.warnings.iter().filter(is_stated).count(), 1, "{:?}", answer.warnings);
     }
-    // A model that the user chooses is never replaced, and the message states what to do.
+    // A model that the user chooses is never replaced, and the error message states a remedy.
     let traction = Settings::from(bsm_dyn::Model::Traction);
     let why = NutProblem::of(&line_at(&line, 3.0), &traction).expect_err("no friction").to_string();
     assert!(why.contains("use model raceway-control"), "{why}");
@@ -687,10 +689,11 @@ fn line_at(line: &Case, load: f64) -> Case {
     at
 }
 
-/// A case that does not state its friction coefficient has an interval of the fitted coefficient. No possible groove used to have
-/// a value, because the model was chosen without the coefficient.
+/// If the case contains no friction coefficient, the fitted coefficient still has an interval. The
+/// fit used to fail for every possible groove, because the model was chosen without the
+/// coefficient.
 #[test]
-fn friction_coefficient_that_the_case_lacks_is_fitted_with_an_interval() {
+fn fit_of_a_missing_friction_coefficient_has_an_interval() {
     let mut line = case(R40, &[]);
     let fitted = |line: &Case| {
         let line = line.with_groove().expect("a groove");

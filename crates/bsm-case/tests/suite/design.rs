@@ -1,4 +1,4 @@
-//! Tests of requirements and fits.
+//! Tests of requirements for a screw, and of fits to measured values.
 
 use bsm_case::{
     AxisReport, Case, CaseError, Catalog, ColumnValues, DesignReport, Fit, FittedInput, ListColumn,
@@ -52,7 +52,7 @@ fn case_of_the_selected_screw_meets_the_requirement() {
     let same = |a: Option<f64>, b: Option<f64>| {
         let (a, b) = (a.expect("a number"), b.expect("a number"));
         // The conformity is rounded to 5e-7. The life depends on the third power of the difference
-        // between conformity and 1/2, which is 0.02.
+        // between conformity and 1/2, and this difference is 0.02.
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));
@@ -299,7 +299,7 @@ fn error_of_a_fit_states_the_reachable_range() {
 /// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
 /// widen this range.
 #[test]
-fn a_requirement_can_widen_the_ranges_of_the_procedure() {
+fn requirement_can_widen_the_ranges_of_lins_procedure() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball radius / groove radius");

@@ -119,9 +119,9 @@ fn brake_torque_is_checked_by_a_rule() {
     assert!(axis(&["brake_torque_Nm=1"]).answer.rules.iter().all(|rule| rule.title != "brake"));
 }
 
-/// The preload can be given by its class or follow from the load: 10 049 N require 3552.9 N, which
-/// is rounded up to 3600 N in catalog steps. The preload is used on the axis sheet, in the nut with
-/// all its balls, and in a selection.
+/// The preload can be given by its class, or it can follow from the load: a load of 10 049 N
+/// requires a preload of 3552.9 N, which is rounded up to 3600 N in catalog steps. The preload is
+/// used on the axis sheet, in the nut with all its balls, and in a selection.
 #[test]
 fn preload_can_be_given_by_class_or_derived_from_the_load() {
     let case = |more: &[&str]| {

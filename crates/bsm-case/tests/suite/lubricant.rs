@@ -55,7 +55,7 @@ fn lubricated_friction_matches_an_independent_solution() {
             _ => record.number(named(name)),
         };
         for (name, value) in reference["expect"].as_object().expect("numbers") {
-            // This output is calculated from the efficiency.
+            // The catalog friction coefficient is calculated from the efficiency.
             if seal > 0.0 && name == "catalog_friction_coefficient" {
                 continue;
             }

@@ -10,7 +10,7 @@ use crate::named;
 const CASES: &str = include_str!("machine.json");
 
 /// Returns catalog inputs that are missing in the reference cases and do not affect the compared
-/// numbers.
+/// outputs.
 fn neutral_catalog_inputs() -> Value {
     json!({
         "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,
@@ -57,9 +57,9 @@ fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(named(name)).or(screw).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Compares all expected numbers within the relative tolerance of the reference. If the expected
-/// number is zero, the output must be missing or below 1e-9.
-fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
+/// Compares all outputs with the expected values, within the relative tolerance of the reference.
+/// If the expected value is zero, the output must be missing or below 1e-9.
+fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
         let expected = expected.as_f64().expect("a number");
@@ -87,14 +87,14 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
         // speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
-        compare(&report, &reference, &[]);
+        assert_matches_reference(&report, &reference, &[]);
     }
 }
 
 /// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
 /// thread makes the screw heavier.
 #[test]
-fn order_of_a_nut_pair_lists_both_nuts_and_the_thread() {
+fn order_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
     let single = with_inputs(&neutral_catalog_inputs(), &single);
     let mut pair = single.clone();
@@ -138,7 +138,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         inputs.insert("driven_part".into(), json!("nut"));
         let report = sheet(&inputs).expect("a sheet");
-        compare(&report, &reference, &["screw_speed_rpm"]);
+        assert_matches_reference(&report, &reference, &["screw_speed_rpm"]);
         for absent in ["critical_speed_ratio", "inertia_of_screw_kg_m2"] {
             assert_eq!(report.number(named(absent)), None, "{absent}");
         }
@@ -153,7 +153,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         inputs.remove("feed_m_min");
         inputs.insert("nut_speed_rpm".into(), json!(-speed));
         let by_speed = sheet(&inputs).expect("a sheet");
-        compare(&by_speed, &reference, &["screw_speed_rpm"]);
+        assert_matches_reference(&by_speed, &reference, &["screw_speed_rpm"]);
         inputs.insert("screw_speed_rpm".into(), json!(1));
         let why = sheet(&inputs).expect_err("both turn").to_string();
         assert!(why.contains("one driven part"), "{why}");
@@ -188,7 +188,7 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
     for reference in reference_cases("thermal") {
         let inputs = reference["inputs"].as_object().expect("inputs");
         let report = sheet(inputs).expect("a sheet");
-        compare(&report, &reference, &["balance_W"]);
+        assert_matches_reference(&report, &reference, &["balance_W"]);
         let named = report.answer.texts("not_modeled");
         assert!(named.iter().all(|text| !text.starts_with("temperatures")), "{named:?}");
     }
@@ -399,7 +399,7 @@ fn sheet_and_warm_state_use_the_same_thermal_network() {
 }
 
 /// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
-/// sheet of the selected screw contains the same numbers.
+/// sheet of the selected screw contains the same values.
 #[test]
 fn select_and_axis_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use crate::named;
 
 /// Adds a catalog screw without inertia to inputs that contain no screw. None of the compared
-/// numbers depends on the screw.
+/// outputs depends on the screw.
 fn with_catalog_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
     let screw = [
@@ -55,7 +55,7 @@ fn axis(more: &Value) -> Value {
     all
 }
 
-/// The expected values were calculated independently of the program. All numbers agree to 1e-6.
+/// The expected values were calculated independently of the program. All outputs agree to 1e-6.
 #[test]
 fn motion_stop_motor_and_life_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
@@ -268,8 +268,9 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
     );
 }
 
-/// If the shares add up to less than 1, the axis is at standstill for the rest of the time. A sum
-/// of 100 means percentages, and other sums above 1 are rejected. Results per cycle need durations.
+/// If the time shares add up to less than 1, the axis is at standstill for the rest of the time. A
+/// sum of 100 means percentages, and other sums above 1 are rejected. Results per cycle require
+/// durations instead of time shares.
 #[test]
 fn time_not_covered_by_shares_is_standstill() {
     let of = |shares: [f64; 2]| {
@@ -327,7 +328,7 @@ fn long_phase_durations_do_not_overflow() {
 }
 
 #[test]
-fn warns_about_cycles_that_do_not_return_or_have_speed_jumps() {
+fn warns_about_cycles_with_speed_jumps_or_without_return_to_start() {
     let report = solved(&axis(&json!({ "cycle": [
         { "time_s": 1, "feed_m_min": 6 }, { "time_s": 0.8, "feed_m_min": -6 },
     ] })));
@@ -376,17 +377,17 @@ fn a_new_load_or_speed_replaces_the_cycle() {
     assert_relative_eq!(load(&case), 2000.0, max_relative = 1e-12);
     case.apply(&["axial_load_N=500", "screw_speed_rpm=100"]).expect("settings");
     assert_relative_eq!(load(&case), 500.0, max_relative = 1e-12);
-    assert!(case.nut.cycle.is_none());
+    assert!(case.entries.cycle.is_none());
     case.apply(&[&format!("cycle={}", inputs["cycle"])]).expect("a cycle");
     let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
     let note = "These inputs have no effect: screw_speed_rpm, axial_load_N.";
     assert!(report.answer.notes.iter().any(|own| own.contains(note)), "{:?}", report.answer.notes);
 }
 
-/// Process forces of a jack or a lift also act at rest, but the program cannot know this from
-/// `axial_load_N`, so it must say what it assumes.
+/// Process forces of a jack or a lift also act at rest. The program cannot know this from
+/// `axial_load_N`, so a note must state which assumption is made.
 #[test]
-fn axial_load_is_only_a_force_at_rest_if_hold_force_repeats_it() {
+fn axial_load_acts_at_rest_only_if_given_as_hold_force() {
     let jack = |hold: Option<f64>| {
         let mut case = json!({ "lead_mm": 6, "axial_load_N": 12000, "screw_speed_rpm": 100 });
         case["hold_force_N"] = hold.into();
@@ -403,7 +404,7 @@ fn axial_load_is_only_a_force_at_rest_if_hold_force_repeats_it() {
 /// A free end means that nothing may guide the load, as in a jack, for which the buckling load is a
 /// sixteenth of the load with a guided table.
 #[test]
-fn buckling_of_a_screw_with_a_free_end_is_undecided_until_its_nut_is_described() {
+fn buckling_rule_is_undecided_for_a_free_end_unless_buckling_support_is_given() {
     let jack = |load: f64, buckling: &str| {
         let mut case = json!({
             "lead_mm": 6, "axial_load_N": load, "screw_speed_rpm": 100,
@@ -439,8 +440,8 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     let note = "No force acts at rest, so the axis needs no holding torque and no brake.";
     assert!(report.answer.notes.iter().any(|own| own == note), "{:?}", report.answer.notes);
     assert!(report.answer.notes.iter().all(|own| !own.contains("back-driv")));
-    // If no force acts at rest, the screen shows this note instead of seven zeros, which are only
-    // in the JSON.
+    // If no force acts at rest, the screen shows this note instead of seven outputs whose value is
+    // zero. The zeros appear only in the JSON output.
     near(&report, "holding_torque_Nm", 0.0);
     near(&report, "required_brake_torque_Nm", 0.0);
     assert_eq!(report.answer.to_json()["back_driving"], "none");

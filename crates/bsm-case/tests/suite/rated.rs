@@ -31,10 +31,10 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
 }
 
 /// An audit found that the catalog data "40 x 20, 52 kN, 88 kN" could not be entered. The axis
-/// sheet must contain every number that can be calculated without the groove, and list the omitted
-/// numbers once.
+/// sheet must contain every result that can be calculated without the groove, and list the omitted
+/// results once.
 #[test]
-fn four_catalog_numbers_suffice_for_an_axis_sheet() {
+fn four_catalog_values_suffice_for_an_axis_sheet() {
     let report = sheet(FOUR, &[]).expect("a sheet");
     // The life is (C_a/F)³ million revolutions, apart from rounding errors.
     let life = (52.0_f64 / 5.0).powi(3) * 1e6;
@@ -78,7 +78,7 @@ fn four_catalog_numbers_suffice_for_an_axis_sheet() {
     let back = sheet(FOUR, &["feed_m_min=-10", "catalog_back_efficiency=0.7"]).expect("a sheet");
     let torque = 0.7 * 5000.0 * 0.02 / TAU;
     assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
-    // A catalog stiffness K is only used if its reference load is given. The stiffness is then 0.8
+    // A catalog stiffness K is used only if its reference load is given. The stiffness is then 0.8
     // K (F/0.3 C_a)^(1/3).
     let stiff =
         sheet(FOUR, &["rated_rigidity_N_um=600", "rated_rigidity_at=0.3 Ca"]).expect("a sheet");
@@ -89,7 +89,7 @@ fn four_catalog_numbers_suffice_for_an_axis_sheet() {
     assert!(why.contains("rated_rigidity_at"), "{why}");
 }
 
-/// If a result needs the groove, the sheet explains why it is omitted.
+/// The axis sheet explains why results that need the groove are omitted.
 #[test]
 fn sheet_explains_why_results_are_omitted_without_groove() {
     let case = Case::from_json(FOUR.as_bytes()).expect("a case");
@@ -108,8 +108,8 @@ fn sheet_explains_why_results_are_omitted_without_groove() {
     assert!(other.contains("nominal_diameter_mm"), "{other}");
 }
 
-/// Compares numbers on a sheet with printed numbers, with a tolerance of half a unit of the last
-/// printed digit.
+/// Compares outputs of an axis sheet with printed values, with a tolerance of half a unit in the
+/// last printed digit.
 fn assert_printed_values(report: &AxisReport, values: &[(&str, &str)]) {
     for (name, text) in values {
         assert_printed_value(number(report, name), text, name);
@@ -163,7 +163,7 @@ fn machining_center_with_catalog_data_matches_the_reference() {
 }
 
 /// The vertical axis with a rolled screw is example F of the specification. `bsm validate` checks
-/// its numbers.
+/// the values of this example.
 #[test]
 fn vertical_axis_with_catalog_data_matches_the_reference() {
     let report = sheet(UPRIGHT, &[]).expect("a sheet");

@@ -11,7 +11,7 @@ use bsm_dyn::{
 use proptest::prelude::*;
 
 /// Returns efficiency and torque with their derivatives, or `None` if there is no solution.
-fn with_derivatives(
+fn solve_with_derivatives(
     case: &Case,
     settings: &Settings,
 ) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
@@ -20,14 +20,14 @@ fn with_derivatives(
 }
 
 /// Solves the case without derivatives.
-fn solved(case: &Case, settings: &Settings) -> Option<Transmission> {
+fn solve_without_derivatives(case: &Case, settings: &Settings) -> Option<Transmission> {
     let problem = case.problem(settings).expect("complete case");
     let solution = problem.solve(&mut ModelWorkspace::default());
     Some(solution.solved()?.transmission)
 }
 
 /// Generates random cases with speed, load and driving side. All inputs are far from their limits.
-fn cases() -> impl Strategy<Value = Case> {
+fn random_cases() -> impl Strategy<Value = Case> {
     (
         (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
         (0.51..0.56_f64, 0.51..0.56_f64, 1.0..3.5_f64, 50.0..2000.0_f64),
@@ -79,8 +79,8 @@ fn with_one_turning_part(mut case: Case) -> Case {
 /// Compares each derivative with finite differences of complete solutions with a relative step of
 /// `h`. After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
 /// error, relative to the change that a relative change of 1 in the input would cause.
-fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
-    let (answer, rows) = with_derivatives(case, settings)?;
+fn largest_derivative_error(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
+    let (answer, rows) = solve_with_derivatives(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
         // Model `quasi-static` depends on which part turns, but not on the speeds, so it has no
@@ -99,7 +99,7 @@ fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
         let at = |steps: f64| {
             let mut moved = case.clone();
             moved.set(row.input.name, row.value + steps * h * unit).expect("known name");
-            let o = solved(&moved, settings)?;
+            let o = solve_without_derivatives(&moved, settings)?;
             Some((o.efficiency, o.screw_torque?))
         };
         let difference = |steps: f64| {
@@ -120,7 +120,7 @@ fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
 }
 
 /// Returns the exponents of mass, length and time in the dimension of an input.
-fn dimension(key: &str) -> [f64; 3] {
+fn dimension_exponents(key: &str) -> [f64; 3] {
     match key {
         "ball_diameter_mm"
         | "pitch_circle_diameter_mm"
@@ -143,7 +143,9 @@ fn largest_identity_violation((answer, rows): &(Performance<f64>, Vec<Sensitivit
     let exponents = [1.0, 2.0, -2.0];
     (0..3).fold([0.0; 2], |[worst, worst_torque]: [f64; 2], unit| {
         let sum = |of: &dyn Fn(&Sensitivity) -> f64| -> f64 {
-            rows.iter().map(|row| dimension(row.input.name)[unit] * row.value * of(row)).sum()
+            rows.iter()
+                .map(|row| dimension_exponents(row.input.name)[unit] * row.value * of(row))
+                .sum()
         };
         let efficiency = sum(&|row| row.efficiency);
         let own = sum(&|row| row.screw_torque.expect("a torque")) / torque;
@@ -165,14 +167,14 @@ fn is_homogeneous(model: ModelChoice, [efficiency, torque]: [f64; 2]) -> bool {
 /// equations amplify. The fourth-order error after Richardson extrapolation is smaller.
 const DIFFERENCE: f64 = 1e-7;
 
-/// If friction is integrated numerically, the number of nodes depends on the point. Between
-/// neighboring points, and between two solves of the same point, the integrals jump by their error.
-/// This error is 1e-8 of the loss, or 3e-6 if the ellipses are as long as the ball. Model
-/// `traction` keeps its nodes fixed in the last iterations. Raceway control needs larger steps, for
-/// which the fourth-order error is 1e-5.
+/// Returns the relative jump of the results between neighboring points, the step of the finite
+/// differences, and the tolerance for the finite differences.
 ///
-/// Returns the relative jump of the results, the step of the finite differences, and the tolerance
-/// of the finite differences.
+/// If friction is integrated numerically, the number of nodes depends on the point. Between
+/// neighboring points, and between two solutions of the same point, the integrals jump by their
+/// integration error. This error is 1e-8 of the loss, or 3e-6 if the ellipses are as long as the
+/// ball. Model `traction` keeps its nodes fixed in the last iterations. Raceway control needs
+/// larger steps, for which the fourth-order error is 1e-5.
 fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => (3e-6, 1e-3, 5e-4),
@@ -182,7 +184,8 @@ fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
 }
 
 fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
-    let (found, numbers) = (with_derivatives(case, settings), solved(case, settings));
+    let (found, numbers) =
+        (solve_with_derivatives(case, settings), solve_without_derivatives(case, settings));
     prop_assert_eq!(found.is_some(), numbers.is_some());
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
@@ -198,13 +201,13 @@ fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseErr
     let violation = largest_identity_violation(&found);
     prop_assert!(is_homogeneous(settings.model, violation), "{violation:?}");
     // A neighboring point without a solution or on another branch is not compared.
-    let difference = worst_difference(case, settings, step);
+    let difference = largest_derivative_error(case, settings, step);
     prop_assert!(difference.is_none_or(|d| d <= apart), "{difference:?}");
     Ok(())
 }
 
 /// Returns the same operating point at speeds that are a thousand to a million times smaller.
-fn at_low_speed(mut case: Case, log_factor: f64) -> Case {
+fn reduce_speeds(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
         *speed = speed.map(|rpm| rpm * factor);
@@ -230,7 +233,7 @@ fn screw_of_lin(rpm: f64) -> Case {
 }
 
 fn sensitivity_to(case: &Case, model: Model, name: &str) -> Sensitivity {
-    let (_, rows) = with_derivatives(case, &model.into()).expect("solved");
+    let (_, rows) = solve_with_derivatives(case, &model.into()).expect("solved");
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
 }
 
@@ -299,9 +302,9 @@ fn density_effect_is_proportional_to_speed_squared() {
 /// Inputs that the model does not use have no row. Inputs whose value is zero have no relative
 /// sensitivity.
 #[test]
-fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
+fn sensitivity_table_has_a_row_for_each_input_that_the_model_uses() {
     let names = |model: Model| {
-        let rows = with_derivatives(&screw_of_lin(2000.0), &model.into()).expect("solved").1;
+        let rows = solve_with_derivatives(&screw_of_lin(2000.0), &model.into()).expect("solved").1;
         let mut names: Vec<_> = rows.iter().map(|row| row.input.name).collect();
         names.sort_unstable();
         names
@@ -312,7 +315,8 @@ fn sensitivity_rows_are_the_inputs_that_the_model_uses() {
     assert!(names(Model::Elastic).contains(&"youngs_modulus_GPa"));
     let still = sensitivity_to(&screw_of_lin(2000.0), Model::Rigid, "nut_speed_rpm");
     assert!(still.relative_efficiency.is_none() && still.efficiency != 0.0);
-    let (_, rows) = with_derivatives(&screw_of_lin(2000.0), &Model::Rigid.into()).expect("solved");
+    let (_, rows) =
+        solve_with_derivatives(&screw_of_lin(2000.0), &Model::Rigid.into()).expect("solved");
     let sizes: Vec<_> = rows.iter().filter_map(|r| r.relative_efficiency).map(f64::abs).collect();
     assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
 }
@@ -325,34 +329,34 @@ fn missing_results_have_no_derivatives() {
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
     let mut shallow = screw_of_lin(2000.0);
     shallow.lead_angle_deg = Some(5.0);
-    assert!(with_derivatives(&shallow, &Model::Rigid.into()).is_none());
+    assert!(solve_with_derivatives(&shallow, &Model::Rigid.into()).is_none());
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn closed_form_derivatives_match_finite_differences(case in cases()) {
+    fn closed_form_derivatives_match_finite_differences(case in random_cases()) {
         check_derivatives(&case, &Model::ClosedForm.into())?;
     }
 
     #[test]
-    fn quasi_static_derivatives_match_finite_differences(case in cases()) {
+    fn quasi_static_derivatives_match_finite_differences(case in random_cases()) {
         check_derivatives(&with_one_turning_part(case), &Model::QuasiStatic.into())?;
     }
 
     #[test]
-    fn rigid_derivatives_match_finite_differences(case in cases()) {
+    fn rigid_derivatives_match_finite_differences(case in random_cases()) {
         check_derivatives(&case, &Model::Rigid.into())?;
     }
 
     #[test]
-    fn elastic_derivatives_match_finite_differences(case in cases()) {
+    fn elastic_derivatives_match_finite_differences(case in random_cases()) {
         check_derivatives(&case, &Model::Elastic.into())?;
     }
 
     #[test]
-    fn traction_derivatives_match_finite_differences(case in cases()) {
+    fn traction_derivatives_match_finite_differences(case in random_cases()) {
         check_derivatives(&case, &Model::Traction.into())?;
     }
 
@@ -360,33 +364,33 @@ proptest! {
     /// friction moments (W7), the points of a finite difference could be controlled by different
     /// raceways.
     #[test]
-    fn raceway_control_derivatives_match_finite_differences(case in cases(), at_nut in any::<bool>()) {
+    fn raceway_control_derivatives_match_finite_differences(case in random_cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
         check_derivatives(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
     /// The balls are so slow that the result is extrapolated from faster balls.
     #[test]
-    fn derivatives_of_slow_balls_match_finite_differences(case in cases(), log_factor in 3.0..6.0_f64) {
-        let case = at_low_speed(case, log_factor);
+    fn derivatives_of_slow_balls_match_finite_differences(case in random_cases(), log_factor in 3.0..6.0_f64) {
+        let case = reduce_speeds(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
             check_derivatives(&case, &model.into())?;
         }
     }
 
-    /// The derivatives with `auto` equal the derivatives with the model that it chose, with the
-    /// same settings.
+    /// The derivatives with `auto` equal the derivatives with the model that `auto` chose, if the
+    /// other settings are the same.
     #[test]
-    fn auto_derivatives_match_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
+    fn auto_derivatives_match_the_chosen_model(case in random_cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
-        let found = with_derivatives(&case, &auto).expect("auto has an answer");
+        let found = solve_with_derivatives(&case, &auto).expect("auto has an answer");
         let accuracy = match solution.choice.expect("a choice").basis {
             Basis::Integrated { accuracy } => accuracy,
             _ => Traction::ACCURACY,
         };
         let own = Settings { accuracy, ..solution.model.into() };
-        let own = with_derivatives(&case, &own).expect("the model has an answer");
+        let own = solve_with_derivatives(&case, &own).expect("the model has an answer");
         for row in &found.1 {
             // Inputs that the chosen model does not use have no row.
             let same = own.1.iter().find(|own| own.input.name == row.input.name);
@@ -399,14 +403,14 @@ proptest! {
     }
 }
 
-/// Model `raceway-control` calculates its values with a coarser quadrature rule than its
+/// Model `raceway-control` calculates its results with a coarser quadrature rule than their
 /// derivatives. Theory 12 states the resulting deviations in percent.
 #[test]
 fn raceway_control_differences_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");
     let case = Case::from_json(json).expect("a case");
     let settings = Settings::from(Model::RacewayControl);
-    let (_, rows) = with_derivatives(&case, &settings).expect("a solution");
+    let (_, rows) = solve_with_derivatives(&case, &settings).expect("a solution");
     for (name, documented) in [
         ("pitch_circle_diameter_mm", -2.9),
         ("screw_speed_rpm", 2.3),
@@ -425,13 +429,13 @@ fn raceway_control_differences_deviate_from_derivatives_as_documented() {
         let efficiency = |part: f64| {
             let mut moved = case.clone();
             moved.set(name, part * row.value).expect("known name");
-            solved(&moved, &settings).expect("a solution").efficiency
+            solve_without_derivatives(&moved, &settings).expect("a solution").efficiency
         };
         let step = 1e-4;
         let difference =
             (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
         let deviation = 100.0 * (difference / row.efficiency - 1.0);
-        // The table in theory chapter 12 states the deviations with one decimal place.
+        // The table in theory chapter 12 states the deviations to one decimal place.
         assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
     }
 }

@@ -68,7 +68,8 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
     let pressed = number(&warm, "largest_load_N") + 11_008.8;
     let safety = number(&warm, "buckling_load_N") / pressed;
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
-    // Giving the pretension as a force has the same effect.
+    // A pretension that is given as a force has the same effect as the equivalent temperature
+    // difference.
     let by_force = center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
     near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
     let bearings = center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);

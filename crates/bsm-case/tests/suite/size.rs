@@ -1,5 +1,5 @@
-//! Tests that compare the numbers of the axis sheet with a second implementation, and check its
-//! messages.
+//! Tests that compare the results on the axis sheet with a second implementation, and that check
+//! the messages of the sheet.
 
 use std::f64::consts::{PI, TAU};
 
@@ -71,8 +71,8 @@ fn rules_are_met_after_their_remedies_are_applied() {
     assert!(short.to_string().contains("the nut would run into the bearings"), "{short}");
 }
 
-/// Calculates the rules again from the sizes on the sheet, in mm, N and rpm as in catalogs. The
-/// results differ only by rounding errors of a few products.
+/// The rules on the axis sheet match a second calculation from the dimensions on the sheet, in mm,
+/// N and rpm as in catalogs. The results differ only by rounding errors of a few products.
 #[test]
 fn rules_match_a_calculation_in_catalog_units() {
     const TIGHT: f64 = 1e-9;
@@ -105,7 +105,7 @@ fn rules_match_a_calculation_in_catalog_units() {
         let springs = [
             number(&report, "screw_stiffness_N_um"),
             number(&report, "nut_stiffness_at_largest_load_N_um"),
-            // Two fixed bearings share the load.
+            // Two fixed bearings share the load equally.
             if support == "fixed-fixed" { 2000.0 } else { 1000.0 },
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
@@ -467,8 +467,8 @@ fn select_accepts_only_nuts_that_pass_their_axis_sheet() {
     assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
 }
 
-/// Returns a generator of random numbers between two bounds that are uniformly distributed on a
-/// logarithmic scale.
+/// Returns a generator of random numbers between two bounds. The numbers are uniformly distributed
+/// on a logarithmic scale.
 fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     move |low, high| rng.log_uniform(low, high)
@@ -479,7 +479,7 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
 /// `axis`, which used another model.
 #[test]
-fn select_axis_nut_and_solve_agree() {
+fn select_axis_nut_and_solve_give_equal_results() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
@@ -819,7 +819,8 @@ fn each_result_requires_only_the_inputs_on_which_it_depends() {
     close(&screw, "critical_speed_ratio", 0.740_853_274_859_165_4);
     close(&screw, "yield_load_N", 74_485.999_427_332_16);
     left_out(&screw, &[life, safety, buckling]);
-    // If the limit of a rule is given but the number cannot be calculated, the rule is violated.
+    // If the limit of a rule is given but the limited quantity cannot be calculated, the rule is
+    // violated.
     let required = sheet(
         r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500,"required_life_h":1000}"#,
     );
@@ -886,7 +887,7 @@ fn buckling_rule_names_its_end_conditions() {
 }
 
 /// The axial play is a part of the lost motion of a nut without preload. If the play is not given,
-/// the sheet says so.
+/// the axis sheet states this.
 #[test]
 fn lost_motion_includes_the_axial_play() {
     let sheet = |at: &str, more: &str| {
@@ -923,7 +924,7 @@ fn catalog_axis(more: &str) -> Answer {
     AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
 }
 
-/// Missing inputs are stated next to the numbers that they affect. The inputs are the torques of
+/// Missing inputs are stated next to the results that they affect. The inputs are the torques of
 /// seals and support bearings, the load factor, and the churning of cold oil.
 #[test]
 fn missing_inputs_are_stated_next_to_the_affected_numbers() {

@@ -17,13 +17,13 @@ fn reference(name: &str, sets: &[&str]) -> (Case, Value) {
     (case, of["expect"].clone())
 }
 
-fn solved(case: &Case, settings: &Settings) -> Record {
+fn solve(case: &Case, settings: &Settings) -> Record {
     let problem = case.problem(settings).expect("a problem");
     Record::new(problem.solve(&mut ModelWorkspace::default()))
 }
 
 #[track_caller]
-fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
+fn assert_near(record: &Record, name: &str, expected: f64, tolerance: f64) {
     let found = record.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{name} {found} {expected}");
 }
@@ -32,19 +32,19 @@ fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
 #[test]
 fn third_contact_below_the_threshold_play_matches_the_reference() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
-    let record = solved(&case, &Settings::default());
+    let record = solve(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
     let get = |key: &str| expect[key].as_f64().expect("a number");
     // The tolerance is taken from the reference case.
-    near(&record, "nut_normal_load_N", get("nut_plus_N"), 1e-6);
-    near(&record, "screw_normal_load_N", get("screw_plus_N"), 1e-6);
-    near(&record, "third_contact_load_N", get("nut_minus_N"), 3e-5);
-    near(&record, "ball_torque_Nm", 10.0 * get("screw_torque_Nm"), 1e-6);
-    near(&record, "dissipated_power_W", 10.0 * get("dissipated_power_W"), 1e-6);
-    near(&record, "efficiency", get("efficiency"), 1e-6);
-    near(&record, "third_contact_power_share", get("third_contact_power_share"), 1e-6);
+    assert_near(&record, "nut_normal_load_N", get("nut_plus_N"), 1e-6);
+    assert_near(&record, "screw_normal_load_N", get("screw_plus_N"), 1e-6);
+    assert_near(&record, "third_contact_load_N", get("nut_minus_N"), 3e-5);
+    assert_near(&record, "ball_torque_Nm", 10.0 * get("screw_torque_Nm"), 1e-6);
+    assert_near(&record, "dissipated_power_W", 10.0 * get("dissipated_power_W"), 1e-6);
+    assert_near(&record, "efficiency", get("efficiency"), 1e-6);
+    assert_near(&record, "third_contact_power_share", get("third_contact_power_share"), 1e-6);
     let displacement = get("axial_displacement_um") - get("first_touch_um");
-    near(&record, "axial_displacement_um", displacement, 1e-5);
+    assert_near(&record, "axial_displacement_um", displacement, 1e-5);
     assert!(record.number(output!(far_flank_gap_um)).is_some_and(|gap| gap < 0.0));
     let warnings = record.warnings(&case).join(" ");
     let told =
@@ -57,16 +57,21 @@ fn threshold_play_is_stated_if_no_play_is_given() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     let settings = Settings::from(Model::Traction);
-    let record = solved(&case, &settings);
+    let record = solve(&case, &settings);
     let threshold = record.number(output!(threshold_play_um)).expect("a threshold");
     assert!(threshold > 10.0 && threshold < 40.0, "{threshold}");
     assert_eq!(record.number(output!(far_flank_gap_um)), None);
     assert!(!record.warnings(&case).join(" ").contains("far flank"));
     // Above the threshold play, a larger play only increases the gap between ball and far flank.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
-    let wide = solved(&above, &settings);
+    let wide = solve(&above, &settings);
     // The tolerance allows for rounding errors of the contact angle.
-    near(&wide, "ball_torque_Nm", record.number(output!(ball_torque_Nm)).expect("a torque"), 1e-12);
+    assert_near(
+        &wide,
+        "ball_torque_Nm",
+        record.number(output!(ball_torque_Nm)).expect("a torque"),
+        1e-12,
+    );
     assert_eq!(wide.number(output!(third_contact_load_N)), None);
     assert!(wide.number(output!(far_flank_gap_um)).is_some_and(|gap| gap > 0.0));
     assert!(!wide.warnings(&above).join(" ").contains("far flank"));
@@ -81,7 +86,7 @@ fn only_models_with_friction_in_the_force_balance_have_a_threshold_play() {
     for (model, has) in
         [(Model::RacewayControl, false), (Model::Elastic, true), (Model::Traction, true)]
     {
-        let record = solved(&case, &Settings::from(model));
+        let record = solve(&case, &Settings::from(model));
         assert_eq!(record.number(output!(threshold_play_um)).is_some(), has, "{}", model.name());
     }
 }
@@ -95,7 +100,7 @@ fn radial_gap_counts_as_play() {
         let (mut case, _) = reference("V06", &[]);
         case.axial_play_um = None;
         case.apply(sets).expect("entries");
-        let record = solved(&case, &settings);
+        let record = solve(&case, &settings);
         assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction), "{sets:?}");
         record.number(output!(ball_torque_Nm)).expect("a torque")
     };
@@ -139,7 +144,7 @@ fn auto_chooses_traction_if_any_play_is_given() {
         let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
         let [auto, traction] =
             [Settings::default(), Settings::from(Model::Traction)].map(|settings| {
-                solved(&case, &settings).number(output!(ball_torque_Nm)).expect("a torque")
+                solve(&case, &settings).number(output!(ball_torque_Nm)).expect("a torque")
             });
         assert_eq!(auto.to_bits(), traction.to_bits(), "{play}");
         // Above the threshold, the balls have two contacts. The tolerance allows for rounding
@@ -154,7 +159,7 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
     let settings = Settings::default();
     let power = |sets: &[&str]| {
         let (case, _) = reference("V06", sets);
-        solved(&case, &settings).number(output!(dissipated_power_W)).expect("a power")
+        solve(&case, &settings).number(output!(dissipated_power_W)).expect("a power")
     };
     let equal = power(&[]);
     assert_eq!(power(&["far_flank_friction_coefficient=0.06"]).to_bits(), equal.to_bits());
@@ -175,7 +180,7 @@ fn loss_of_a_lubricated_third_contact_equals_the_dry_loss() {
         let (mut case, _) = reference("V06", &[]);
         case.apply(&oil).expect("an oil");
         case.axial_play_um = play;
-        (solved(&case, &settings), case)
+        (solve(&case, &settings), case)
     };
     let power = |record: &Record| record.number(output!(dissipated_power_W)).expect("a power");
     let (two, _) = at(None);
@@ -203,7 +208,7 @@ fn loss_of_a_lubricated_third_contact_equals_the_dry_loss() {
     let dry = |play: f64| {
         let (mut case, _) = reference("V06", &[&format!("friction_coefficient={mean}")]);
         case.axial_play_um = Some(play);
-        power(&solved(&case, &settings))
+        power(&solve(&case, &settings))
     };
     let added = dry(0.0) - dry(1000.0);
     assert!(((power(&none) - power(&two)) / added - 1.0).abs() < 1e-9, "{added}");

@@ -9,7 +9,7 @@ use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-fn cases() -> Vec<Value> {
+fn reference_cases() -> Vec<Value> {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     file["cases"].as_array().expect("cases").clone()
 }
@@ -30,7 +30,7 @@ fn number(report: &NutReport, name: &str) -> f64 {
 /// push force for push forces.
 #[test]
 fn ball_train_matches_reference_cases() {
-    for reference in cases() {
+    for reference in reference_cases() {
         let name = reference["id"].as_str().expect("name");
         let settings = Settings::default();
         let report = nut(&reference["case"], &json!({}), &settings).expect("a nut");
@@ -44,7 +44,8 @@ fn ball_train_matches_reference_cases() {
         let needed = circuits.iter().filter_map(|circuit| circuit["needed_gap_mm"].as_f64());
         for (ours, want, allowed) in [
             ("advance_spread", expected("advance_spread"), rates),
-            // A gap is the sum of one hundred differences between the precession speeds of balls.
+            // The needed gap is a sum of one hundred differences between the precession speeds of
+            // balls.
             ("needed_gap_mm", needed.fold(0.0, f64::max), 600.0 * rates),
             ("contact_torque_free_Nm", expected("contact_torque_free_Nm"), torques * friction),
             ("contact_torque_Nm", expected("contact_torque_Nm"), torques * friction),
@@ -70,7 +71,7 @@ fn ball_train_matches_reference_cases() {
 /// total.
 #[test]
 fn torque_parts_add_up_to_the_total() {
-    let reference = &cases()[1];
+    let reference = &reference_cases()[1];
     let report = nut(&reference["case"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
     let report = report.expect("a nut");
     let parts = [
@@ -92,7 +93,7 @@ fn torque_parts_add_up_to_the_total() {
 /// given force between the balls, with and without a gap.
 #[test]
 fn losses_of_an_oiled_nut_add_up_to_the_total() {
-    let case = &cases()[5]["case"];
+    let case = &reference_cases()[5]["case"];
     let drag =
         json!({"drag_coefficient": 1.0, "return_circuits": 2, "return_loss_coefficient": 2.0});
     for change in [
@@ -122,7 +123,7 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
 /// the residual of each root, 1e-10.
 #[test]
 fn torque_with_sufficient_gap_matches_individually_solved_balls() {
-    let reference = &cases()[2];
+    let reference = &reference_cases()[2];
     let settings = Settings::from(Model::Traction);
     let with = nut(&reference["case"], &json!({}), &settings).expect("a nut");
     let without = nut(&reference["case"], &json!({"ball_gap_mm": null}), &settings).expect("a nut");
@@ -141,7 +142,7 @@ fn torque_with_sufficient_gap_matches_individually_solved_balls() {
 /// the range with model `traction`.
 #[test]
 fn ball_contact_torque_range_uses_traction_or_raceway_control() {
-    let case = &cases()[1]["case"];
+    let case = &reference_cases()[1]["case"];
     let band = |model: Model| {
         let report = nut(case, &json!({}), &Settings::from(model)).expect("a nut");
         number(&report, "ball_contact_band_Nm")
@@ -157,7 +158,7 @@ fn ball_contact_torque_range_uses_traction_or_raceway_control() {
 
 #[test]
 fn invalid_inputs_of_the_ball_train_are_rejected() {
-    let case = &cases()[1]["case"];
+    let case = &reference_cases()[1]["case"];
     let refused = |change: Value| {
         nut(case, &change, &Settings::default()).err().map(|why| why.to_string()).expect("an error")
     };
@@ -177,7 +178,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
 
 #[test]
 fn reason_is_stated_if_push_forces_have_no_solution() {
-    let case = &cases()[1]["case"];
+    let case = &reference_cases()[1]["case"];
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "require model traction"),
         (json!({"ball_deviation_sd_um": 0.5}), Settings::default(), "unequal size"),
@@ -203,7 +204,8 @@ fn reason_is_stated_if_push_forces_have_no_solution() {
 /// ball load. The case is solved with a warning.
 #[test]
 fn warns_about_push_forces_above_three_percent_of_the_mean_ball_load() {
-    let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
+    let report =
+        nut(&reference_cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
     assert!(report.warnings().iter().any(|note| note.contains("of the mean ball load")));
     assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
@@ -211,7 +213,7 @@ fn warns_about_push_forces_above_three_percent_of_the_mean_ball_load() {
 /// The circuits of a pair may have different gaps. If the gaps are sufficient, no balls touch.
 #[test]
 fn each_circuit_may_have_a_separate_gap() {
-    let case = &cases()[5]["case"];
+    let case = &reference_cases()[5]["case"];
     let touching = |gaps: [Value; 2], of_nut: Value| {
         let mut circuits = case["circuits"].clone();
         for (circuit, gap) in circuits.as_array_mut().expect("circuits").iter_mut().zip(gaps) {
@@ -242,7 +244,8 @@ fn each_circuit_may_have_a_separate_gap() {
 /// between two touching balls (O8). Case T02 agrees with the reference to 1e-7.
 #[test]
 fn ball_flux_is_reported_for_each_circuit() {
-    let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
+    let reference =
+        reference_cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let report = nut(&reference["case"], &json!({}), &Settings::default()).expect("a nut");
     let circuit = &report.answer().to_json()["circuits"][0];
     let expected = &reference["expected"]["circuits"][0];
@@ -259,7 +262,8 @@ fn ball_flux_is_reported_for_each_circuit() {
 /// If a circuit has too many balls, the message states how many balls fit.
 #[test]
 fn too_many_balls_are_reported() {
-    let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
+    let reference =
+        reference_cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let mut case = reference["case"].clone();
     case["circuits"][0]["balls"] = json!(120);
     let report = nut(&case, &json!({}), &Settings::default()).expect("a nut");

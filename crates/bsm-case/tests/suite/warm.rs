@@ -25,10 +25,6 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The specification and the program use different names for this input.
-    if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
-        entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
-    }
     change(&mut case);
     (Case::from_json(case.to_string().as_bytes()).expect("case"), reference)
 }
@@ -122,7 +118,7 @@ fn conductances_are_listed_with_their_origin() {
     }
 }
 
-/// Without a given air temperature, the program used to take the temperature at which the preload
+/// If no air temperature is given, the program used to assume the temperature at which the preload
 /// is set.
 #[test]
 fn air_temperature_defaults_to_20_degrees() {
@@ -294,7 +290,7 @@ fn outputs_of_the_warm_state_are_equal_in_all_commands() {
         .expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
-    // The same nut is solved with the calculated temperatures as given inputs.
+    // The nut of the warm state is solved again with the calculated temperatures as given inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
@@ -430,7 +426,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
 /// of states of an X pair ends at a fold, with dry friction and with a lubricant, and then returns
 /// to lower speeds at higher preloads. The branch of an O pair has no fold.
 #[test]
-fn x_pair_has_a_fold_and_o_pair_has_none() {
+fn warm_states_have_a_fold_for_x_pairs_but_not_for_o_pairs() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
@@ -513,8 +509,9 @@ fn axis_at_rest_has_the_temperature_of_its_surroundings() {
     assert!(nut.number(output!(max_contact_load_N)).is_some_and(|load| load > 0.0));
 }
 
-/// The warm state affects the selection. The lightest screw that is selected without it violates a
-/// rule when warm, while the screw that is selected with it meets all rules.
+/// The warm state affects the selection. If the selection neglects the warm state, the lightest
+/// screw violates a rule when warm. If the selection considers the warm state, the selected screw
+/// meets all rules.
 #[test]
 fn selection_takes_the_warm_state_into_account() {
     let catalog = Catalog::standard().expect("compiled in");

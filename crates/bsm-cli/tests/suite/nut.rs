@@ -185,8 +185,8 @@ fn short_inputs_are_equivalent_to_objects() {
     );
     let offset = 5.861_478_210_1;
     let mut pair = circuits(json!([
-        { "start_deg": 0, "arc_deg": 1080, "balls": 60, "body": 0, "offset_um": offset },
-        { "start_deg": 1440, "arc_deg": 1080, "balls": 60, "body": 1, "offset_um": -offset }
+        { "start_deg": 0, "arc_deg": 1080, "balls": 60, "body": 0, "offset_um": -offset },
+        { "start_deg": 1440, "arc_deg": 1080, "balls": 60, "body": 1, "offset_um": offset }
     ]));
     pair["axial_load_N"] = json!(3000);
     same(&json!({ "preload_N": 3000, "axial_load_N": 3000 }), &pair, 1e-8);
@@ -460,18 +460,21 @@ fn a_preload_force_applies_to_the_cold_nut() {
     let o = warm(json!({}));
     let x = warm(json!({ "preload_arrangement": "X" }));
     let by_offset = warm(json!({ "preload_N": null, "preload_offset_um": 11.784_697_060_5 }));
-    let circuits = |first: &str, second: &str| {
+    let circuits = |first: Option<&str>, second: Option<&str>| {
         json!({ "loaded_turns": null, "loaded_balls_per_turn": null, "circuits": [
             { "start_deg": 0, "arc_deg": 1080, "balls": 57, "body": 0, "flank": first },
             { "start_deg": 1440, "arc_deg": 1080, "balls": 57, "body": 1, "flank": second }
         ] })
     };
-    let (listed_x, listed_o) = (warm(circuits("+", "-")), warm(circuits("-", "+")));
+    let listed = |first, second| warm(circuits(Some(first), Some(second)));
+    let (listed_x, listed_o) = (listed("+", "-"), listed("-", "+"));
+    let without_flanks = warm(circuits(None, None));
     // The reference values come from an independent solution (chapter 16). The search finds offsets
     // to within 1e-8.
     for (found, expected) in [
         (&o, 2_210.411_218),
         (&listed_o, 2_210.411_218),
+        (&without_flanks, 2_210.411_218),
         (&x, 4_111.339_823),
         (&by_offset, 4_111.339_823),
         (&listed_x, 4_111.339_823),
@@ -610,6 +613,7 @@ fn contact_load_of_a_pair_without_preload_has_no_upper_bound() {
         { "start_deg": 0, "arc_deg": 1080, "balls": 60, "body": 0 },
         { "start_deg": 1440, "arc_deg": 1080, "balls": 60, "body": 1, "offset_um": 3 }
     ]);
+    case["preload_arrangement"] = json!("X");
     case["axial_load_N"] = json!(20000);
     let (code, found, words) = answer(&case.to_string(), &[]);
     assert_eq!(code, Some(0), "{words}");

@@ -603,7 +603,12 @@ fn two_offers_are_compared_side_by_side() {
     let ratio = number(&life, "second") / number(&life, "first");
     // The ratio of the lives is the third power of the ratio of the load ratings.
     assert!((ratio - (4.0_f64 / 3.0).powi(3)).abs() < 1e-9, "{ratio}");
-    assert_eq!((&life["better"], number(&life, "limit")), (&Value::from("second"), 1000.0));
+    assert_eq!((&life["better"], number(&life, "first_limit")), (&Value::from("second"), 1000.0));
+    // Each offer has its own limit and verdict.
+    let load = row("rules", "rule", "equivalent load");
+    assert_eq!(number(&load, "first_limit"), 30_000.0);
+    assert_eq!(number(&load, "second_limit"), 40_000.0);
+    assert_eq!([&load["first_verdict"], &load["second_verdict"]], ["passes", "passes"]);
     assert_eq!(row("numbers", "number", "screw_mass_kg")["better"], "first");
     assert_eq!(row("rules", "rule", "static safety")["better"], Value::Null);
     let differ: Vec<_> =
@@ -618,8 +623,9 @@ fn two_offers_are_compared_side_by_side() {
     bsm(dir.path(), &page, "");
     let page = fs::read_to_string(dir.path().join("offers.html")).expect("a page");
     for words in [
-        "<th class=\"number\">a.json</th><th class=\"number\">b.json</th>",
-        "screw_mass_lb",
+        "<th class=\"number\">a.json</th><th class=\"number\">a.json: limit</th>",
+        "<th class=\"number\">b.json: limit</th><th>b.json: verdict</th>",
+        "lb",
         " better\">",
         "Inputs that differ",
     ] {

@@ -2,7 +2,7 @@
 //!
 //! Source: rounded results of a fit to 205 catalog rows of HIWIN, TBI and THK
 //! (`validation/published/groove`) with equal weight for each manufacturer. The values for metric
-//! balls, conformity and contact angle are judgment, because catalogs do not print them.
+//! balls, conformity and contact angle are based on judgment, because catalogs do not print them.
 //!
 //! All lengths are in mm as in the catalogs, so the evidence is calculated from probability
 //! densities per millimeter.
@@ -10,8 +10,8 @@
 use super::{CatalogLine, PER_M};
 use crate::statistics::{Normal, ln_mixture};
 
-/// Numbers of the prior distribution that are fitted to catalog rows. All other numbers in this
-/// file are judgment, or widths and tail weights that were chosen once.
+/// Parameters of the prior distribution that are fitted to catalog rows. All other parameters in
+/// this file are based on judgment, or are widths and tail weights that are not refitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prior {
     /// Ball diameters \[mm\], each with its weight (popularity).
@@ -19,7 +19,7 @@ pub struct Prior {
     /// Numbers of loaded turns, each with its weight for every [`BallReturn`] in the order of
     /// [`BallReturn::ALL`].
     turns: [(f64, [f64; 3]); 23],
-    /// Factors of lead and nominal diameter. The smaller of the two products is the typical ball
+    /// Factors for lead and nominal diameter. The smaller of the two products is the typical ball
     /// diameter.
     usual_ball: (f64, f64),
     /// Median and logarithmic standard deviation of the loaded share of a turn, for every
@@ -418,7 +418,7 @@ pub(super) struct Unprinted {
     pub(super) contact_angle: f64,
     /// Difference between pitch circle and nominal diameter, divided by the ball diameter.
     pub(super) pitch_rise: f64,
-    /// Random factor of the number of loaded balls.
+    /// Random factor for the number of loaded balls.
     pub(super) loaded_balls_factor: f64,
 }
 

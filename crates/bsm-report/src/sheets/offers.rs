@@ -46,14 +46,21 @@ pub fn offers_page(
 fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
     let shown = (0..).zip(&table.columns).filter(|(_, column)| column.head.is_some());
     let shown: Vec<_> = shown.filter(|(_, column)| column.name != "better").collect();
+    // The columns of an offer are labeled with its name.
+    let label = |column: &Column| {
+        let head = column.head.as_deref().unwrap_or_default();
+        let offer = |name: &str| column.name.strip_prefix(name);
+        match (offer("first"), offer("second")) {
+            (Some(""), _) => names[0].to_owned(),
+            (_, Some("")) => names[1].to_owned(),
+            (Some(_), _) => format!("{}: {head}", names[0]),
+            (_, Some(_)) => format!("{}: {head}", names[1]),
+            (None, None) => head.to_owned(),
+        }
+    };
     let head = |(place, column): &(usize, &Column)| {
-        let text = match column.name {
-            "first" => names[0],
-            "second" => names[1],
-            _ => column.head.as_deref().unwrap_or_default(),
-        };
         let has_numbers = table.rows.iter().any(|row| row[*place].is_number());
-        json!({ "text": text, "has_numbers": has_numbers })
+        json!({ "text": label(column), "has_numbers": has_numbers })
     };
     let better = table.columns.iter().position(|column| column.name == "better");
     let row = |(place, row): (usize, &Vec<Value>)| {
@@ -73,6 +80,8 @@ fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
                 "is_number": row[*column].is_number(),
                 "is_unit": about.head.as_deref() == Some("unit"),
                 "is_better": is_better,
+                "fails": about.name.ends_with("verdict") && text == "fails",
+                "label": label(about),
             })
         };
         shown.iter().map(cell).collect::<Vec<_>>()

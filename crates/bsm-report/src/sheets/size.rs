@@ -220,7 +220,7 @@ fn equations(rules: &[Criterion]) -> String {
 fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
     let unit = report.case.display_units().of("N");
     let text = |force: f64| digits(unit.value(force), DIGITS[1]);
-    let Some(cycle) = &report.case.nut.cycle else { return report.case.axial_load_N.map(text) };
+    let Some(cycle) = &report.case.entries.cycle else { return report.case.axial_load_N.map(text) };
     let entry = (1..)
         .zip(cycle)
         .find(|(number, _)| phase.number(output!(cycle_entry)) == Some(f64::from(*number)));

@@ -1,4 +1,4 @@
-//! Friction of the balls in each phase of an axis, and the nut under its largest load.
+//! Friction of the balls in each phase of the duty cycle, and the nut under its largest load.
 
 use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
@@ -21,13 +21,14 @@ pub(super) struct Contacts {
 }
 
 impl Contacts {
-    /// Creates a friction torque that is shared equally by the nut and screw contacts.
+    /// Creates a result in which nut contacts and screw contacts each cause half of the friction
+    /// torque.
     fn halved(friction: f64, text: impl Into<String>) -> Self {
         let at_raceways = [0.5 * friction; 2];
         Self { friction: Some(friction), at_raceways, third: None, text: text.into() }
     }
 
-    /// Creates a result without a torque that states the reason in `text`.
+    /// Creates a result without a friction torque. `text` states the reason.
     fn none(text: String) -> Self {
         Self { friction: None, at_raceways: [0.0; 2], third: None, text }
     }
@@ -45,8 +46,8 @@ pub(super) fn nut_at(
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
-/// Returns the 90 % interval of lubricated contact friction due to uncertain inputs, relative to
-/// the calculated friction.
+/// Returns the 90 % interval of the lubricated contact friction due to uncertain inputs, as a ratio
+/// to the calculated friction.
 pub(super) fn band(
     case: &Case,
     settings: &Settings,
@@ -58,8 +59,9 @@ pub(super) fn band(
     Some(problem.band(solution.solved()?, work)?.loss)
 }
 
-/// Returns the viscosity ratio for the thinner of the nut and screw films, or `None` if groove,
-/// lubricant or roughness is unknown or the ball has no solution.
+/// Returns the viscosity ratio for the lubricant film at the nut or at the screw, whichever is
+/// thinner. Returns `None` if the groove, the lubricant or the roughness is unknown, or if the ball
+/// model has no solution.
 ///
 /// * `load`: axial load of one nut \[N\].
 /// * `speed`: speed of the screw relative to the nut \[rad/s\].
@@ -75,8 +77,8 @@ pub(super) fn viscosity_ratio(
 }
 
 /// Returns true if friction is calculated from the catalog efficiency. This is the case if the
-/// groove is estimated and no friction input is given. It is also the case if the groove is not
-/// fully given, and either catalog ratings are given or inputs of the ball model are missing.
+/// groove is estimated and no friction input is given. It is also the case if the groove is
+/// incomplete, and either catalog ratings are given or inputs of the ball model are missing.
 pub(super) fn takes_catalog_efficiency(case: &Case, settings: &Settings) -> bool {
     if case.has_estimated_groove() {
         return !case.given().has_friction();
@@ -93,10 +95,10 @@ pub(super) fn by_catalog(case: &Case) -> Efficiency {
     }
 }
 
-/// Returns the largest and smallest contact friction that the typical range of catalog efficiencies
-/// gives \[N·m\].
+/// Returns the largest and the smallest contact friction torque for the typical range of catalog
+/// efficiencies \[N·m\].
 ///
-/// * `ideal`: torque of the load without friction \[N·m\].
+/// * `ideal`: load torque without friction \[N·m\].
 /// * `drives`: true if the load back-drives the screw.
 pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
     let (usual, driven_less) = USUAL_EFFICIENCIES;
@@ -107,7 +109,7 @@ pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
 /// efficiency if the groove is unknown, from all balls if the nut is preloaded, and otherwise from
 /// one ball that carries an equal share of the load.
 ///
-/// * `advance`: travel per radian of the screw \[m\].
+/// * `advance`: travel per radian of screw rotation \[m\].
 pub(super) fn contacts(
     case: &Case,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! Motor of an axis, and behavior of the load when the motor has no power.
+//! Motor of an axis, and motion of the load after a loss of motor power.
 
 use bsm_design::{
     BackDriving, DriveTrain, Fall, PhasePoint, least_acceleration_time, speed_jumps,
@@ -13,11 +13,12 @@ use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, InputKey, trimmed};
 
-/// Effect of the load at rest on the screw after a loss of motor power.
+/// Effect of the load at standstill on the screw after a loss of motor power.
 pub(super) struct PowerLoss {
-    /// Back-driving torque at the screw with the friction of the case \[N·m\].
+    /// Back-driving torque at the screw, calculated with the given friction \[N·m\].
     pub(super) nominal: f64,
-    /// Torque that is needed at the screw to hold the load if contact friction helps \[N·m\].
+    /// Torque that is needed at the screw to hold the load with the help of contact friction
+    /// \[N·m\].
     pub(super) holding: f64,
     /// Smallest and largest back-driving torque at the screw \[N·m\].
     pub(super) torques: [f64; 2],
@@ -94,14 +95,15 @@ impl AxisState<'_> {
 
     /// Returns the number of speed jumps in the cycle, or `None` if no cycle is given.
     pub(super) fn speed_jumps(&self) -> Option<usize> {
-        self.case.nut.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
+        self.case.entries.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
     }
 
     pub(super) fn inertia_at_motor(&self) -> Option<f64> {
         self.machine.has_inertia().then(|| self.machine.drive.load_inertia())
     }
 
-    /// Describes how the load at rest drives the screw after a loss of motor power.
+    /// Returns the data needed to calculate how the load at standstill drives the screw after a
+    /// loss of motor power.
     pub(super) fn falling(&self) -> Fall {
         self.machine.drive.falling(self.machine.rest_load.abs())
     }
@@ -119,8 +121,8 @@ impl AxisState<'_> {
     }
 
     /// Calculates how the axis stops from its largest feed rate in the direction of the load at
-    /// rest. The deceleration is given or follows from the brake torque. Returns `None` if neither
-    /// is given or the brake cannot hold the load.
+    /// standstill. The deceleration is either given or calculated from the brake torque. Returns
+    /// `None` if neither is given, or if the brake cannot hold the load.
     pub(super) fn stop(&self) -> Option<Stop> {
         let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
@@ -160,7 +162,8 @@ impl AxisState<'_> {
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
-    /// Returns the time in which a motor torque accelerates the axis to its largest speed \[s\].
+    /// Returns the time in which a given motor torque accelerates the axis to its largest speed
+    /// \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let Machine { drive, axis, .. } = &self.machine;
         let is_steady =
@@ -210,10 +213,11 @@ impl AxisState<'_> {
         Some((-self.motor_power(torques)?).max(0.0))
     }
 
-    /// Determines whether the load at rest back-drives the screw after a loss of motor power (BB5).
+    /// Determines whether the load at standstill back-drives the screw after a loss of motor power
+    /// (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
         /// Largest and smallest ratio of the actual friction coefficient to the given friction
-        /// coefficient, which is rarely a measured value.
+        /// coefficient. The given value is rarely measured.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
@@ -258,13 +262,13 @@ impl AxisState<'_> {
         Some(PowerLoss { nominal: torque(&whole) - nominal - drag, holding, torques, what })
     }
 
-    /// States in one word whether the load at rest back-drives the screw.
+    /// Returns a word that states whether the load at standstill back-drives the screw.
     pub(super) fn back_driving(&self) -> Option<&'static str> {
         Some(self.power_loss()?.what.name())
     }
 
-    /// Returns a sentence that states whether the load at rest back-drives the screw and how strong
-    /// the brake must be.
+    /// Returns a sentence that states whether the load at standstill back-drives the screw, and
+    /// which brake torque is required.
     pub(super) fn falls(&self) -> Option<String> {
         let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
         let load = self.machine.rest_load;
@@ -295,10 +299,10 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a sentence on the process force that is assumed to act only during motion, or an
-    /// empty text if there is none.
+    /// Returns a sentence about the process force that is assumed to act only during motion, or an
+    /// empty string if there is no such force.
     fn force_during_motion(&self) -> String {
-        let is_at_rest = self.case.hold_force_N.is_some() || self.case.nut.cycle.is_some();
+        let is_at_rest = self.case.hold_force_N.is_some() || self.case.entries.cycle.is_some();
         match self.case.axial_load_N.filter(|load| *load != 0.0 && !is_at_rest) {
             Some(load) => format!(
                 " axial_load_N is assumed to act only during motion; if the {} N also act at rest, give hold_force_N.",

@@ -1,5 +1,5 @@
-//! Steady temperatures of an axis: from its warm state, from its thermal network without feedback,
-//! or from `axis_heat_transfer_W_K`.
+//! Steady-state temperatures of an axis: from its warm state, from its thermal network without
+//! feedback, or from `axis_heat_transfer_W_K`.
 
 use bsm_design::{Phase, steady_rise};
 use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};
@@ -10,13 +10,13 @@ use crate::case::thermal::{air_over_set, bed_over_set, missing_torques, thermal_
 use crate::case::warm::{ColdNut, WarmState};
 use crate::{Case, CaseError, Settings};
 
-/// Steady temperatures of an axis.
+/// Steady-state temperatures of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heating {
     /// Temperature rises of nut, screw, balls and both screw ends above the surroundings \[K\], and
     /// the conductances between them. `None` if `axis_heat_transfer_W_K` is given.
     pub(super) nodes: Option<([f64; NODES], Conductances)>,
-    /// Free thermal growth of the screw between its bearings \[m\].
+    /// Thermal expansion that the screw would have between its bearings with free ends \[m\].
     pub(super) growth: f64,
     /// Mean temperature rise of the screw above the surroundings \[K\].
     pub(super) mean: f64,
@@ -38,7 +38,8 @@ pub(super) struct Powers {
 }
 
 impl Powers {
-    /// Returns the mean powers over a cycle, or `None` if friction or the duration is unknown.
+    /// Returns the mean powers of the heat sources over a cycle, or `None` if the friction or the
+    /// cycle time is unknown.
     pub(super) fn of(case: &Case, machine: &Machine, torques: &[PhaseTorques]) -> Option<Self> {
         let time: f64 = torques.iter().map(|torques| torques.phase.time).sum();
         let (seals, bearings) = missing_torques(case, machine.nominal(case));
@@ -57,7 +58,7 @@ impl Heating {
     /// Returns the temperatures of an axis without a warm state, or `None` if friction or the
     /// length of the screw is unknown.
     ///
-    /// * `expansion`: thermal growth of the screw per kelvin, relative to its length \[1/K\].
+    /// * `expansion`: relative thermal expansion of the screw per kelvin \[1/K\].
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
@@ -79,8 +80,8 @@ impl Heating {
             return Ok(Some(Self { nodes: None, growth, mean, over_bed, band }));
         }
         let link = match &machine.groove {
-            // If the balls cannot carry the load, their contacts are unknown, and a typical ball
-            // conductance is used. A note states the reason.
+            // If the balls cannot carry the load, the contact areas are unknown, and a typical
+            // thermal conductance of the balls is used. A note states the reason.
             Some(_) => ColdNut::of(case, settings, machine)
                 .and_then(|cold| cold.link())
                 .unwrap_or(BallLink::Usual),
@@ -126,14 +127,15 @@ impl Heating {
     }
 }
 
-/// Returns the durations and the absolute relative speeds of samples that represent the cycle,
-/// including standstill.
+/// Returns samples that represent the cycle, including standstill. Each sample consists of a
+/// duration and an absolute relative speed.
 fn phases(machine: &Machine) -> Vec<(f64, f64)> {
     let samples = machine.axis.phases.iter().flat_map(Phase::samples);
     samples.map(|(time, point)| (time, point.speed.abs())).collect()
 }
 
-/// Returns the thermal network and its temperature rises, or `None` if the network is singular.
+/// Returns the thermal network and its temperature rises, or `None` if the network equations are
+/// singular.
 fn rises(
     axis: &ThermalAxis,
     phases: &[(f64, f64)],

@@ -16,12 +16,12 @@ pub(super) struct Lubrication {
 }
 
 impl Lubrication {
-    /// Returns the lubrication of a case, or `None` if contamination, viscosity or lubricant
+    /// Returns the lubrication data of a case, or `None` if contamination, viscosity or lubricant
     /// temperature is missing.
     pub(super) fn of(case: &Case, machine: &Machine) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
         let by_word = |Named(word): Named<Contamination>| word.factor(screw.pitch_diameter);
-        let contamination = match (case.nut.contamination, case.contamination_factor) {
+        let contamination = match (case.entries.contamination, case.contamination_factor) {
             (Some(_), Some(_)) => {
                 return Err(CaseError::given_twice(["contamination", "contamination_factor"]));
             }

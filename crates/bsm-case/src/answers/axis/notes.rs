@@ -1,5 +1,4 @@
-//! Notes and warnings on the sheet of an axis: assumptions, recommendations from practice, and
-//! uncertainties.
+//! Notes and warnings on the axis sheet: assumptions, practical recommendations, and uncertainties.
 
 use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
@@ -32,12 +31,12 @@ const HOT: f64 = 40.0;
 /// screw (common recommendation).
 const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Ratio between the viscosity ratio from the film thickness and the viscosity ratio from the
-/// viscosity. Above this limit, a note states both viscosity ratios.
+/// Upper limit of the ratio between the two viscosity ratios that follow from the film thickness
+/// and from the viscosity. Above this limit, a note states both viscosity ratios.
 const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
-    /// Returns notes on the assumptions and defaults that the sheet uses.
+    /// Returns notes on the assumptions and default values of the axis sheet.
     pub(super) fn notes(&self) -> Vec<String> {
         let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
         let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
@@ -59,7 +58,7 @@ impl AxisState<'_> {
         notes.extend(self.to_measure());
         notes.extend(self.about_heat());
         let mut note = |text: &str| notes.push(text.to_owned());
-        if let Some(word) = self.case.nut.accuracy_grade {
+        if let Some(word) = self.case.entries.accuracy_grade {
             note(&word.describe());
             let Grade { name, .. } = word.grade;
             match self.travel() {
@@ -94,7 +93,7 @@ impl AxisState<'_> {
                  is 1.15 to 1.87 times the value that corresponds to their mass per meter.",
             );
         }
-        if self.case.nut.support.is_none() {
+        if self.case.entries.support.is_none() {
             note("support is not given, so fixed-supported is assumed.");
         }
         if self.case.unsupported_length_mm.is_none() {
@@ -105,8 +104,8 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns warnings about a high temperature rise and about a screw that is longer than
-    /// manufacturers offer.
+    /// Returns warnings about a high temperature rise and about a screw that is longer than the
+    /// screws that manufacturers offer.
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
@@ -246,7 +245,8 @@ impl AxisState<'_> {
             notes
                 .push(format!("rated_dynamic_load_N is used without an accuracy factor, because it is assumed to be the catalog value for grade {}.", grade.name));
         }
-        let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
+        let contaminated =
+            case.contamination_factor.is_some() || case.entries.contamination.is_some();
         let lubricated = case.given().is_lubricated();
         notes.extend(match (&self.lubrication, self.modified_life(0)) {
             (Some(_), None) => {
@@ -264,7 +264,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns the results that are incomplete because inputs are not given.
+    /// Returns a description of each result that is incomplete because an input is not given.
     pub(super) fn not_given(&self) -> Vec<NotGiven> {
         let mut all = Vec::new();
         let mut lack = |numbers: &[&'static str], text: String| {
@@ -306,7 +306,7 @@ impl AxisState<'_> {
     /// recommend.
     fn undecided_load_factor(&self) -> Option<String> {
         let (axis, case) = (self.axis(), self.case);
-        let mut phases = case.nut.cycle.iter().flatten();
+        let mut phases = case.entries.cycle.iter().flatten();
         let is_given =
             case.load_factor.is_some() || phases.any(|phase| phase.load_factor.is_some());
         let [low, high] = axis.advised_load_factors();
@@ -329,13 +329,13 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a warning if the screw is safe against buckling only with the default end
-    /// conditions.
+    /// Returns a warning if the screw is safe against buckling only with the default end conditions
+    /// of the section that may buckle.
     fn buckles_by_support(&self) -> Option<String> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
             (self.axis().buckling_safety()?, self.axis().buckling_safety_of_support()?);
-        let by_default = self.case.nut.buckling_support.is_none();
+        let by_default = self.case.entries.buckling_support.is_none();
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
                 "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \
@@ -374,8 +374,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns notes on the results that a sheet without groove data omits, and on the uncertainty
-    /// of its torque.
+    /// Returns notes on the results that the axis sheet omits without groove data, and on the
+    /// uncertainty of the torque.
     pub(super) fn by_catalog(&self) -> Vec<String> {
         let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
@@ -412,7 +412,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a note on the torque that verifies the preload and on the tolerance of this torque.
+    /// Returns a note that states the torque to measure when the preload is verified, and the
+    /// tolerance of this torque.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
         let seal = self.case.seal_torque_Nm.unwrap_or(0.0);

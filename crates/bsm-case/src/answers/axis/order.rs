@@ -24,8 +24,8 @@ struct OrderEntry {
 pub struct Order(Vec<OrderEntry>);
 
 impl Order {
-    /// Returns pairs of quantity and text, followed by the data that the customer still has to
-    /// specify.
+    /// Returns each quantity of the order data with its text, followed by the data that the
+    /// customer still has to specify.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
         const OTHERS: [(&str, &str); 2] =
             [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
@@ -61,8 +61,8 @@ impl AxisState<'_> {
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, |nominal| trimmed(in_mm.value(nominal)));
         let mut order = Order::default();
-        order.add("manufacturer", "", self.case.nut.manufacturer.clone());
-        order.add("code", "", self.case.nut.order_code.clone());
+        order.add("manufacturer", "", self.case.entries.manufacturer.clone());
+        order.add("code", "", self.case.entries.order_code.clone());
         order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
         // The order omits the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());

@@ -1,4 +1,4 @@
-//! The rules of an axis: value, limit, source and remedies.
+//! Design rules of an axis, each with its value, limit, source and remedy.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ use crate::{
     output,
 };
 
-/// Title of the rule that a warm steady state must exist.
+/// Title of the rule that requires a warm steady state to exist.
 const STEADY_STATE: &str = "steady state";
 
 /// Smallest permitted ratio of the speed at thermal runaway to the speed of the axis.
@@ -51,7 +51,7 @@ impl RuleInputs<'_> {
     /// the manufacturer.
     fn needed_rating(&self, margin: f64) -> String {
         let needed = self.axis.dynamic_rating / margin.cbrt();
-        let basis = self.case.nut.rating_basis.map(|Named(basis)| basis);
+        let basis = self.case.entries.rating_basis.map(|Named(basis)| basis);
         match basis.filter(|basis| *basis != RatingBasis::Revolutions) {
             Some(basis) => format!(
                 "a dynamic load rating of at least {} N for {}",
@@ -74,13 +74,13 @@ impl RuleInputs<'_> {
         self.number(output!(shaft_diameter_mm)).unwrap_or(f64::NAN)
     }
 
-    /// Returns an output that is required if `where_there_is` has a value. If the output is
-    /// missing, returns NaN, which violates the rule.
+    /// Returns an output that is required if `where_there_is` is not `None`. A missing output is
+    /// returned as NaN, which violates the rule.
     fn needed(&self, name: OutputName, where_there_is: Option<f64>) -> Option<f64> {
         where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
-    /// Returns an output. If its limit is given but the output cannot be calculated, returns NaN,
+    /// Returns an output. If the limit is given but the output cannot be calculated, returns NaN,
     /// which violates the rule.
     fn judged(&self, name: OutputName, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
@@ -89,7 +89,7 @@ impl RuleInputs<'_> {
     /// Returns the largest permitted utilization of the motor if its torque-speed curve is given,
     /// and `None` otherwise.
     fn utilization_limit(&self) -> Option<f64> {
-        self.case.nut.motor_curve.as_ref().map(|_| 1.0)
+        self.case.entries.motor_curve.as_ref().map(|_| 1.0)
     }
 
     /// Returns true if the screw moves. For a screw at standstill, life is not checked.
@@ -97,11 +97,12 @@ impl RuleInputs<'_> {
         self.axis.fastest() > 0.0
     }
 
-    /// Returns the source of the buckling rule: the end conditions, whether they are the default,
-    /// and the safety factor with the end conditions of `support`.
+    /// Returns the source of the buckling rule. It names the end conditions, states whether they
+    /// are the default, and contains the safety factor for the end conditions in `support`.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
-        let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
+        let by_default =
+            if self.case.entries.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
             "Euler (Z2), end conditions {}{by_default}. With the end conditions of the input support ({}), the safety factor is {}",
@@ -111,8 +112,8 @@ impl RuleInputs<'_> {
         )
     }
 
-    /// If the screw may be unguided, makes the buckling rule undecided unless the rule is also met
-    /// with the end conditions of `support`.
+    /// Changes the buckling rule if the load on the screw may be unguided: the rule is then
+    /// undecided unless it is also met with the end conditions in `support`.
     fn with_unguided_load(&self, mut rule: Criterion) -> Criterion {
         if rule.name == output!(buckling_safety).name()
             && mount(self.case).may_be_unguided()
@@ -128,8 +129,9 @@ impl RuleInputs<'_> {
         rule
     }
 
-    /// Describes a remedy against whirling other than a shorter or thicker screw: a stiffer support
-    /// or, if both ends are already fixed, a driven nut on a screw at rest.
+    /// Describes a remedy against whirling that does not change the length or the diameter of the
+    /// screw: a stiffer support or, if both ends are already fixed, a driven nut on a stationary
+    /// screw.
     fn other_remedy_of_whirling(&self) -> &'static str {
         let is_fixed = |shaft: &Shaft| shaft.support == EndFixity::FixedFixed;
         if self.axis.shaft.as_ref().is_some_and(is_fixed) {
@@ -139,8 +141,9 @@ impl RuleInputs<'_> {
         }
     }
 
-    /// Returns the pretension at which cold tension and warm compression of the screw are equal
-    /// \[K\], if the support bearings can carry the load at this pretension.
+    /// Returns the pretension at which the tension of the cold screw equals the compression of the
+    /// warm screw, expressed as a temperature difference \[K\]. Returns `None` if the support
+    /// bearings cannot carry the load at this pretension.
     fn balanced_pretension(&self) -> Option<f64> {
         let rise = self.number(output!(pretension_for_no_slack_K)).filter(|rise| *rise > 0.0)?;
         let warm = self.number(output!(screw_tension_N))?;
@@ -162,7 +165,7 @@ impl RuleInputs<'_> {
     ///
     /// * `margin`: permitted torque / torque.
     fn remedies_of_rms(&self, margin: f64) -> String {
-        let has_cycle = self.case.nut.cycle.is_some();
+        let has_cycle = self.case.entries.cycle.is_some();
         let peak = self.motor_peaks[0].as_ref().filter(|_| !has_cycle);
         remedies_of_motor(peak, margin, has_cycle.then_some("longer dwells"))
     }
@@ -181,7 +184,7 @@ impl RuleInputs<'_> {
 
     /// Returns the coarsest accuracy grade that meets the required travel error.
     fn grade_to_take(&self) -> Option<&'static str> {
-        let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
+        let (word, travel) = (self.case.entries.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
         word.grade.coarsest_within(required, travel).map(|grade| grade.name)
     }
@@ -222,11 +225,12 @@ fn quantity(name: &str) -> Option<&'static Quantity> {
     tables.into_iter().flatten().find(|quantity| quantity.name == name)
 }
 
-/// Creates a rule about a number, if the number and its limit exist.
+/// Creates a rule that limits a quantity, if both the quantity and its limit exist.
 ///
 /// * `name`: name of the quantity.
 /// * `at_least`: true if the limit is a minimum, false if it is a maximum.
-/// * `remedy`: creates the advice from the margin of a violated rule.
+/// * `remedy`: function that describes a remedy for a violated rule, based on the margin of the
+///   rule.
 fn criterion(
     [title, name]: [&'static str; 2],
     source: Cow<'static, str>,
@@ -235,7 +239,7 @@ fn criterion(
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
     let Quantity { symbol, unit, .. } = *quantity(name).expect("rules are of quantities");
-    // If the limit depends on a missing input, the rule is omitted.
+    // The limit is NaN if it depends on a missing input, and the rule is then omitted.
     if limit.is_some_and(f64::is_nan) {
         return None;
     }
@@ -254,13 +258,13 @@ fn criterion(
         margins: None,
         margin_without_default: None,
     };
-    // No remedy is given for a number that cannot be calculated. A note states the reason.
+    // No remedy is given for a quantity that cannot be calculated. A note states the reason.
     rule.remedy = rule.margin().filter(|m| !m.is_nan() && rule.fails()).map(remedy_of);
     Some(rule)
 }
 
-/// Declares rules: `"title" number at_most limit, "source", remedy;`. An optional `= value,` after
-/// the number replaces the value from the axis sheet.
+/// Declares rules: `"title" quantity at_most limit, "source", remedy;`. An optional `= value,`
+/// after the quantity replaces the value from the axis sheet.
 macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
@@ -457,7 +461,7 @@ rules! {
         format!("preload_N of at least {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
-/// Returns the titles of all rules, in the order of the sheet.
+/// Returns the titles of all rules, in the order of the axis sheet.
 pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
     let parts = [TITLES_OF_SCREW, TITLES_OF_RATINGS_AND_DRIVE, TITLES_OF_PRELOAD];
     parts.into_iter().flatten().copied().chain([STEADY_STATE])
@@ -465,7 +469,7 @@ pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
 
 /// Returns the rules of an axis that can be checked.
 ///
-/// * `fold`: ratio of the fold speed to the given speed.
+/// * `fold`: ratio of the screw speed at the fold to the given speed.
 /// * `preload`: cold and warm preload \[N\].
 /// * `motor_peaks`: peaks of the motor torque and of the utilization of the torque-speed curve.
 pub(super) fn rules(
@@ -486,7 +490,7 @@ pub(super) fn rules(
         .collect()
 }
 
-/// Returns the rule that a warm steady state must exist.
+/// Returns the rule that requires a warm steady state to exist.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
     let source = "no steady state exists above the fold (I20); the heat is accurate to 25 %";
     criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {

@@ -35,15 +35,16 @@ pub(crate) struct AxisState<'a> {
     pub(super) torques: Vec<PhaseTorques>,
     /// Life \[s\], calculated from the loads of all balls.
     pub(super) life_by_balls: Option<f64>,
-    /// Effect of the load at rest after a loss of motor power, calculated on demand.
+    /// Effect of the load at standstill after a loss of motor power, calculated on demand.
     pub(super) power_loss: OnceCell<Option<PowerLoss>>,
-    /// Steady temperatures, if friction and length are known.
+    /// Steady-state temperatures, if friction and screw length are known.
     pub(super) heating: Option<Heating>,
     /// Warm steady state, if it is requested.
     pub(super) warm: Option<Warm>,
     /// Lubrication for the modified life, if lubricant and contamination are given.
     pub(super) lubrication: Option<Lubrication>,
-    /// Cache of viscosity ratios from the film thickness. The keys are the bits of load and speed.
+    /// Cache of viscosity ratios from the film thickness. The key consists of the bit patterns of
+    /// load and speed.
     by_film: RefCell<HashMap<[u64; 2], Option<f64>>>,
 }
 
@@ -54,7 +55,7 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
-        // This call fails if the thread that stroke and nut require is longer than the unsupported
+        // `travel` fails if the thread that stroke and nut require is longer than the unsupported
         // length.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
@@ -79,7 +80,7 @@ impl<'a> AxisState<'a> {
         // The case is copied for every moment of the cycle. The copies do not need the cycle, so it
         // is removed first.
         let mut of_a_moment = case.clone();
-        of_a_moment.nut.cycle = None;
+        of_a_moment.entries.cycle = None;
         // Contact friction depends only on load and speed, so it is calculated only once for
         // moments with equal load and speed.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
@@ -144,12 +145,12 @@ impl<'a> AxisState<'a> {
         self.machine.life()
     }
 
-    /// Returns the screw as a bar between two fixed bearings, if it is pretensioned.
+    /// Returns the data of a screw between two fixed bearings, if the screw is pretensioned.
     pub(super) fn pretension(&self) -> Option<FixedEnds> {
         self.machine.held.filter(|held| held.stretched > 0.0)
     }
 
-    /// Returns the thermal growth of the screw per kelvin, relative to its length \[1/K\].
+    /// Returns the relative thermal expansion of the screw per kelvin \[1/K\].
     pub(super) fn expansion(&self) -> Option<f64> {
         Some(self.case.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
     }
@@ -184,9 +185,9 @@ impl<'a> AxisState<'a> {
         self.preload.as_ref()?.unloaded.as_ref()?.number(name)
     }
 
-    /// Returns the static safety factor: the smaller of the values from the static load rating and
-    /// from the most loaded ball. The value from the ball is scaled to the rating stated by the
-    /// manufacturer, if there is one.
+    /// Returns the static safety factor, which is the smaller of two values: one from the static
+    /// load rating, and one from the most heavily loaded ball. The second value is scaled to the
+    /// manufacturer's rating, if such a rating is given.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
@@ -217,7 +218,7 @@ impl<'a> AxisState<'a> {
     fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
         let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
         let by_viscosity = Some(self.axis().viscosity_ratio(viscosity, speed));
-        if self.case.nut.kappa_by == Some(Named(KappaBy::Viscosity)) {
+        if self.case.entries.kappa_by == Some(Named(KappaBy::Viscosity)) {
             return [None, by_viscosity];
         }
         let by_film = || {
@@ -241,7 +242,7 @@ impl<'a> AxisState<'a> {
     }
 
     pub(super) fn grade(&self) -> Option<&'static Grade> {
-        Some(self.case.nut.accuracy_grade?.grade)
+        Some(self.case.entries.accuracy_grade?.grade)
     }
 
     /// Returns the useful travel, over which the accuracy grade limits the travel error \[m\].
@@ -265,7 +266,8 @@ impl<'a> AxisState<'a> {
         loads.fold(self.axis().largest_load(), f64::max)
     }
 
-    /// Returns the mean heat of each source over the cycle \[W\], or `None` without friction.
+    /// Returns the mean power of each heat source over the cycle \[W\], or `None` if friction is
+    /// unknown.
     pub(super) fn powers(&self) -> Option<Powers> {
         Powers::of(self.case, &self.machine, &self.torques)
     }
@@ -275,12 +277,12 @@ impl<'a> AxisState<'a> {
         Some(self.heating?.nodes?.0[node])
     }
 
-    /// Returns the steady temperature rise of the screw above its surroundings \[K\].
+    /// Returns the steady-state temperature rise of the screw above its surroundings \[K\].
     pub(super) fn steady_rise(&self) -> Option<f64> {
         Some(self.heating?.mean)
     }
 
-    /// Returns the thermal growth of the screw \[µm\].
+    /// Returns the thermal expansion of the screw \[µm\].
     pub(super) fn growth(&self) -> Option<f64> {
         if let Some(state) = self.warm_state() {
             return Some(state.growth / UM);
@@ -289,7 +291,7 @@ impl<'a> AxisState<'a> {
         Some(left * self.free_growth()? / UM)
     }
 
-    /// Returns the thermal growth that the screw would have with free ends \[m\].
+    /// Returns the thermal expansion that the screw would have with free ends \[m\].
     pub(super) fn free_growth(&self) -> Option<f64> {
         match self.given_rise() {
             Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
@@ -303,7 +305,7 @@ impl<'a> AxisState<'a> {
         let axis = self.axis();
         let by_catalog = || {
             let stated = self.case.rated_rigidity_N_um?;
-            let Named(at) = self.case.nut.rated_rigidity_at?;
+            let Named(at) = self.case.entries.rated_rigidity_at?;
             at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
         // A catalog stiffness is more accurate than the stiffness of an estimated groove.
@@ -317,7 +319,7 @@ impl<'a> AxisState<'a> {
     /// Returns the stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
         let Case { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.case;
-        // Two fixed bearings share the load if the nut is in the middle.
+        // Two fixed bearings share the load equally if the nut is in the middle.
         let bearings = if self.machine.held.is_some() { 2.0 } else { 1.0 };
         let bearings = support_bearing_stiffness_N_um.map(|each| bearings * each);
         let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
@@ -331,14 +333,14 @@ impl<'a> AxisState<'a> {
         Some(self.shaft()?.torsional_stiffness(self.machine.advance(), poisson))
     }
 
-    /// Returns the natural frequency of the moved mass on one screw \[Hz\], or `None` without a
-    /// mass.
+    /// Returns the natural frequency of an axis with the given stiffness and the moving mass of one
+    /// screw \[Hz\], or `None` without a moving mass.
     pub(super) fn natural_frequency(&self, stiffness: f64) -> Option<f64> {
         let mass = Some(self.machine.drive.mass).filter(|mass| *mass > 0.0)?;
         Some(natural_frequency(stiffness, mass))
     }
 
-    /// Returns the revolutions per cycle in both directions.
+    /// Returns the number of revolutions per cycle, added up over both directions.
     pub(super) fn revolutions_per_cycle(&self) -> Option<f64> {
         Some(self.machine.cycle?.1.way / self.axis().screw.lead)
     }
@@ -349,16 +351,17 @@ impl<'a> AxisState<'a> {
         Some(self.machine.required_life?.revolutions(lead, mean_speed))
     }
 
-    /// Returns the dynamic load rating, including its factors, that the required life needs \[N\].
+    /// Returns the dynamic load rating, including its modifying factors, that is needed for the
+    /// required life \[N\].
     pub(super) fn required_rating(&self) -> Option<f64> {
         let share = self.required_revolutions()? / self.life()?.revolutions;
         Some(self.axis().dynamic_rating * share.cbrt())
     }
 
-    /// Returns the required dynamic load rating as manufacturers state it: for the travel of
-    /// `rating_basis` and without factors \[N\].
+    /// Returns the required dynamic load rating in the form in which manufacturers state it \[N\]:
+    /// for the travel of `rating_basis`, and without modifying factors.
     pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
-        let Named(basis) = self.case.nut.rating_basis?;
+        let Named(basis) = self.case.entries.rating_basis?;
         let factors = self.axis().dynamic_rating / self.machine.ratings[0];
         Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }
@@ -412,15 +415,16 @@ impl<'a> AxisState<'a> {
         self.torques.iter().map(|torques| Some(torques.phase.time * of(torques)?)).sum()
     }
 
-    /// Returns the mean heat of contacts, drag, seals and support bearings over the cycle \[W\].
+    /// Returns the mean heat generation of contacts, preload drag, seals and support bearings over
+    /// the cycle \[W\].
     pub(super) fn mean_heat(&self) -> Option<f64> {
         self.mean(|torques| Some(torques.means?.heat))
     }
 }
 
 /// Calculates the life under the cycle from the loads of all balls \[s\]. By linear damage
-/// accumulation, each phase uses up a fraction of the life that the nut would have if it always ran
-/// in this phase.
+/// accumulation, each phase consumes a fraction of the life that the nut would have if it always
+/// ran under the conditions of this phase.
 ///
 /// * `known`: a nut that is already solved, with its load \[N\] and speed \[rad/s\].
 fn life_by_balls(
@@ -441,8 +445,8 @@ fn life_by_balls(
         };
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
-        // Only the ratio of the lives is taken from the ball model, because the load rating may be
-        // stated by the manufacturer.
+        // Only the ratio of the two lives is taken from the ball model, because the load rating may
+        // come from the manufacturer.
         let preload = nut.number(output!(warm_preload_N)).filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
@@ -463,8 +467,8 @@ fn life_by_balls(
     (taken > 0.0).then(|| time / taken)
 }
 
-/// Returns the bits of load and speed as a map key. Phases with the same key have equal ball loads
-/// and friction.
+/// Returns a map key that consists of the bit patterns of load and speed. Phases with the same key
+/// have equal ball loads and friction.
 fn at_bits(load: f64, speed: f64) -> [u64; 2] {
     [load, speed].map(f64::to_bits)
 }

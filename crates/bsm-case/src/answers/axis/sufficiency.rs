@@ -1,10 +1,10 @@
 //! Inputs that each result of an axis needs. A result with missing inputs is omitted, and a note
-//! names these inputs.
+//! names the missing inputs.
 
 use super::state::AxisState;
 use crate::{Case, CaseError, Numbers, OutputName, output};
 
-/// A required input, or several inputs that can replace each other.
+/// A required input, or several inputs of which one is sufficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
     Lead,
@@ -19,8 +19,8 @@ enum Need {
 
 use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRating};
 
-/// Label, output and required inputs of each result. If two results lack equally many inputs, the
-/// error message suggests the one that is listed first.
+/// Label, output and required inputs of each result. If two results have the same number of missing
+/// inputs, the error message suggests the inputs of the result that is listed first.
 const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("life", output!(cycle_life_h), &[DynamicRating, Load, Speed]),
     ("static safety", output!(static_safety_factor), &[StaticRating, Load]),
@@ -31,7 +31,7 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("speed number", output!(largest_speed_number_mm_min), &[PitchCircle, Speed]),
 ];
 
-/// Results that need neither the screw nor its load, such as the resolution of a motor.
+/// Results that depend neither on the screw nor on its load, such as the resolution of a motor.
 const OTHER_RESULTS: [OutputName; 3] =
     [output!(stopping_distance_mm), output!(travel_per_step_um), output!(travel_per_count_um)];
 
@@ -58,7 +58,7 @@ impl Need {
         if has_groove && ![Load, Speed, Length].contains(&self) {
             return true;
         }
-        let cycles = case.nut.cycle.is_some();
+        let cycles = case.entries.cycle.is_some();
         let nominal = case.nominal_diameter_mm.or(case.screw_outer_diameter_mm).is_some();
         match self {
             Lead => case.lead().is_some(),

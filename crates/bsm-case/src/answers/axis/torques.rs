@@ -1,4 +1,4 @@
-//! Parts of the screw torque.
+//! Contributions to the screw torque.
 
 use std::f64::consts::TAU;
 
@@ -52,7 +52,7 @@ pub(crate) struct TorqueParts {
 /// that follow from the torque.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
-    /// Screw torque, its parts and derived results.
+    /// Screw torque, its contributions, and results derived from the torque.
     pub numbers: Numbers,
     /// Name of the contact model, or the reason why there is no contact torque.
     pub contacts: String,
@@ -61,8 +61,8 @@ pub struct ScrewTorque {
 }
 
 impl ScrewTorque {
-    /// Parts of the screw torque in the order in which they are added: first the torque of the
-    /// load, then the parts that dissipate energy as heat.
+    /// Contributions to the screw torque in the order in which they are added: first the load
+    /// torque, then the contributions that dissipate energy as heat.
     pub const PARTS: [OutputName; 5] = [
         output!(ideal_torque_Nm),
         output!(contact_friction_torque_Nm),
@@ -87,22 +87,22 @@ impl ScrewTorque {
     }
 }
 
-/// Torques at one moment of a phase.
+/// Torques at one moment of a phase of the duty cycle.
 #[derive(Clone)]
 pub(crate) struct Torques {
     pub(super) point: PhasePoint,
     pub(super) ideal: f64,
     pub(super) contacts: Contacts,
-    /// Friction torque of ball returns and lubricant \[N·m\], which the contact friction of the
-    /// preload does not include.
+    /// Friction torque of ball returns and lubricant due to the preload \[N·m\]. It is added to the
+    /// contact friction.
     drag: f64,
     seal: f64,
     bearing: f64,
 }
 
 impl Torques {
-    /// * `advance`: travel per radian of the screw \[m\].
-    /// * `drag`: friction torque of the preload in addition to its contact friction \[N·m\].
+    /// * `advance`: travel per radian of screw rotation \[m\].
+    /// * `drag`: friction torque of ball returns and lubricant due to the preload \[N·m\].
     pub(super) fn of(
         case: &Case,
         (advance, drag): (f64, f64),
@@ -121,7 +121,7 @@ impl Torques {
         }
     }
 
-    /// Returns the screw torque and its contributions as numbers.
+    /// Returns the screw torque and its contributions as named quantities.
     pub(super) fn numbers(&self) -> Numbers {
         read_torques(self, |_| true)
     }
@@ -165,7 +165,7 @@ impl Torques {
         })
     }
 
-    /// Returns the ratio of output power to input power of the screw, including all parts of the
+    /// Returns the ratio of output power to input power of the screw, with all contributions to the
     /// torque. Returns `None` if no work is done, or if the drag exceeds the torque with which the
     /// load drives the screw.
     pub(super) fn efficiency(&self) -> Option<f64> {
@@ -181,13 +181,13 @@ pub(crate) struct PhaseTorques {
     pub(super) phase: Phase,
     /// Torques at the start and the end of the phase.
     pub(super) ends: [Torques; 2],
-    /// Time averages over the phase; `None` without friction.
+    /// Time averages over the phase; `None` if friction is unknown.
     pub(super) means: Option<PhaseMeans>,
 }
 
 impl PhaseTorques {
     /// * `preload`: preload of a nut pair \[N\].
-    /// * `at`: calculates the torques at a moment of the phase.
+    /// * `at`: function that calculates the torques at a moment of the phase.
     pub(super) fn of(
         phase: &Phase,
         drive: &DriveTrain,
@@ -208,7 +208,8 @@ impl PhaseTorques {
         failed.map_or(Ok(Self { phase: *phase, ends, means }), Err)
     }
 
-    /// Returns the mean powers of the heat sources in the phase \[W\], or `None` without friction.
+    /// Returns the mean powers of the heat sources in the phase \[W\], or `None` if friction is
+    /// unknown.
     pub(super) fn sources(&self) -> Option<HeatSources> {
         let speed = self.phase.mean_speed().abs();
         let Torques { drag, seal, bearing, .. } = self.heavier();
@@ -242,11 +243,12 @@ impl PhaseTorques {
 
 /// Preload of a nut and its drag torques on the screw \[N·m\].
 pub(crate) struct Preload {
-    /// Preload as set, without temperature rises \[N\].
+    /// Preload as set at assembly, without temperature rises \[N\].
     pub(super) cold: f64,
     /// Preload including the effect of temperature rises \[N\].
     pub(super) warm: f64,
-    /// Drag torque that a measurement is expected to give, according to the manufacturers' rule.
+    /// Drag torque according to the manufacturers' rule. A measurement is expected to give this
+    /// torque.
     pub(super) by_rule: f64,
     /// Drag torque of the ball contacts only; `None` if friction is not known.
     pub(super) of_contacts: Option<f64>,
@@ -294,15 +296,15 @@ impl Preload {
     }
 }
 
-/// Calculates the screw torque and its parts at the operating point of the case: the load including
-/// weight and guide friction, the ball contacts, the preload, the seals and the support bearings.
-/// Returns `None` without load, speed or friction.
+/// Calculates the screw torque at the operating point of the case, and its contributions: the load
+/// including weight and guide friction, the ball contacts, the preload, the seals and the support
+/// bearings. Returns `None` without load, speed or friction.
 ///
 /// # Errors
 ///
-/// Returns [`CaseError`] if the nut or its point has no solution.
+/// Returns [`CaseError`] if the ball model has no solution for the nut or the operating point.
 ///
-/// * `work`: workspace of the models, reused from case to case.
+/// * `work`: workspace of the models, which is reused for several cases.
 pub fn torque_parts(
     case: &Case,
     settings: &Settings,
@@ -333,9 +335,9 @@ pub fn torque_parts(
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
 
-/// Calculates the efficiency of the screw at a moment of a phase, fast enough to search over many
-/// screws. Even for a preloaded nut, it solves only one ball that carries an equal share of the
-/// load, and it takes the friction torque of the preload from the manufacturers' rule.
+/// Calculates the efficiency of the screw at a moment of a phase, fast enough for a search over
+/// many screws. Even for a preloaded nut, the function solves only one ball that carries an equal
+/// share of the load, and takes the friction torque of the preload from the manufacturers' rule.
 ///
 /// * `nut`: nut that the case describes.
 pub(crate) fn quick_efficiency(

@@ -1,5 +1,5 @@
-//! Ball train of a nut: advance of the balls and, if a ball gap is given, push forces between the
-//! balls.
+//! Ball train of a nut: the distance by which each ball advances and, if a ball gap is given, the
+//! push forces between the balls.
 
 use std::borrow::Cow;
 
@@ -41,7 +41,7 @@ pub(super) type TrainResult = Result<Train, String>;
 ///
 /// * `push`: push force as text, with its unit.
 /// * `part`: ratio of the push force to the ball load.
-/// * `of`: kind of ball load, `largest` or `mean`.
+/// * `of`: kind of ball load with which the push force is compared, `largest` or `mean`.
 fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
         "a push force of {push} between balls is {:.1} % of the {of} ball load; above {:.0} %, push forces change loads and contact angles",
@@ -50,7 +50,8 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
     )
 }
 
-/// Explains why the friction torque with push forces between the balls is missing.
+/// Returns a sentence that explains why the friction torque with push forces between the balls is
+/// missing.
 pub(super) fn not_pushed(why: &str) -> String {
     format!("The friction torque with push forces between the balls is not calculated: {why}")
 }
@@ -78,9 +79,9 @@ impl NutProblem {
 }
 
 impl NutReport {
-    /// Calculates how far each ball advances relative to the other balls, from the motions of free
-    /// balls. These motions are calculated with model `traction` unless raceway control is
-    /// requested.
+    /// Calculates the distance by which each ball advances relative to the other balls, from the
+    /// motions of free balls. These motions are calculated with model `traction` unless raceway
+    /// control is requested.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (source, drive) = problem.friction.as_ref()?;
@@ -89,9 +90,9 @@ impl NutReport {
         };
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if problem.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
-            // The free ball speeds of two models differ more than the free speeds of neighboring
-            // balls, so all balls are solved with model `traction`. Model `elastic` does not
-            // determine the spin of a ball.
+            // All balls are solved with model `traction`, because the difference between two models
+            // is larger than the difference between the free speeds of neighboring balls. Model
+            // `elastic` does not determine the spin of a ball.
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
             let solve = |at| traction.of_ball(source, balls, at).solve(work);
@@ -178,8 +179,8 @@ impl NutReport {
         let nut = &self.made.nut;
         let spacer = self.problem.gaps.spacer;
         let circuits = nut.circuits.iter().enumerate();
-        // The loaded arc may temporarily hold one more ball, because a ball can enter it while
-        // another ball leaves it.
+        // The loaded arc may temporarily hold one additional ball, because a ball can enter the arc
+        // while another ball leaves it.
         let crowded =
             circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded

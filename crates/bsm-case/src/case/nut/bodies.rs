@@ -1,4 +1,4 @@
-//! Nut and screw as elastic bodies, whose deformation changes the ball loads.
+//! Nut and screw as elastic bodies. Their deformation changes the ball loads.
 
 use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
@@ -8,10 +8,11 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey};
 
-/// Adds the elasticity of the bodies to a nut: nut and screw as bars, and the nut as a ring.
+/// Adds the elasticity of the bodies to a nut. Nut and screw are treated as bars, and the nut is
+/// also treated as a ring.
 pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<BallNut, CaseError> {
     use InputKey as K;
-    let entries = &case.nut;
+    let entries = &case.entries;
     let ends = ends(&nut);
     let made = nut.nut_stiffness(body.outer);
     let keys = [K::nut_EA_N, K::nut_anchor_z_mm];

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use bsm_design::Nut;
 use bsm_nut::{Circuit, Flanks, LeadError, PreloadKind};
 
-use super::loading::{arrangement, is_preloaded};
+use super::loading::{DEFAULT_ARRANGEMENT, arrangement, is_preloaded};
 use crate::vocabulary::entries::{Arrangement, CaseEntries, CircuitEntry, LeadErrorEntry, Named};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::loaded_turns;
@@ -13,7 +13,7 @@ use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, Rule};
 
-/// Inputs that define the circuits if no circuits are listed.
+/// Inputs that define all circuits together if the circuits are not listed individually.
 pub(super) const SHORT: [InputKey; 5] = [
     InputKey::circuits_count,
     InputKey::loaded_turns,
@@ -31,7 +31,7 @@ const MAX_BALLS: usize = 100_000;
 /// Returns the number of loaded balls per turn and the number of loaded turns of one nut body, from
 /// the listed circuits or from the inputs [`SHORT`].
 pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
-    let Some(circuits) = &case.nut.circuits else {
+    let Some(circuits) = &case.entries.circuits else {
         return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
     };
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
@@ -40,8 +40,8 @@ pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     (Some(count(balls) / turns), Some(turns))
 }
 
-/// Returns the design, with the number of balls per turn and the number of turns taken from the
-/// circuits of one nut body.
+/// Returns the nut design in which the number of balls per turn and the number of turns are taken
+/// from the circuits of one nut body.
 pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
@@ -49,7 +49,7 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
 }
 
-/// Returns the flank that a body of a preloaded nut pair loads.
+/// Returns the flank of a nut body that the preload of the pair loads.
 fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
     let first = body.is_multiple_of(2);
     if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }
@@ -90,7 +90,7 @@ pub(super) fn listed_circuits(
             flanks: match entry.flank {
                 Some(Named(flanks)) => flanks,
                 None if bodies == 1 => Flanks::Both,
-                None => flank_of(entry.body, arrangement.unwrap_or(Arrangement::X)),
+                None => flank_of(entry.body, arrangement.unwrap_or(DEFAULT_ARRANGEMENT)),
             },
             offset: Rule::Any.checked(&path("offset_um"), entry.offset_um)? * UM,
         });
@@ -143,7 +143,7 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
     let gap = case.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
     let (step, phase) = (arc + gap, case.number(InputKey::phase_deg));
     let pair = way == PreloadKind::Offset && is_preloaded(case);
-    let arranged = arrangement(case)?.unwrap_or(Arrangement::O);
+    let arranged = arrangement(case)?.unwrap_or(DEFAULT_ARRANGEMENT);
     let circuit = |body: usize, from: f64| {
         move |i: usize| Circuit {
             start: (from + (count(i) / starts).floor() * step + count(i) * phase) * DEG,

@@ -25,7 +25,7 @@ pub(super) fn draw(nut: &mut BallNut, deviation: f64, waves: &[usize], seed: u64
 
 /// Draws a number from the standard normal distribution by the Box–Muller method.
 fn normal(rng: &mut impl Rng) -> f64 {
-    // The difference is never 0, so its logarithm is finite.
+    // The logarithm is taken of `size`, which is never 0.
     let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
     (-2.0 * size.ln()).sqrt() * (TAU * turn).cos()
 }
@@ -34,8 +34,8 @@ fn normal(rng: &mut impl Rng) -> f64 {
 mod tests {
     use super::*;
 
-    /// For 20 000 draws, the mean deviates by at most 5/√N and the standard deviation by at most
-    /// 5/√(2N), which are five standard errors.
+    /// For N = 20 000 draws, the mean deviates from 0 by at most 5/√N, and the standard deviation
+    /// deviates from 1 by at most 5/√(2N). These limits are five standard errors.
     #[test]
     fn draws_are_normally_distributed() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);

@@ -10,8 +10,8 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
-/// Transverse degrees of freedom, each with its inputs for load, displacement and spring stiffness
-/// and the factors that convert these inputs to SI units.
+/// Transverse degrees of freedom of the nut. For each of them, the table lists the inputs for load,
+/// displacement and spring stiffness, and the factors that convert these inputs to SI units.
 const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
     use InputKey as K;
     const FORCE: [f64; 3] = [1.0, UM, 1.0 / UM];
@@ -46,12 +46,15 @@ pub(super) fn is_preloaded(case: &Case) -> bool {
     case.preload_N.is_some() || case.preload_offset_um.is_some()
 }
 
+/// Arrangement of a nut pair if neither an input nor the flanks of the circuits determine it.
+pub(super) const DEFAULT_ARRANGEMENT: Arrangement = Arrangement::O;
+
 /// Returns the arrangement of a nut pair, either given by name or derived from the sign of the
 /// offset.
 pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError> {
     let offset = case.preload_offset_um.filter(|offset| *offset != 0.0);
     let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
-    match (case.nut.preload_arrangement.map(|Named(own)| own), by_offset) {
+    match (case.entries.preload_arrangement.map(|Named(own)| own), by_offset) {
         (Some(word), Some(sign)) if word != sign => Err(bad(
             "preload_arrangement",
             "contradicts preload_offset_um, which is above 0 for X and below 0 for O",
@@ -72,7 +75,7 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
         (Some(word), Some(flanks)) if word != flanks => {
             Err(bad("preload_arrangement", "contradicts the flanks of circuits"))
         }
-        (word, flanks) => Ok(word.or(flanks).unwrap_or(Arrangement::X)),
+        (word, flanks) => Ok(word.or(flanks).unwrap_or(DEFAULT_ARRANGEMENT)),
     }
 }
 
@@ -108,7 +111,7 @@ pub(super) fn preload(
         let what = "needs two flanks in every circuit for oversize balls, but a circuit has only one flank";
         return Err(bad(key.name(), what));
     }
-    if by == PreloadKind::Oversize && case.nut.preload_arrangement.is_some() {
+    if by == PreloadKind::Oversize && case.entries.preload_arrangement.is_some() {
         return Err(bad("preload_arrangement", "applies only to a pair of nuts"));
     }
     let amount = match (key, by) {
@@ -124,7 +127,7 @@ pub(super) fn preload(
 
 /// Returns the loads and the constraints of the nut.
 pub(super) fn support(case: &Case) -> Result<Support, CaseError> {
-    let free = case.nut.nut_guidance == Some(Named(Guidance::Free));
+    let free = case.entries.nut_guidance == Some(Named(Guidance::Free));
     let mut support = Support::guided(case.axial_load_N.unwrap_or(0.0));
     for (freedom, (keys, units)) in support.0[1..].iter_mut().zip(ACROSS) {
         let given: [Option<f64>; 3] = from_fn(|i| Some(case[keys[i]]? * units[i]));

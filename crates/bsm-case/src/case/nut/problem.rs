@@ -1,4 +1,4 @@
-//! Converts the inputs of a case to a nut in SI units.
+//! Conversion of the inputs of a case to a nut in SI units.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -65,13 +65,13 @@ pub struct NutProblem {
     pub(crate) ratings: TurnRatings,
     /// Friction data of the balls, together with the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
-    /// Friction coefficient at the far flanks; `None` if all flanks have the same coefficient.
+    /// Friction coefficient at the far flanks; `None` if it is the same as at the loaded flanks.
     far_friction: Option<f64>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
-    /// Tolerance of the friction torque of the preload.
+    /// Data that determine the tolerance of the friction torque due to preload.
     pub(crate) tolerance: TorqueTolerance,
     pub(crate) settings: Settings,
     /// Warm steady state of the nut, if it was requested.
@@ -91,7 +91,7 @@ pub(crate) struct NutAtRest {
     pub(crate) found: Equilibrium,
 }
 
-/// Preload of a nut and its setting.
+/// Preload of a nut, and the displacement with which it is set.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NutPreload {
     pub(crate) by: PreloadKind,
@@ -139,7 +139,7 @@ impl NutProblem {
         let design = rated_nut::nut(case)?;
         let thread = rated_nut::thread(case, &design)?;
         let body = rated_nut::body(case, &design, &thread)?;
-        // The inputs can give a fractional number of balls, but a circuit has an integer number of
+        // The inputs may give a fractional number of balls, but each circuit has a whole number of
         // balls.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = rated_nut::load_ratings(case, &design)?;
@@ -172,7 +172,7 @@ impl NutProblem {
         let friction = FrictionSource::of(case)?;
         let gaps = BallGaps::of(case, friction, &nut)?;
         let tolerance = TorqueTolerance {
-            grade: case.nut.accuracy_grade.map(|name| name.grade),
+            grade: case.entries.accuracy_grade.map(|name| name.grade),
             length: thread_length(case, design.lead, body.length),
             diameter: thread.screw.land,
         };
@@ -260,7 +260,7 @@ impl NutProblem {
                 self.nut.preloaded(by, displacement)
             }
         };
-        // The preload is set cold, and the offset or oversize is kept             (U19)
+        // The preload is set cold, and warming keeps the offset or oversize      (U19)
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),
@@ -304,7 +304,7 @@ impl Case {
     /// * `speed`: speed of the screw relative to the nut \[rad/s\].
     pub(crate) fn at_point(&self, load: f64, speed: f64) -> Self {
         let ratio = || self.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
-        let turning = match self.nut.driven_part {
+        let turning = match self.entries.driven_part {
             Some(Named(DrivenPart::Nut)) => Some(-1.0),
             Some(Named(DrivenPart::Screw)) => None,
             None => ratio(),
@@ -312,13 +312,13 @@ impl Case {
         let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
         let nut = nut.map(|share| share * speed / RPM);
         let mut case = self.without_carriage();
-        (case.axial_load_N, case.feed_m_min, case.nut.cycle) = (Some(load), None, None);
+        (case.axial_load_N, case.feed_m_min, case.entries.cycle) = (Some(load), None, None);
         case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
         case.nut_speed_rpm = nut;
         case
     }
 
-    /// Returns the case without moved mass, guide force, counterweight and counterbalance, because
+    /// Returns the case without moving mass, guide force, counterweight and counterbalance, because
     /// the axial load already includes their forces.
     pub(crate) fn without_carriage(&self) -> Self {
         let mut case = self.clone();
@@ -328,16 +328,15 @@ impl Case {
     }
 
     /// Returns the case under the largest load of its axis, and a note that states load and speed.
-    /// The load is the largest load in the cycle or, without a cycle, the axial load plus the
-    /// forces of mass, guides and counterbalance. Returns `None` if the axial load is the only
-    /// load.
+    /// This is the largest load in the cycle or, without a cycle, the axial load plus the forces of
+    /// moving mass, guides and counterbalance. Returns `None` if the axial load is the only load.
     ///
     /// # Errors
     ///
     /// Returns [`CaseError`] if an input of the axis is missing, or if the nut is loaded neither by
     /// the axis nor by a preload.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
-        let cycles = self.nut.cycle.is_some();
+        let cycles = self.entries.cycle.is_some();
         if !cycles && !carriage(self)?.is_loaded() {
             return Ok(None);
         }
@@ -383,9 +382,10 @@ impl Case {
     }
 }
 
-/// Returns the nut without its elastic bodies, and the kind of preload that it can have.
+/// Returns the nut without the elasticity of its bodies, and the kind of preload that the nut can
+/// have.
 fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
-    let words = &case.nut;
+    let words = &case.entries;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
     let (circuits, way) = if let Some(listed) = &words.circuits {
         if let Some(key) = SHORT.into_iter().find(|key| case[*key].is_some()) {
@@ -463,8 +463,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// If neither load nor preload is given, returns the case of a nut pair with a typical preload,
-/// which is a fixed fraction of the dynamic load rating. Returns `None` otherwise.
+/// If neither load nor preload is given, returns the case of a nut pair whose preload is a typical
+/// fraction of the dynamic load rating. Returns `None` otherwise.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -485,7 +485,7 @@ fn notes(
     let mut notes: Vec<_> = usual.map(assumed_preload).into_iter().collect();
     let by = preload.map(|(by, _)| by);
     if let (Some((PreloadKind::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
-        (preload, &case.nut.circuits)
+        (preload, &case.entries.circuits)
     {
         let arranged = if force < 0.0 {
             "pushed apart (O arrangement)"
@@ -516,7 +516,8 @@ fn notes(
     notes
 }
 
-/// Inputs that only the nut model uses. Other commands print a note that they ignore these inputs.
+/// Inputs that only the nut analysis uses. Other commands print a note that they ignore these
+/// inputs.
 pub(crate) const OF_A_NUT: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um

@@ -1,4 +1,4 @@
-//! Converts the inputs of a ball train to SI units.
+//! Conversion of the inputs for a ball train to SI units.
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
@@ -39,7 +39,7 @@ impl BallGaps {
         nut: &BallNut,
     ) -> Result<Self, CaseError> {
         use InputKey as K;
-        let listed = case.nut.circuits.as_deref().unwrap_or_default();
+        let listed = case.entries.circuits.as_deref().unwrap_or_default();
         let own = |circuit: usize| listed.get(circuit).and_then(|words| words.ball_gap_mm);
         let own_path = |circuit: usize| format!("circuits[{circuit}].ball_gap_mm");
         let circuits = nut.circuits.len();

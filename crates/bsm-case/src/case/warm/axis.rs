@@ -18,15 +18,15 @@ use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 /// Speed at which manufacturers measure the drag torque of a preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
-/// A nut in the condition in which the preload is set and manufacturers measure its torque: cold
-/// and at the speed [`SLOW`].
+/// A nut under the conditions under which the preload is set and manufacturers measure the drag
+/// torque: cold and at the speed [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
     /// Equilibrium of the nut with the loads and constraints of the problem.
     found: Equilibrium,
     pub(super) preload: Option<NutPreload>,
-    /// Equilibrium of the preloaded nut without load; the guides prevent tilting.
+    /// Equilibrium of the preloaded nut without external load. The guides prevent tilting.
     pub(super) unloaded: Option<Equilibrium>,
     /// Temperature at which the preload is set \[K\].
     set: f64,
@@ -41,7 +41,7 @@ impl ColdNut {
     ) -> Result<Self, CaseError> {
         let mut cold = case.cold().without_carriage();
         let celsius = case.number(InputKey::preload_temperature_C);
-        (cold.feed_m_min, cold.seal_torque_Nm, cold.nut.cycle) = (None, None, None);
+        (cold.feed_m_min, cold.seal_torque_Nm, cold.entries.cycle) = (None, None, None);
         (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
         let heaviest = machine.axis.heaviest().map_or(0.0, |phase| phase.load);
         cold.axial_load_N = Some(if case.is_preloaded() { 0.0 } else { heaviest });
@@ -56,7 +56,7 @@ impl ColdNut {
         Ok(Self { problem, nut, found, preload, unloaded, set: set_temperature(case) })
     }
 
-    /// Returns the data of the heat transfer through the balls. The contact areas are calculated
+    /// Returns the data for the heat transfer through the balls. The contact areas are calculated
     /// for the mean ball load under the cold preload or, without a preload, under the largest load.
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
@@ -68,13 +68,13 @@ impl ColdNut {
         Ok(BallLink::of(&self.nut, radii))
     }
 
-    /// Returns the ratio of drag torque to preload, `$K_x h$` \[m\], for the drag that is not
-    /// caused by the contacts. The ratio is 0 without a preload.
+    /// Returns the ratio of drag torque to preload, `$K_x h$` \[m\], for the part of the drag that
+    /// is not due to the contacts. The ratio is 0 without a preload.
     pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
         }
-        let by_rule = case.nut.drag_rule != Some(false);
+        let by_rule = case.entries.drag_rule != Some(false);
         let preloaded = self.preload.zip(self.unloaded.as_ref()).filter(|_| by_rule);
         let Some((preload, found)) = preloaded else { return 0.0 };
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };

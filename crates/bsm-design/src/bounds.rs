@@ -1,0 +1,95 @@
+//! Bounds of a quantity, and the rule by which a value meets them.
+
+/// Relative violation up to which a limit counts as met, because decimal inputs have rounding
+/// errors.
+pub(crate) const ROUNDING: f64 = 1e-9;
+
+/// Lower and upper limit of a quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Bounds {
+    /// Lower limit, if there is one.
+    pub least: Option<f64>,
+    /// Upper limit, if there is one.
+    pub most: Option<f64>,
+}
+
+impl Bounds {
+    /// Creates limits from an optional lower limit.
+    pub fn at_least(least: Option<f64>) -> Self {
+        Self { least, most: None }
+    }
+
+    /// Creates limits from an optional upper limit.
+    pub fn at_most(most: Option<f64>) -> Self {
+        Self { least: None, most }
+    }
+
+    /// Returns the violation relative to the limit, which is zero or negative within the limits,
+    /// and 1 if the value is NaN. Returns `None` if there are no limits.
+    pub fn violation(self, value: f64) -> Option<f64> {
+        let below = self.least.map(|least| 1.0 - value / least);
+        let above = self.most.map(|most| value / most - 1.0);
+        let violation = match (below, above) {
+            (Some(below), Some(above)) => below.max(above),
+            (one, other) => one.or(other)?,
+        };
+        Some(if value.is_nan() { 1.0 } else { violation })
+    }
+
+    /// Returns true if a value is within the limits, or if there are none.
+    pub fn are_met_by(self, value: f64) -> bool {
+        self.violation(value).is_none_or(|violation| violation <= ROUNDING)
+    }
+
+    /// Returns the factor by which the value may move towards the limit. Returns `None` if there
+    /// are no limits.
+    pub fn margin(self, value: f64) -> Option<f64> {
+        let below = self.least.map(|least| value / least);
+        let above = self.most.map(|most| most / value);
+        match (below, above) {
+            (Some(below), Some(above)) => Some(below.min(above)),
+            (one, other) => one.or(other),
+        }
+    }
+
+    /// Returns true if a [`margin`](Self::margin) is sufficient.
+    pub fn is_sufficient(margin: f64) -> bool {
+        margin >= 1.0 - ROUNDING
+    }
+
+    /// Returns the limits in another unit.
+    #[must_use]
+    pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
+        Self { least: self.least.map(&change), most: self.most.map(&change) }
+    }
+
+    /// Returns true if both have the same limits, apart from a relative difference.
+    ///
+    /// * `difference`: largest relative difference.
+    pub fn are_close_to(self, other: Self, difference: f64) -> bool {
+        let is_close = |one: Option<f64>, other: Option<f64>| match (one, other) {
+            (Some(one), Some(other)) => (one - other).abs() <= difference * other.abs(),
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        is_close(self.least, other.least) && is_close(self.most, other.most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values at a limit meet it in spite of rounding errors, and NaN meets no limit. A negative
+    /// value is below an upper limit.
+    #[test]
+    fn values_within_limits_meet_them() {
+        let both = Bounds { least: Some(0.3), most: Some(2.0) };
+        for (value, is_met) in [(0.1 + 0.2, true), (0.299, false), (2.0, true), (2.01, false)] {
+            assert_eq!(both.are_met_by(value), is_met, "{value}");
+            let margin = both.margin(value).expect("limits");
+            assert_eq!(Bounds::is_sufficient(margin), is_met, "{value}");
+        }
+        assert!(!both.are_met_by(f64::NAN) && Bounds::default().are_met_by(f64::NAN));
+        assert!(Bounds::at_most(Some(3.0)).are_met_by(-5.0));
+    }
+}
