@@ -33,7 +33,7 @@ pair = bs.Case(
 # ## Two contacts or three?
 #
 # Friction perpendicular to the grooves pushes each ball sideways. In a gothic arch with little play, the ball then
-# touches the opposite flank of its groove. The axial play determines whether this third contact exists.
+# touches the far flank of its groove. The axial play determines whether this third contact exists.
 
 # %%
 names = [

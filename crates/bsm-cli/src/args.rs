@@ -227,7 +227,8 @@ pub(crate) struct ModelArgs {
     /// Relative error of the friction integrals in traction; defaults to 1e-8.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
     accuracy: Option<f64>,
-    /// Ratio of creep speed to rolling speed in model traction; defaults to 1e-4.
+    /// Creep speed of model traction, divided by ball radius times relative speed of screw and nut;
+    /// defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
     /// Controlling raceway in raceway-control: nut or screw (default: automatic)
@@ -422,10 +423,11 @@ pub(crate) enum Show {
 pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Results to print. motion: the default; band: motion with the 90 % interval of friction from
-    /// oil; sensitivities: motion with derivatives with respect to each input; slip; ellipses:
-    /// pressure, slip and friction at each point (a table with -o); jam; optimum: contact angle
-    /// with the highest efficiency; ratings of the nut; steps: ratings with intermediate results.
+    /// Results to print. motion: without intervals (the default without a lubricant); band: motion
+    /// with the 90 % interval of friction from oil (the default with a lubricant); sensitivities:
+    /// motion with derivatives with respect to each input; slip; ellipses: pressure, slip and
+    /// friction at each point (a table with -o); jam; optimum: contact angle with the highest
+    /// efficiency; ratings of the nut; steps: ratings with intermediate results.
     #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_enum)]
     pub(crate) show: Vec<Show>,
     /// Number of points per semi-axis for --show ellipses. Defaults to 20.

@@ -132,11 +132,16 @@ fn request(args: &SelectArgs) -> Result<Value, Failure> {
 }
 
 fn count(list: &NutList, args: &SelectArgs) -> String {
-    let met = if args.conditions.is_empty() && args.requirement.is_none() {
-        String::new()
-    } else {
-        format!(", of which {} meet the requirements", list.within.len())
+    let all = match (args.requirement.is_some(), args.conditions.is_empty()) {
+        (false, true) => None,
+        (false, false) => Some("all conditions"),
+        (true, true) => Some("the requirement"),
+        (true, false) => Some("the requirement and all conditions"),
     };
+    let met = all.map_or_else(String::new, |all| {
+        let verb = if list.within.len() == 1 { "meets" } else { "meet" };
+        format!(", of which {} {verb} {all}", list.within.len())
+    });
     let left = if args.pareto {
         format!(
             ", of which {} are Pareto-optimal in dynamic load rating, stiffness and mass",
@@ -145,7 +150,7 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     } else {
         String::new()
     };
-    format!("{} nuts within the limits{met}{left}", list.all)
+    format!("The list contains {} nuts{met}{left}.", list.all)
 }
 
 /// Returns text that lists the names, units and descriptions of all columns.

@@ -63,7 +63,7 @@ fn describe(report: &Report) -> String {
             ]
         })
         .collect();
-    let header = ["", "check", "claimed", "measured", "unit", "where"];
+    let header = ["", "check", "reference", "calculated", "unit", "where"];
     let failed = report.checks.iter().filter(|c| c.verdict == Verdict::Fail);
     let failures: Vec<_> = failed
         .map(|c| {

@@ -15,7 +15,7 @@ pub(crate) const GRAVITY: f64 = 9.806_65;
 pub struct MachineTable {
     /// Moving mass `$m$` \[kg\].
     pub mass: f64,
-    /// Inclination `$\varphi$` of the axis \[rad\]. Zero is horizontal; at π/2, the positive feed
+    /// Inclination `$\theta$` of the axis \[rad\]. Zero is horizontal; at π/2, the positive feed
     /// points upward.
     pub inclination: f64,
     /// Friction coefficient of the guides.
@@ -48,7 +48,7 @@ impl MachineTable {
     /// (BB4).
     ///
     /// ```math
-    /// F = xF_p + w - xF_b + s\,x(\mu mg\cos\varphi + F_g) + x(m + m_c)\,a, \qquad w = x\,[mg\sin\varphi - m_cg]
+    /// F = xF_p + w - xF_b + s\,x(\mu mg\cos\theta + F_g) + x(m + m_c)\,a, \qquad w = x\,[mg\sin\theta - m_cg]
     /// ```
     ///
     /// * `process`: process force on the carriage \[N\], positive if it opposes a positive feed.
@@ -57,7 +57,7 @@ impl MachineTable {
     ///
     /// Source: THK, "Calculating the permissible axial load", horizontal and vertical mount.
     pub fn load(&self, process: f64, direction: f64, acceleration: f64) -> f64 {
-        // F = x F_p + w − x F_b + s x (μ m g cosφ + F_g) + x (m + m_c) a  (BB4)
+        // F = x F_p + w − x F_b + s x (μ m g cosθ + F_g) + x (m + m_c) a  (BB4)
         self.rest_load(process)
             + direction * self.guide_friction()
             + self.share * self.moved_mass() * acceleration

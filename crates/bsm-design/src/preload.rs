@@ -26,7 +26,7 @@ pub enum PreloadMethod {
 }
 
 impl PreloadMethod {
-    /// Returns the maximum preload as a fraction of the dynamic load rating, `$\phi$` (AA6).
+    /// Returns the maximum preload as a fraction of the dynamic load rating, `$q$` (AA6).
     ///
     /// Source: THK, A-687; HIWIN BS-08-2, 3.6.1 and 3.6.2.
     pub fn share(self) -> f64 {
@@ -55,7 +55,7 @@ impl PreloadSize {
 /// (AA6).
 ///
 /// ```math
-/// F_{max}/2^{3/2} \le F_{pr} \le \phi\,C_a
+/// F_{max}/2^{3/2} \le F_{pr} \le q\,C_a
 /// ```
 ///
 /// Source: THK, A-687, which uses a third of the load; (D14).

@@ -359,7 +359,7 @@ impl Requirement {
             rule(Quantity::StaticSafety, axis.static_safety(), least(Some(self.static_safety))),
         ];
         let largest = most(Some(self.method.share() * rating));
-        // F_pr ≤ φ C_a                                                    (AA6)
+        // F_pr ≤ q C_a                                                    (AA6)
         rules.extend(axis.preload.map(|x| rule(Quantity::Preload, x, largest)));
         let (ratio, largest) = (axis.critical_speed_ratio(), most(Some(self.speed_ratio)));
         rules.extend(ratio.map(|x| rule(Quantity::CriticalSpeedRatio, x, largest)));

@@ -2,8 +2,7 @@
 //!
 //! The crate uses SI units and radians throughout. It does not use files, threads or random
 //! numbers. A [`Problem`] is one operating point with the inputs of one model. [`Problem::solve`]
-//! returns a [`Solution`] even if the operating point has no solution; the returned value then
-//! contains the reason.
+//! always returns a [`Solution`]. If there is no steady motion, the solution contains the reason.
 //!
 //! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!

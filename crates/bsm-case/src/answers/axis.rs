@@ -76,7 +76,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression due to constrained thermal expansion reduces the critical speed; empty for a screw at rest";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; includes compression due to constrained thermal expansion. Calculated only if the screw turns";
         nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
         critical_speed_warm_rpm ["rpm"] Scalar(|w| {
             let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
@@ -85,8 +85,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
-            "buckling load for the end conditions that the input support implies";
-        buckling_safety_of_support [""] Scalar(|w| w.axis().buckling_safety_of_support()), "buckling safety factor for the end conditions that the input support implies";
+            "buckling load with the end conditions of the input support";
+        buckling_safety_of_support [""] Scalar(|w| w.axis().buckling_safety_of_support()), "buckling safety factor with the end conditions of the input support";
         yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load at a core stress of 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
@@ -148,7 +148,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor; the smaller of the values from the static load rating and from the most loaded ball";
-        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life under the cycle according to ISO 3408-5";
+        cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life under the cycle according to ISO 3408-5, revolutions";
         cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life under the cycle according to ISO 3408-5";
         cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life under the cycle as travel in both directions";
         cycle_life_cycles [""] Scalar(|w| Some(w.life()?.revolutions / w.revolutions_per_cycle()?)), "life in cycles";
@@ -233,7 +233,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
             let turns = w.machine.nut_inertia.is_none();
             w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
-        }), "moment of inertia of the screw; empty for a screw at rest";
+        }), "moment of inertia of the screw; calculated only if the screw turns";
         nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
         reflected_mass_kg ["kg" "m_r"] Scalar(|w| w.machine.has_inertia().then(|| w.machine.drive.reflected_mass())), "reflected mass: mass on the carriage with the same kinetic energy as screw, gear and motor";
@@ -578,7 +578,7 @@ impl AxisReport {
             if is_free {
                 Content::Json(json!(back_driving))
             } else {
-                Content::Text("load at rest", back_driving)
+                Content::Text("effect of the load at rest on the screw:", back_driving)
             },
         );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));

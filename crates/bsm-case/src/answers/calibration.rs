@@ -455,7 +455,7 @@ impl Calibration {
             condition: Data(condition),
             shown_residual: Word("RMS residual:", residual),
             shown_weighted: Label(label, weighted),
-            shown_condition: Word("condition:", format!("{}{caution}", number(condition))),
+            shown_condition: Word("condition number:", format!("{}{caution}", number(condition))),
             points: Rows(points),
         })
     }

@@ -238,7 +238,7 @@ impl DesignReport {
                 verdict: row.requirement.as_ref().map(|_| verdict),
             }
         };
-        let label = if self.found { "active limit" } else { "limit that cannot be met" };
+        let label = if self.found { "active limit" } else { "no screw found" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
         let of = Answer { notes, warnings, fails: !self.found, ..Answer::default() };
         of.with_members(DesignMembers {
@@ -415,7 +415,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
 quantities! { pub(crate) STEPS, in_units(&f64);
     "steps of a design" {
         lead_angle_deg = INPUTS Scalar(|x| x / DEG);
-        optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "optimum contact angle, with the best efficiency";
+        optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "contact angle with the highest efficiency in gross skid; for comparison only";
         contact_angle_deg = INPUTS Scalar(|x| x / DEG);
         screw_length_mm = REQUIREMENT_INPUTS Scalar(|x| x / MM);
         pitch_radius_over_length [""] Scalar(|x| *x), "pitch circle radius / length of the screw";
@@ -558,7 +558,10 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
         check(holds.quantity).and_then(required).unwrap_or_default() + &unit(holds.quantity);
     let [without, with] =
         [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)) + &unit(quantity));
-    format!("{name} {limit}: without this limit {} {without}, with it {with}", step(quantity).about)
+    format!(
+        "{name} {limit}. Without this limit, the best screw would have {} = {without} instead of {with}",
+        step(quantity).about
+    )
 }
 
 /// Describes a limit that cannot be met, with the best possible value and the cause.
@@ -569,18 +572,18 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     match cause {
         Infeasibility::SingleLimit(best) => {
             format!(
-                "{rule}: if all other limits are met, the best possible value is {}",
+                "{rule}, but if all other limits are met, the best possible value is {}",
                 number(*best)
             )
         }
         Infeasibility::SeveralLimits => {
             format!(
-                "{rule}: the nearest compromise has {} and also violates other limits",
+                "{rule}, but the nearest compromise has {} and also violates other limits",
                 number(check.value)
             )
         }
         Infeasibility::WholeBalls => format!(
-            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number of balls would meet the limit",
+            "{rule}, but the nearest screw with an integer number of standard balls has {}; only a fractional number of balls would meet the limit",
             number(check.value)
         ),
     }

@@ -56,7 +56,7 @@ row! {
         friction_across: Field;
         friction_along: Field;
         /// Share of the points whose slip speed is below the creep speed.
-        sticking_share: f64 = "sticking share";
+        sticking_share: f64 = "share of the ellipse below the creep speed";
     }
 }
 

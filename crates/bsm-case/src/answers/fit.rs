@@ -600,7 +600,9 @@ impl Fit {
         let (low, high) = self.range;
         match (&self.target, &report.found[..], report.reachable) {
             (_, _, None) => {
-                format!("{what} has no value with {input} from {low} to {high}")
+                format!(
+                    "{what} has no value with {input} from {low} to {high}: an input that {what} needs is missing, or no value in this range has a result"
+                )
             }
             (Target::Limit { rule }, ..) => {
                 let parts: Vec<_> = report
@@ -619,7 +621,7 @@ impl Fit {
                         String::new()
                     };
                     format!(
-                        "the rule \"{rule}\" is met with {input} from {}{limits}{jumps}",
+                        "the rule \"{rule}\" is met with {input} from {} (searched range: {low} to {high}){limits}{jumps}",
                         parts.join(", and from ")
                     )
                 }

@@ -199,9 +199,12 @@ const NO_GROOVE: &str = "none";
 
 /// Describes the ball of an estimated groove, and whether its diameter is given or estimated.
 fn estimated_ball(case: &Case) -> Option<String> {
-    let given =
-        if case.estimates(InputKey::ball_diameter_mm.name()) { "estimated" } else { "given" };
-    Some(format!("estimated, ball {} mm {given}", trimmed(case.ball_diameter_mm?)))
+    let what = if case.estimates(InputKey::ball_diameter_mm.name()) {
+        "estimated together with the ball of"
+    } else {
+        "estimated for the given ball of"
+    };
+    Some(format!("{what} {} mm", trimmed(case.ball_diameter_mm?)))
 }
 
 /// Columns of stated values, each with the column of the corresponding calculated value.

@@ -365,7 +365,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
-            "  third contacts, included in the contacts with nut and screw";
+            "  of which third contacts";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
             "share of the friction torque of the balls that third contacts cause";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
@@ -590,7 +590,7 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
-        "A measurement of the preload should give a friction torque of {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
+        "According to the manufacturers' rule, a measurement of the preload gives a friction torque of {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, without wipers{with_seals}. The starting torque is usually \
          1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
     )
 }
@@ -983,9 +983,9 @@ impl NutReport {
                     ));
                 }
                 notes.push(format!(
-                    "The torque {not_in_it}. Measured drag coefficients K_p of catalogs are 0.1 to 0.3 in \
-                     T = K_p F_p lead/(2 pi). Two contacts per ball cause about a quarter of this torque; with little play \
-                     (axial_play_um), a third contact causes most of the rest."
+                    "The torque {not_in_it}. Catalogs state drag coefficients K_p of 0.1 to 0.3 in \
+                     T = K_p F_p lead/(2 pi). Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule \
+                     predicts; with little play (axial_play_um), a third contact can cause the rest."
                 ));
             }
         }

@@ -87,7 +87,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
             "distance of the arc centers from the middle of the screw groove";
         nut_core_diameter_mm ["mm"] Scalar(|r| r.thread.nut.core / MM),
             "calculated core diameter of the nut; at the bottom of the complete groove arcs";
-        screw_core_diameter_mm ["mm" "d_2"] Scalar(|r| r.thread.screw.core / MM),
+        screw_core_diameter_mm ["mm" "d_3"] Scalar(|r| r.thread.screw.core / MM),
             "calculated core diameter of the screw; at the bottom of the complete groove arcs";
         nut_root_diameter_mm ["mm"] Scalar(|r| r.thread.nut.root / MM),
             "root diameter of the nut, where the two groove arcs meet";

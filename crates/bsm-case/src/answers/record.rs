@@ -42,20 +42,22 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     };
     let why = match choice.basis {
         Basis::Rolling { onset_number } if bound > choice.tolerance => format!(
-            "no more accurate model has a result here; raceway control has a skid onset number of {onset_number:.2e}"
+            "; no more accurate model has a result here, and raceway control has a skid onset number of {onset_number:.2e}"
         ),
-        Basis::Rolling { onset_number } => format!("rolling, skid onset number {onset_number:.2e}"),
+        Basis::Rolling { onset_number } => {
+            format!(", because the ball rolls (skid onset number {onset_number:.2e})")
+        }
         Basis::GrossSkid { onset_number } => {
-            format!("gross skid, skid onset number {onset_number:.1}")
+            format!(", because the ball is in gross skid (skid onset number {onset_number:.1})")
         }
         Basis::Integrated { accuracy } => {
             format!(
-                "no faster model is accurate enough here; friction is integrated with an accuracy of {accuracy:.0e}"
+                ", because friction is integrated with an accuracy of {accuracy:.0e}; no faster model is accurate enough here"
             )
         }
-        other => format!("{other:?}"),
+        other => format!(": {other:?}"),
     };
-    format!("efficiency error at most {bound:.1e}: {why}")
+    format!("efficiency error at most {bound:.1e}{why}")
 }
 
 /// Result at one operating point: model, status and outputs, or the reason why there are no
@@ -185,7 +187,7 @@ impl Record {
             (slip(Site::Nut), solution.model, solution.choice)
         {
             let unloaded = slip(Site::NutUnloaded).map_or_else(String::new, |slip| {
-                format!(", slip {:.0} m/s at the unloaded flank", slip.speed)
+                format!(", slip {:.0} m/s at the far flank", slip.speed)
             });
             warnings.push(format!(
                 "The ball spin is {:.2e} rad/s{unloaded}. This model assumes gross skid, but a ball whose \
@@ -249,7 +251,7 @@ impl Record {
 
     /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact; the contacts cause about a third of the torque of a preloaded nut.";
+        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule predicts for a preloaded nut.";
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
@@ -264,7 +266,7 @@ impl Record {
         };
         Some(match rigid.critical_lead_angle() {
             Some(angle) => format!(
-                "The critical lead angle of this point is {:.4} deg; model rigid has a solution above this angle.",
+                "For these inputs, model rigid has solutions above a critical lead angle of {:.4} deg.",
                 angle / DEG
             ),
             None => {
@@ -423,7 +425,7 @@ impl Record {
             ("chosen", self.choice()),
             ("status", Some(status)),
             ("reason", self.message.clone()),
-            ("shown by", evidence),
+            ("evidence", evidence),
             ("regime", self.regime().map(str::to_owned)),
             ("lubrication", self.lubrication()),
             ("controlling raceway", raceway),
@@ -485,12 +487,15 @@ impl Record {
             ..Answer::default()
         };
         if let Some(parts) = &parts {
-            answer = answer
-                .with_shown(Content::numbers(parts.numbers.clone(), "screw"))
-                .with_shown(Content::Text("contacts by model", Some(parts.contacts.clone())));
+            answer =
+                answer.with_shown(Content::numbers(parts.numbers.clone(), "screw")).with_shown(
+                    Content::Text("model of the ball contacts", Some(parts.contacts.clone())),
+                );
         }
         answer.sections.extend(self.shown(case));
-        let of_model = |band: &LossInterval| Word("drawn by model", band.model.name().to_owned());
+        let of_model = |band: &LossInterval| {
+            Word("interval calculated with model", band.model.name().to_owned())
+        };
         let not_in_it = band.is_some().then(|| NOT_IN_IT.to_owned());
         let rows = |rows: &Vec<Sensitivity>| Keyed(rows.iter().map(Sensitivity::row).collect());
         answer.with_members(MotionResult {
@@ -541,8 +546,8 @@ pub struct Supplement {
 }
 
 /// Effects that the calculated torque of lubricated contacts neglects.
-const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Catalog rules for the torque of a preloaded nut give three times the torque of \
-                         the contacts.";
+const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the \
+                         manufacturers' rule predicts for a preloaded nut.";
 
 row! {
     /// An interval due to uncertain lubricated friction.
@@ -565,7 +570,7 @@ fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -
         high: high(*ends),
     };
     Keyed(vec![
-        row("contact_loss_ratio", "contact loss / stated contact loss", "", loss),
+        row("contact_loss_ratio", "contact loss / contact loss of this solution", "", loss),
         row("ball_torque_Nm", "torque of the balls", "N m", screw_torque),
         row("efficiency", "efficiency", "", efficiency),
     ])
@@ -621,14 +626,15 @@ pub(crate) fn message(reason: &Reason) -> String {
              load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
         ),
         Reason::NutContactWouldRoll { slip, exact, .. } => {
-            let how = if *exact { "exactly" } else { "to first order in the inertia" };
+            let how =
+                if *exact { "from the full equations" } else { "to first order in the inertia" };
             format!(
-                "the slip at the nut would have to be negative, {slip:.3e} r_b |W| ({how}): the ball \
+                "a steady motion would need a slip of {slip:.3e} r_b |W| at the nut, against its friction ({how}): the ball \
                  rolls on the nut, which saturated friction does not cover"
             )
         }
         Reason::UnloadedFlankWouldPull { load_ratio } => format!(
-            "the unloaded flank would have to pull the ball: its normal load would be \
+            "the far flank would have to pull the ball: its normal load would be \
              {load_ratio:.3e} times the axial load"
         ),
         Reason::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => format!(

@@ -138,7 +138,7 @@ pub(crate) fn beyond_the_flank(
         return None;
     };
     Some(format!(
-        "The contact ellipse extends from {from:.1} to {to:.1} deg along the groove of the {member}: {what}, and Hertz's theory \
-         does not hold there. Reduce the load, or use more or larger balls."
+        "The contact ellipse covers {from:.1} to {to:.1} deg of the groove profile of the {member}, measured from the radial direction: {what}, \
+         and Hertz's theory does not hold there. Reduce the load, or use more or larger balls."
     ))
 }

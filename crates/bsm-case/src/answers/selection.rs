@@ -450,7 +450,7 @@ impl NutFilter {
                 None => format!("without {text}, no nut remains either"),
             }
         };
-        let count = format!("none of {} nuts within the limits meets all conditions", all.len());
+        let count = format!("none of the {} nuts in the list meets all conditions", all.len());
         let reasons = self.of_nut.iter().enumerate().map(without);
         std::iter::once(count).chain(reasons).collect()
     }

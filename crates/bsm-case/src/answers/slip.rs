@@ -23,23 +23,23 @@ number_tables! {
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
         gyroscopic_angle_deg ["deg"] Scalar(|s| s.solved.ball.gyroscopic_angles()[0] / DEG),
-            "gyroscopic angle between the axis of rotation and the plane of t and b";
+            "gyroscopic angle between the axis of rotation and the plane of t (along the helix) and b (binormal)";
         gyroscopic_yaw_angle_deg ["deg"] Scalar(|s| s.solved.ball.gyroscopic_angles()[1] / DEG),
-            "gyroscopic angle in the plane of t and b, from -b towards t";
+            "gyroscopic angle in the plane of t (along the helix) and b (binormal), from -b towards t";
     }
     "slip between neighboring balls" {
-        ball_slip_printed_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip_published()), "slip speed between neighboring balls as printed";
+        ball_slip_printed_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip_published()), "slip speed between neighboring balls, formula of Xu and Tang";
         ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighboring balls";
     }
     "slip at the contacts" {
-        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip at the center of the contact";
-        slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "slide-roll ratio: differential slip / rolling speed";
+        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "slip speed at the center of the contact";
+        slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "slide-roll ratio: slip speed at the center of the contact / rolling speed";
         rolling_speed_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.rolling_speed(&c.touch))), "rolling speed";
-        spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip as printed";
-        spin_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin_slip_published(c.touch.angle))), "spin slip as corrected";
+        spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip, formula of Xu and Tang";
+        spin_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin_slip_published(c.touch.angle))), "spin slip, corrected formula";
         spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin(&c.touch))), "spin about the normal";
-        orbit_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|site, angle| s.solved.ball.orbit_slip_published(site, angle))), "orbit slip as printed";
-        orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip as corrected";
+        orbit_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|site, angle| s.solved.ball.orbit_slip_published(site, angle))), "orbit slip, formula of Xu and Tang";
+        orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip, corrected formula";
         orbit_spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_spin(&c.touch))), "part of the spin due to the orbital motion";
         spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
@@ -48,7 +48,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     }
     "friction at the contacts" {
         used_friction_coefficient [""] Contacts(|s| s.friction(|f| f.used)),
-            "utilized friction coefficient: friction force / normal load";
+            "used friction coefficient: friction force / normal load";
     }
     "moments about the tangent" {
         tangent_friction_moment_Nmm ["N mm"] Contacts(|s| s.friction(|f| f.moment / MM)), "moment of friction on the ball about the tangent";

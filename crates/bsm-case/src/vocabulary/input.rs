@@ -593,9 +593,9 @@ inputs! {
         required_life_h ["h" "L_h"] Above(0.0), None,
             "required life; includes the standstill of the cycle";
         required_life_revolutions [""] Above(0.0), None,
-            "required life in revolutions in both directions; replaces required_life_h";
+            "required life in revolutions, both directions added; replaces required_life_h";
         required_life_km ["km"] Above(0.0), None,
-            "required life as travel in both directions; replaces required_life_h";
+            "required life as travel, both directions added; replaces required_life_h";
         required_life_cycles [""] Above(0.0), None,
             "required life in cycles; replaces required_life_h";
         required_life_strokes [""] Above(0.0), None,

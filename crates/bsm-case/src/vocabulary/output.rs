@@ -253,7 +253,7 @@ macro_rules! outputs {
     (@scope $($at:ident)+) => { Scope::Contacts };
     (@said nut) => { ", nut" };
     (@said screw) => { ", screw" };
-    (@said unloaded) => { ", unloaded flank of the nut" };
+    (@said unloaded) => { ", far flank of the nut" };
     (@said whole) => { "" };
     (@site screw) => { Site::Screw };
     (@site unloaded) => { Site::NutUnloaded };
@@ -333,7 +333,7 @@ outputs! {
             "power loss due to drag of the balls in the lubricant";
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
-        "equivalent thread friction coefficient" [""] Number: catalog_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalog_friction),
+        "friction coefficient of a plain thread with this efficiency" [""] Number: catalog_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalog_friction),
             "friction coefficient of a plain thread with the same efficiency, as stated in catalogs";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
             "temperature of the lubricant, given or calculated from the heat balance";
@@ -341,11 +341,11 @@ outputs! {
             "dynamic viscosity of the lubricant at its temperature";
         "pressure-viscosity coefficient" ["1/GPa" "alpha_p"] Number: pressure_viscosity_1_GPa whole = |s, _| Some(s.film.as_ref()?.pressure_viscosity * GPA),
             "pressure-viscosity coefficient of the lubricant";
-        "heating of the film" ["K"] Number: film_heating_K whole = |s, _| Some(s.film.as_ref()?.heating),
+        "temperature rise of the film" ["K"] Number: film_heating_K whole = |s, _| Some(s.film.as_ref()?.heating),
             "temperature rise of the hotter film due to sliding; not included in the viscosity";
         "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.error.as_ref()?.efficiency),
             "upper bound of the efficiency error. With model traction, it covers the integration over the contact ellipses; with model auto, it covers the difference from model traction at 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and its contacts have no bound if auto chooses a model other than traction";
-        "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
+        "relative error bound of the loss" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
             "upper bound of the error of the power loss, relative to the power loss of this result; null if above 0.5";
         "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.ball.axial_displacement? / UM),
             "axial displacement of the nut";
@@ -363,13 +363,13 @@ outputs! {
             "skid onset number: skid number times a factor that accounts for the friction consumed by lead-induced slip. Below 0.1, the ball rolls; above 2, it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
             "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
-        "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
+        "gap at the far flank (negative if pressed)" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
             "gap between a ball and the closer of the two far flanks at axial_play_um; a negative gap is the elastic approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
             "normal load of the third contact of a ball, at the far flank of nut or screw";
         "third contact slip speed" ["m/s"] Number: third_contact_slip_m_s whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.slip),
             "slip speed of the third contact";
-        "third contact power share" [""] Number: third_contact_power_share whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.power_share),
+        "third contact: share of the friction power" [""] Number: third_contact_power_share whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.power_share),
             "share of the friction power of a ball that is lost at the third contact";
     }
     "contact" {

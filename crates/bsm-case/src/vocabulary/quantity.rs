@@ -141,7 +141,7 @@ impl Scope {
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Scalar | Self::Statement => &[""],
-            Self::Contacts => &["nut", "screw", "unloaded flank"],
+            Self::Contacts => &["nut", "screw", "far flank"],
             Self::Directions => &["rotary to linear", "linear to rotary"],
         }
     }
@@ -271,7 +271,7 @@ macro_rules! quantities {
     };
     (@Contacts $($of:tt)*) => {
         $crate::vocabulary::quantity::quantities!(
-            @columns "number" ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", unloaded flank"], ($($of)*)
+            @columns "number" ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", far flank"], ($($of)*)
         )
     };
     (@Directions $($of:tt)*) => {

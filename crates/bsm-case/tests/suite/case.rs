@@ -260,9 +260,9 @@ fn auto_states_error_bound_and_reason_of_its_choice() {
         (record.model().name(), why)
     };
     for (tolerance, load, model, part) in [
-        (0.02, "axial_load_N=2113", "raceway-control", "rolling, skid onset"),
+        (0.02, "axial_load_N=2113", "raceway-control", "the ball rolls (skid onset"),
         (1e-4, "axial_load_N=2113", "traction", "integrated with"),
-        (0.02, "axial_load_N=1", "elastic", "gross skid, skid onset"),
+        (0.02, "axial_load_N=1", "elastic", "gross skid (skid onset"),
     ] {
         let (name, why) = solve(tolerance, load);
         assert_eq!(name, model, "{why}");
@@ -548,7 +548,7 @@ fn contact_columns_show_values_of_their_own_contact() {
         let columns = row.quantity.columns.iter();
         for ((head, column), value) in Scope::Contacts.members().iter().zip(columns).zip(row.values)
         {
-            let contact = if *head == "unloaded flank" { "unloaded_flank" } else { head };
+            let contact = if *head == "far flank" { "unloaded_flank" } else { head };
             assert_eq!(column.name, format!("{contact}_{tail}"));
             assert_eq!(
                 value.is_some(),

@@ -102,7 +102,7 @@ fn order_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     pair.insert("unsupported_length_mm".into(), json!(1000));
     let report = sheet(&pair).expect("a sheet");
     let order = report.order.to_string();
-    for words in ["double nut 170 mm", "thread 890 mm", "length between bearings 1000 mm"] {
+    for words in ["double nut, length 170 mm", "thread 890 mm", "length between bearings 1000 mm"] {
         assert!(order.contains(words), "{words}: {order}");
     }
     pair.remove("unsupported_length_mm");

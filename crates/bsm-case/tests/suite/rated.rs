@@ -151,7 +151,7 @@ fn machining_center_with_catalog_data_matches_the_reference() {
     // Each number in this hand calculation has five digits.
     let safety = 265_885.0 / (7000.0 + pressed);
     assert_relative_eq!(number(&report, "buckling_safety"), safety, max_relative = 3e-5);
-    let slack = report.answer.rules.iter().find(|rule| rule.title == "pretension left");
+    let slack = report.answer.rules.iter().find(|rule| rule.title == "remaining pretension");
     let help = slack.and_then(|rule| rule.remedy.as_deref()).expect("it is slack");
     assert!(help.contains("above a temperature rise of 3.0 K"), "{help}");
     assert!(report.order.to_string().contains("preload 2500 N, C3"), "{}", report.order);

@@ -54,7 +54,7 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
     ] {
         near(number(&report, name), value, 2e-5, name);
     }
-    assert!(rule(&report, "pretension left").passes());
+    assert!(rule(&report, "remaining pretension").passes());
     let soft = center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
     near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
     near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
@@ -62,7 +62,7 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
     // buckling safety.
     let warm = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
-    let slack = rule(&warm, "pretension left");
+    let slack = rule(&warm, "remaining pretension");
     let help = slack.remedy.as_deref().expect("it fails");
     assert!(help.contains("pretension_K 8, because the screw loses its pretension above a temperature rise of 3.0 K"), "{help}");
     let pressed = number(&warm, "largest_load_N") + 11_008.8;

@@ -211,16 +211,18 @@ fn sheet_states_preload_torque_temperature_and_back_driving() {
     // The torque is the product of 0.05/sqrt(tan), with tan = 10/(pi 41.75) to six digits, the
     // preload of 3000 N and the lead of 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
-    let measure = note(&level, "A measurement of the preload").expect("a preload");
+    let measure =
+        note(&level, "According to the manufacturers' rule, a measurement").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % according to C3)", "with the seals 1.165 N m"] {
         assert!(measure.contains(part), "{measure}");
     }
     assert_eq!(note(&level, "Without motor power"), None);
     let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
-    let coarse = note(&coarse, "A measurement of the preload").expect("a preload");
+    let coarse =
+        note(&coarse, "According to the manufacturers' rule, a measurement").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
     // The note for a screw without a grade used to read as if the standard contained no value.
-    let ungraded = note(&axis(&NUT[..7]), "A measurement of the preload");
+    let ungraded = note(&axis(&NUT[..7]), "According to the manufacturers' rule, a measurement");
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
@@ -626,7 +628,9 @@ fn slenderness_is_limited_only_on_request() {
         held.iter().find(|text| text.starts_with("pitch circle radius / length of the screw >= "));
 
     assert!(
-        slender.is_some_and(|text| text.contains("without this limit mass of nut and screw 1.5513 kg")),
+        slender.is_some_and(
+            |text| text.contains("the best screw would have mass of nut and screw = 1.5513 kg")
+        ),
         "{held:?}"
     );
 }
@@ -834,21 +838,21 @@ fn buckling_rule_names_its_end_conditions() {
     for (inputs, ends, loads, safeties, is_default) in [
         (
             r#""lead_mm":6.35,"shaft_diameter_mm":21.336,"unsupported_length_mm":1050.2138,"support":"fixed-supported","axial_load_N":2224.1"#,
-            "end conditions fixed-fixed (default); for the end conditions that the input support implies, fixed-supported: 17.33",
+            "end conditions fixed-fixed (default). With the end conditions of the input support (fixed-supported), the safety factor is 17.33",
             [75_369.658_973_678_41, 38_546.841_998_044_52],
             [33.887_711_422_001_69, 17.331_433_837_527_324],
             true,
         ),
         (
             r#""lead_mm":5,"shaft_diameter_mm":16.5,"unsupported_length_mm":600,"support":"fixed-free","axial_load_N":2000"#,
-            "end conditions fixed-fixed (default); for the end conditions that the input support implies, fixed-free: 2.58",
+            "end conditions fixed-fixed (default). With the end conditions of the input support (fixed-free), the safety factor is 2.58",
             [82_591.101_257_860_41, 5_161.943_828_616_276],
             [41.295_550_628_930_21, 2.580_971_914_308_138],
             true,
         ),
         (
             r#""lead_mm":10,"shaft_diameter_mm":34.4,"unsupported_length_mm":1500,"buckling_length_mm":1300,"support":"fixed-fixed","buckling_support":"fixed-supported","axial_load_N":20000"#,
-            "end conditions fixed-supported; for the end conditions that the input support implies, fixed-fixed: 16.6",
+            "end conditions fixed-supported. With the end conditions of the input support (fixed-fixed), the safety factor is 16.6",
             [169_996.233_863_483_74, 332_389.308_928_353_5],
             [8.499_811_693_174_188, 16.619_465_446_417_674],
             false,

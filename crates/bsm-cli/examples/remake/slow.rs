@@ -202,7 +202,7 @@ fn auto_means(settings: &[Value]) -> Result<String> {
     let times = settings.iter().find(auto).map(|setting| group_times(setting, "all"));
     let times = times.transpose()?.flatten().ok_or("no times of auto")?;
     let [one, row] = [number(&times["single"], "mean")?, number(times, "batch")?].map(micro);
-    Ok(format!("{one} us, a row of a table {row} us"))
+    Ok(format!("{one} us, and one row of a table takes {row} us"))
 }
 
 /// Time and memory use of one run of the program.

@@ -60,8 +60,8 @@ fn slip_output_contains_published_and_exact_formulas() {
     for part in [
         "model   traction",
         "slip between neighboring balls",
-        "spin slip as printed",
-        "spin slip as corrected",
+        "spin slip, formula of Xu and Tang",
+        "spin slip, corrected formula",
         "gyroscopic angle",
         "spin slip at the end of the ellipse",
         "of the slip due to the curved surface",

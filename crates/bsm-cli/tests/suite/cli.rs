@@ -159,7 +159,7 @@ fn missing_solution_causes_exit_code_3_and_a_reason() {
     assert_eq!(output.status.code(), Some(3));
     let text = stdout(&output);
     assert!(text.contains("no_solution"), "{text}");
-    assert!(text.contains("critical lead angle of this point is 7.075"), "{text}");
+    assert!(text.contains("above a critical lead angle of 7.075"), "{text}");
 }
 
 /// Invalid input must cause one paragraph on standard error, exit code 2 (1 for a file error),

@@ -206,7 +206,10 @@ fn all_commands_report_the_same_efficiency_for_a_screw() {
     let sum = part("ideal_torque_Nm") + rub + drag + 0.3 + 0.5;
     assert!((part("screw_torque_Nm") / sum - 1.0).abs() < 1e-12, "{parts}");
     let table = run(&[&["solve", "screw.json"], &sets[..]].concat());
-    assert!(table.contains("contacts by model") && table.contains("support bearings"), "{table}");
+    assert!(
+        table.contains("model of the ball contacts") && table.contains("support bearings"),
+        "{table}"
+    );
 }
 
 /// Returns all numbers of an answer with their names, without the repeated inputs.

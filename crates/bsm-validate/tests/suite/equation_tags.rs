@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use self::sources::files;
 
-/// Beginning of a line in a theory chapter that lists equations which only tests evaluate.
-const BY_TESTS: &str = "Checked by tests alone:";
+/// Beginning of a sentence in a theory chapter that lists equations which only tests evaluate.
+const BY_TESTS: &str = "Only tests evaluate";
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("UTF-8 text")

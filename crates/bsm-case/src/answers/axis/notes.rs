@@ -292,7 +292,8 @@ impl AxisState<'_> {
         if plays && self.case.axial_play_um.is_none() {
             lack(
                 &["lost_motion_um"],
-                "axial_play_um is not given and is assumed to be 0".to_owned(),
+                "axial_play_um is not given, so the lost motion does not include the axial play"
+                    .to_owned(),
             );
         }
         if let Some(text) = self.case.cold_lubricant() {
@@ -338,7 +339,7 @@ impl AxisState<'_> {
         (by_default && safety >= required && of_support < required).then(|| {
             format!(
                 "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end \
-                 condition); for the end conditions that the input support implies, it is {of_support:.2}. Set buckling_support to the actual end conditions."
+                 condition); with the end conditions of the input support, it is {of_support:.2}. Set buckling_support to the actual end conditions."
             )
         })
     }
@@ -403,7 +404,7 @@ impl AxisState<'_> {
         let [low, high] = contacts::band(self.case, self.settings, point, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
-            "Friction calculated from the lubricant: at {:.0} N and {:.0} rpm, the friction torque of the contacts has a 90 % interval of {:.3} to {:.3} N m due to uncertain inputs; the calculated value is {friction:.3} N m.",
+            "Friction calculated from the lubricant: at an axial load of {:.0} N and a screw speed of {:.0} rpm, the friction torque of the contacts has a 90 % interval of {:.3} to {:.3} N m due to uncertain inputs; the calculated value is {friction:.3} N m.",
             point.load,
             point.friction_speed / RPM,
             low * friction,

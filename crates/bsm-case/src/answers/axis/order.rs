@@ -79,10 +79,10 @@ impl AxisState<'_> {
             order.add("balls", "ball ", format!("{} {}", mm(nut.ball_diameter), in_mm.text));
         }
         let method = match preload_method(self.case) {
-            _ if self.preload.is_none() => "single nut",
-            PreloadMethod::DoubleNut => "double nut",
-            PreloadMethod::Offset => "nut with a shifted lead",
-            PreloadMethod::Oversize => "oversize balls",
+            _ if self.preload.is_none() => "single nut, length",
+            PreloadMethod::DoubleNut => "double nut, length",
+            PreloadMethod::Offset => "nut with a shifted lead, length",
+            PreloadMethod::Oversize => "nut with oversize balls, length",
         };
         order.add("nut", "", format!("{method} {}", with_nut(self.machine.body.length)));
         let preload = self.preload.as_ref();

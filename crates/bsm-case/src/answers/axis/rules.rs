@@ -54,11 +54,11 @@ impl RuleInputs<'_> {
         let basis = self.case.entries.rating_basis.map(|Named(basis)| basis);
         match basis.filter(|basis| *basis != RatingBasis::Revolutions) {
             Some(basis) => format!(
-                "a dynamic load rating of {} N for {}",
+                "a dynamic load rating of at least {} N for {}",
                 at_least(needed / basis.factor(self.axis.screw.lead), 0),
                 basis.name()
             ),
-            None => format!("a dynamic load rating of {} N", at_least(needed, 0)),
+            None => format!("a dynamic load rating of at least {} N", at_least(needed, 0)),
         }
     }
 
@@ -105,7 +105,7 @@ impl RuleInputs<'_> {
             if self.case.entries.buckling_support.is_none() { " (default)" } else { "" };
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
-            "Euler (Z2); end conditions {}{by_default}; for the end conditions that the input support implies, {}: {}",
+            "Euler (Z2), end conditions {}{by_default}. With the end conditions of the input support ({}), the safety factor is {}",
             shaft.buckling.0.name(),
             shaft.support.name(),
             number(of_support)
@@ -302,7 +302,7 @@ rules! {
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
-            "unsupported_length_mm {} or less, or a core diameter of {} mm, or {}",
+            "unsupported_length_mm of at most {}, or a core diameter of at least {} mm, or {}",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() / margin, 1),
             of.other_remedy_of_whirling()
@@ -312,7 +312,7 @@ rules! {
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "DN limit, THK A-697 (Z15)",
         format!(
-            "lead_mm {} at the same feed, or a ball return that permits a higher speed (speed_number_limit_mm_min)",
+            "lead_mm of at least {} at the same feed, or a ball return that permits a higher speed (speed_number_limit_mm_min)",
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety
@@ -320,15 +320,15 @@ rules! {
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
         format!(
-            "unsupported_length_mm {} or less, or a core diameter of {} mm",
+            "unsupported_length_mm of at most {}, or a core diameter of at least {} mm",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
     "core stress" largest_load_N = Some(of.axis.largest_load()).filter(|load| *load > 0.0),
         at_most of.number(output!(yield_load_N)).or(Some(f64::NAN)),
         "THK and others: 147 N/mm2 (Z3)",
-        format!("a core of {} mm", at_least(of.core_mm() * margin.powf(-0.5), 1));
-    "pretension left" pretension_N
+        format!("a core diameter of at least {} mm", at_least(of.core_mm() * margin.powf(-0.5), 1));
+    "remaining pretension" pretension_N
         at_least {
             let hindered = of.number(output!(pretension_N)).zip(of.number(output!(screw_tension_N)));
             hindered.map(|(cold, warm)| cold - warm).filter(|force| *force > 0.0)
@@ -371,7 +371,7 @@ rules! {
         = of.judged(output!(static_safety_factor), K::required_static_safety),
         at_least of.input(K::required_static_safety),
         "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and the value for the most loaded ball. THK requires 1 to 1.5, or 2 to 7 with impact",
-        format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
+        format!("a static load rating of at least {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
         = of.needed(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
         at_least of.required_life(),
@@ -387,13 +387,13 @@ rules! {
         of.needed_rating(margin);
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating for a million revolutions (D13)",
-        format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
+        format!("a dynamic load rating of at least {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // If no speed limit of the motor is given, the rule is omitted.
     "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
         format!(
-            "lead_mm {} at the same feed",
+            "lead_mm of at least {} at the same feed",
             at_least(of.case.lead_mm.unwrap_or(f64::NAN) / margin, 1)
         );
     "peak torque of the motor" peak_motor_torque_Nm
@@ -434,7 +434,7 @@ rules! {
         at_least of.number(output!(required_brake_torque_Nm)),
         "brake_safety times the torque of the load at rest without friction (BB5)",
         format!(
-            "brake_torque_Nm {}",
+            "brake_torque_Nm of at least {}",
             at_least(of.number(output!(required_brake_torque_Nm)).unwrap_or(f64::NAN), 2)
         );
 }
@@ -445,12 +445,12 @@ rules! {
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
         "load at which a contact ellipse reaches the end of its flank (G8)",
-        "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
+        "a larger land (a smaller nut_bore_mm or a larger screw_outer_diameter_mm), or more or larger balls";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
         format!(
-            "a dynamic load rating of {} N, or preload_N {}, with which one nut unloads above {:.0} N",
+            "a dynamic load rating of at least {} N, or preload_N of at most {}, with which one nut unloads above {:.0} N",
             at_least(of.preload.map_or(f64::NAN, |p| p.warm) / preload_method(of.case).share(), 0),
             at_most(of.preload_to_set(), 0),
             OPENS_AT * of.most_preload()
@@ -458,7 +458,7 @@ rules! {
     "remaining preload" largest_load_N = of.preload.map(|_| of.axis.largest_load()),
         at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(OPENS_AT * preload.warm)),
         "limit load, about 2.83 times the preload (D14), (U20)",
-        format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
+        format!("preload_N of at least {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
 /// Returns the titles of all rules, in the order of the axis sheet.

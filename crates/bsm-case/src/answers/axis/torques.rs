@@ -27,7 +27,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  ball contacts";
         third_contact_torque_Nm = NUT Scalar(|t| t.contacts.third);
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag (catalog rule)";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag beyond the contacts";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
