@@ -202,9 +202,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
         }),
         ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::Nut)?.load),
         ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.contact(Site::Screw)?.load),
-        ("far flank, exact", Model::Rigid, Stroke::Circles, |o| {
-            o.contact(Site::NutUnloaded)?.load
-        }),
+        ("far flank, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::NutUnloaded)?.load),
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
