@@ -261,7 +261,7 @@ impl fmt::Display for Reason {
             ),
             Self::UnloadedFlankWouldPull { load_ratio } => write!(
                 f,
-                "the contact on the unloaded flank would have to act in tension: its normal load would be {load_ratio:.3e} \
+                "the contact on the far flank would have to act in tension: its normal load would be {load_ratio:.3e} \
                  times the axial load per ball"
             ),
             Self::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => write!(

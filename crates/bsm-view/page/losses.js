@@ -7,7 +7,7 @@ const OILED = [["sliding_power_W", "sliding at the contacts", "--c1"],
   ["ball_contact_power_W", "ball-to-ball contact", "--c4"], ["return_power_W", "ball returns", "--c2"],
   ["drag_power_W", "drag in the oil", "--c6"]];
 const DRY = [["center", "sliding of the contact center"], ["spin", "spin"], ["curvature", "curvature of the contact surface"]];
-const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["unloaded flank", "--c4"]];
+const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["far flank", "--c4", "unloaded_flank"]];
 
 export function showLosses(host, result, slip) {
   const total = result.dissipated_power_W;
@@ -19,8 +19,8 @@ export function showLosses(host, result, slip) {
   if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint, endsOf(result, name)])
     .filter(([, value]) => value !== 0);
   else if (slip.error) { host.replaceChildren(html("p", {}, `${numberOf(result, "dissipated_power_W")} W in total.`), none(slip.error)); return; }
-  else rows = DRY.flatMap(([name, words]) => CONTACTS.map(([contact, paint]) => {
-    const own = `${contact.replace(" ", "_")}_${name}_power_W`;
+  else rows = DRY.flatMap(([name, words]) => CONTACTS.map(([contact, paint, key = contact]) => {
+    const own = `${key}_${name}_power_W`;
     return [`${words}, ${contact}`, slip[own], paint, endsOf(slip, own)];
   })).filter(([, value]) => value != null && Math.abs(value) > 1e-9 * total);
   // On a phone, the labels are above the bars. Otherwise, the longest label determines the start of the bars (7 px per letter).

@@ -53,7 +53,7 @@ export function showNumbers(host, result) {
   const unloaded = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
     table("Ball and screw", null, overall.map(([label, ...entry]) => row(marked(label), ...entry))),
-    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(unloaded ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
+    contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(unloaded ? ["far flank"] : [])], contacts.map(([label, unit, values]) =>
       row(marked(label), unit, ...values.slice(0, unloaded ? 3 : 2)))) : null),
     ...(unbounded.length ? [html("p", { class: "small faint" },
       `* The error bound does not cover this value, which was calculated by model ${result.model}. For an accurate value, use model traction.`)]

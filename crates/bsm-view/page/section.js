@@ -48,7 +48,7 @@ export function showSection(host, given, result) {
     const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)),
       far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
     marks.push(arrow(far, tip, color), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: color }));
-    said.push([name.replace("_", " "), angle, load, a, color, far]);
+    said.push([name === "unloaded_flank" ? "far flank" : name, angle, load, a, color, far]);
   }
   const labels = said.flatMap(([name, angle, load, , color, far]) => {
     const left = far[0] < width / 2, up = far[1] < height / 2, x = left ? 8 : width - 8, y = up ? 22 : height - 30, anchor = left ? "start" : "end";
@@ -65,7 +65,7 @@ export function showSection(host, given, result) {
       ...(section ? [text(width / 2, 16, "nut", { "text-anchor": "middle", class: "faint" }),
         text(width / 2, height - 8, "screw", { "text-anchor": "middle", class: "faint" })] : [])),
     legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"],
-      ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
+      ...(said.some(([name]) => name === "far flank") ? [["far flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale. The thick arcs show the widths of the contact ellipses: ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "not calculated by this model" : `${name} ${measured(2 * result[`${name}_ellipse_a_mm`], "mm")}`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
       : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities, the contacts are points."),

@@ -738,7 +738,7 @@ fn estimated_nut_length_fits_the_turns_of_the_estimated_groove() {
     assert_eq!(report.order.to_string().matches(" mm (estimated)").count(), 3, "{}", report.order);
     let given = sheet(&["nut_length_mm=53"]);
     let order = given.order.to_string();
-    assert!(order.contains("single nut 53 mm, thread 563 mm, "), "{order}");
+    assert!(order.contains("single nut, length 53 mm, thread 563 mm, "), "{order}");
     let long = sheet(&["unsupported_length_mm=700"]).order.to_string();
     assert!(long.contains("length between bearings 700 mm, "), "{long}");
     // `nut` calculates the same body.

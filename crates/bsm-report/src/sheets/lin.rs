@@ -202,9 +202,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
         }),
         ("nut, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::Nut)?.load),
         ("screw, exact", Model::Rigid, Stroke::Triangles, |o| o.contact(Site::Screw)?.load),
-        ("unloaded flank, exact", Model::Rigid, Stroke::Circles, |o| {
-            o.contact(Site::NutUnloaded)?.load
-        }),
+        ("far flank, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::NutUnloaded)?.load),
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
@@ -224,7 +222,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
             "lin-normal-loads",
             "Normal loads against contact angle",
             &format!(
-                "Fig 4 of Lin et al. (1994). {} The unloaded flank carries far less than the two loaded flanks, \
+                "Fig 4 of Lin et al. (1994). {} The far flank carries far less than the two loaded flanks, \
              whose loads are nearly equal.",
                 operating_point(case)
             ),
