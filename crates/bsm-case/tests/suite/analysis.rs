@@ -649,6 +649,7 @@ fn column_names_are_unambiguous() {
     let same = [
         "pressure_viscosity_1_GPa",
         "lubricant_temperature_C",
+        "nut_mass_kg",
         "unsupported_length_mm",
         "shaft_diameter_mm",
         "pretension_N",

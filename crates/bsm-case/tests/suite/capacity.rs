@@ -164,7 +164,7 @@ fn violated_recommendations_of_sobolewski_are_reported() {
             &[("nut_conformity", 0.58)],
             "nut_conformity = 0.58, but the rating formulas were fitted for",
         ),
-        (&[("nut_bore_mm", 72.0)], "of the nut: the land begins at"),
+        (&[("nut_bore_mm", 72.0)], "the land begins at"),
         (&[("nut_bore_mm", 70.0)], "and truncates the ellipse"),
     ] {
         let told = warnings(changes);

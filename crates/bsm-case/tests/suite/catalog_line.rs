@@ -218,8 +218,10 @@ fn axis_results_from_catalog_data_have_intervals() {
     let of = |settings: &[&str]| {
         AxisReport::of(&case(R40, settings), &Settings::default()).expect("a sheet")
     };
-    let report = of(&["stroke_mm=500"]);
-    let plain = of(&["stroke_mm=500", "estimate_groove=false"]);
+    // Without its length, the nut would be as long as the turns of the estimated groove.
+    let given = ["stroke_mm=500", "nut_length_mm=90"];
+    let report = of(&given);
+    let plain = of(&[&given[..], &["estimate_groove=false"]].concat());
     for name in [
         "cycle_life_h",
         "static_safety_factor",

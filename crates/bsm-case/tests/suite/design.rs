@@ -473,7 +473,7 @@ fn selected_case_and_order_have_the_nominal_diameter_of_the_chosen_row() {
     let order = report.order.expect("a screw");
     assert!(order.starts_with("15 x 10 mm, 2 x 2.8 turns"), "{order}");
     // THK does not publish the ball diameter of this size.
-    assert!(report.notes.iter().any(|note| note.contains("ball diameter is estimated")));
+    assert!(report.notes.iter().any(|note| note.contains("ball diameter is an estimate")));
     // Standard lists state the nominal diameter, too.
     let lists = Catalog::standard().expect("compiled in");
     let requirement = RequirementFile::from_json(json, &[], lists.lists.clone());

@@ -239,7 +239,7 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
     );
     refused(
         cycle(json!({ "distance_mm": 300, "profile": "triangular" })),
-        "one of time_s and max_feed_m_min",
+        "either time_s or max_feed_m_min",
     );
     refused(cycle(json!({ "distance_mm": 300, "time_s": 1, "profile": "round" })), "`trapezoidal`");
     refused(

@@ -650,7 +650,8 @@ fn screw_torque_of_the_sheet_is_the_largest_one_at_the_largest_load() {
         assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
         let efficiency = report.phases.iter().filter_map(|p| p.number(output!(screw_efficiency)));
         assert_eq!(report.number(output!(screw_efficiency)), efficiency.reduce(f64::max));
-        let note = report.answer.notes.iter().find(|note| note.contains("usual efficiencies give"));
+        let note =
+            report.answer.notes.iter().find(|note| note.contains("typical efficiencies give"));
         // Usual efficiencies are 0.85 to 0.95.
         let range = [0.95, 0.85].map(|eta| 98.0 * 5e-3 / TAU / eta + 0.15);
         let range = format!("{:.3} to {:.3} N m", range[0], range[1]);

@@ -47,10 +47,20 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
 #[test]
 fn rules_are_met_after_their_remedies_are_applied() {
     for (settings, title, asks, input) in [
-        ("inclination_deg=90 brake_torque_Nm=1", "brake", "brake_torque_Nm ", "brake_torque_Nm"),
-        ("preload_N=20000", "preload", "preload_N ", "preload_N"),
-        ("preload_N=20000", "preload", "rating of ", "rated_dynamic_load_N"),
-        ("unsupported_length_mm=2600", "critical speed", "length_mm ", "unsupported_length_mm"),
+        (
+            "inclination_deg=90 brake_torque_Nm=1",
+            "brake",
+            "brake_torque_Nm of at least ",
+            "brake_torque_Nm",
+        ),
+        ("preload_N=20000", "preload", "preload_N of at most ", "preload_N"),
+        ("preload_N=20000", "preload", "rating of at least ", "rated_dynamic_load_N"),
+        (
+            "unsupported_length_mm=2600",
+            "critical speed",
+            "length_mm of at most ",
+            "unsupported_length_mm",
+        ),
     ] {
         let mut settings: Vec<_> = settings.split(' ').map(str::to_owned).collect();
         let rule = |settings: &[String]| {
@@ -629,7 +639,7 @@ fn slenderness_is_limited_only_on_request() {
 
     assert!(
         slender.is_some_and(
-            |text| text.contains("the best screw would have mass of nut and screw = 1.5513 kg")
+            |text| text.contains("Without this limit, the best screw would have mass of nut and screw between the bearings = 1.5513 kg")
         ),
         "{held:?}"
     );

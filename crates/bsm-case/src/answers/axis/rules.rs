@@ -9,7 +9,7 @@ use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
 use crate::case::axis::{motor_speed, mount, preload_method, speed_number_limit, useful_travel};
 use crate::vocabulary::entries::{Choice, Named};
-use crate::vocabulary::number::number;
+use crate::vocabulary::number::{number, trimmed};
 use crate::vocabulary::units::{MM, UM};
 use crate::{
     Answer, Case, Criterion, DisplayUnit, INPUTS, InputKey as K, Numbers, OutputName, Quantity,
@@ -196,7 +196,7 @@ impl RuleInputs<'_> {
 fn remedies_of_motor(peak: Option<&MotorPeak>, margin: f64, other: Option<&str>) -> String {
     let load = peak.and_then(|peak| {
         let most = at_most(peak.load_at(margin)?, 0);
-        Some(format!("an axial load of at most {most} N instead of {} N", number(peak.load.abs())))
+        Some(format!("an axial load of at most {most} N instead of {} N", trimmed(peak.load.abs())))
     });
     let others = load.into_iter().chain(other.map(str::to_owned)).collect::<Vec<_>>();
     match &others[..] {
