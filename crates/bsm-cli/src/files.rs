@@ -116,7 +116,7 @@ pub(crate) fn ending_of(
 
 /// Destination of an output: standard output, or a file that is renamed to its final name when it
 /// is complete.
-pub(crate) enum Output {
+pub(crate) enum OutputFile {
     /// Standard output, a pipe or a device. Pipes and devices must not be replaced by a file.
     Stream {
         /// The open stream.
@@ -133,7 +133,7 @@ pub(crate) enum Output {
     },
 }
 
-impl Output {
+impl OutputFile {
     /// Opens standard output for the path `-`, an existing pipe or device for writing, and a
     /// temporary file otherwise.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
@@ -227,7 +227,7 @@ impl Output {
     }
 }
 
-impl Write for Output {
+impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         noted(self.out().write(bytes))
     }
@@ -334,12 +334,12 @@ fn real_output(path: &Path) -> Option<PathBuf> {
 
 /// Writes a text file.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    write_bytes(Output::create(path)?, path, text.as_bytes())
+    write_bytes(OutputFile::create(path)?, path, text.as_bytes())
 }
 
 /// Writes bytes to an open output and completes the output.
-pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    out.write_all(bytes).map_err(|e| Output::failure(path, &e))?;
+pub(crate) fn write_bytes(mut out: OutputFile, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    out.write_all(bytes).map_err(|e| OutputFile::failure(path, &e))?;
     out.complete()
 }
 

@@ -4,7 +4,7 @@
 
 use std::iter::repeat_with;
 
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};
 use bsm_dyn::{
     Direction,
@@ -19,10 +19,10 @@ use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
 /// Additional outputs that the model selection requires.
-const REQUIRED: [OutputKey; 1] = [OutputKey::efficiency];
+const REQUIRED: [SolutionOutput; 1] = [SolutionOutput::efficiency];
 
 /// Outputs of raceway control that are kept if the result comes from the gross-slip model.
-const RETAINED: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
+const RETAINED: [SolutionOutput; 2] = [SolutionOutput::skid_number, SolutionOutput::onset_number];
 
 /// Solves all rows for which the raceway-control kernel or the gross-slip kernel meets the
 /// tolerance, and returns the reasons for the selected models. All other rows are passed to the
@@ -104,7 +104,12 @@ impl AutoRows<'_, '_> {
     }
 
     /// Copies the results of a kernel for one row, except for the retained outputs.
-    fn copy(&mut self, ball: &RollingRow, (group, i): (&Group, usize), retained: &[OutputKey]) {
+    fn copy(
+        &mut self,
+        ball: &RollingRow,
+        (group, i): (&Group, usize),
+        retained: &[SolutionOutput],
+    ) {
         let retained = retained.iter().filter_map(|key| self.rows.wanted.index(*key));
         let retained: Vec<_> = retained.collect();
         for (index, column) in self.rows.columns.iter_mut().enumerate() {
@@ -119,8 +124,8 @@ impl AutoRows<'_, '_> {
         let Some(direction) = Direction::of(ball.speed) else { return };
         let error = ErrorBound::of(direction, efficiency, bound);
         for (key, value) in [
-            (OutputKey::efficiency_error_bound, error.efficiency),
-            (OutputKey::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
+            (SolutionOutput::efficiency_error_bound, error.efficiency),
+            (SolutionOutput::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
         ] {
             if let Some(index) = self.rows.wanted.index(key) {
                 self.rows.columns[index].set(ball.row, value);

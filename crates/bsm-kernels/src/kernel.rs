@@ -1,6 +1,6 @@
 //! Trait of the kernels, and the rows of a table that a kernel solves.
 
-use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
+use bsm_case::{OUTPUTS, Output, SolutionOutput, store_outputs};
 use bsm_dyn::{Model, SteadyState, model::Choice};
 use bsm_simd::{Simd, WithSimd};
 
@@ -34,7 +34,7 @@ impl Selection {
 
     /// Returns the selection with missing outputs added. The columns of added outputs follow the
     /// first `len` columns.
-    pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
+    pub(crate) fn with(&self, keys: &[SolutionOutput], len: usize) -> Self {
         let mut this = self.clone();
         let missing = keys.iter().filter(|key| self.index(**key).is_none());
         for (index, key) in (len..).zip(missing) {
@@ -44,7 +44,7 @@ impl Selection {
     }
 
     /// Returns the column index of an output, or `None` if the output is not selected.
-    pub(crate) fn index(&self, key: OutputKey) -> Option<usize> {
+    pub(crate) fn index(&self, key: SolutionOutput) -> Option<usize> {
         self.0[key as usize]
     }
 }
@@ -121,13 +121,13 @@ impl Sink<'_, '_> {
     /// Returns true if any of the given outputs is requested. This lets a kernel skip expensive
     /// quantities.
     #[inline(always)]
-    pub(crate) fn wants(&self, keys: &[OutputKey]) -> bool {
+    pub(crate) fn wants(&self, keys: &[SolutionOutput]) -> bool {
         keys.iter().any(|key| self.wanted.index(*key).is_some())
     }
 
     /// Stores the values of an output, in the unit of this output.
     #[inline(always)]
-    pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
+    pub(crate) fn set<S: Simd>(&mut self, key: SolutionOutput, values: Lane<S>) {
         if let Some(index) = self.wanted.index(key) {
             values.store(&mut self.columns[index].values_mut()[self.row..]);
         }

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
 
 use bsm_case::units::DEG;
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::Model;
 use bsm_dyn::internals::{Plane, RigidBall, friction_angle};
 use bsm_simd::Simd;
@@ -13,10 +13,10 @@ use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
 /// Outputs for friction directions, each of which requires an arctangent.
-const DIRECTIONS: [OutputKey; 3] = [
-    OutputKey::nut_slip_angle_deg,
-    OutputKey::screw_slip_angle_deg,
-    OutputKey::unloaded_flank_slip_angle_deg,
+const DIRECTIONS: [SolutionOutput; 3] = [
+    SolutionOutput::nut_slip_angle_deg,
+    SolutionOutput::screw_slip_angle_deg,
+    SolutionOutput::unloaded_flank_slip_angle_deg,
 ];
 
 /// Returns the directions of friction at nut and screw \[rad\], or `None` if they are not
@@ -53,11 +53,11 @@ impl Kernel for RigidKernel {
         let angle = given.get(InputKey::contact_angle_deg) * DEG;
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
-        out.set(OutputKey::iterations, swept.count);
-        out.set(OutputKey::residual_norm, swept.residual);
+        out.set(SolutionOutput::iterations, swept.count);
+        out.set(SolutionOutput::residual_norm, swept.residual);
         // If no search is carried out, the number of further solutions is unknown.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
-        out.set(OutputKey::other_solutions, others);
+        out.set(SolutionOutput::other_solutions, others);
         found & solved.transmission.is_balanced()
     }
 }

@@ -69,7 +69,7 @@ impl Curve {
 
 /// An axis of a figure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct PlotAxis {
     /// Quantity and unit, separated by a comma.
     pub label: String,
     /// True for a logarithmic axis.
@@ -78,7 +78,7 @@ pub struct Axis {
     pub equal: bool,
 }
 
-impl Axis {
+impl PlotAxis {
     /// Returns a linear axis.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), log: false, equal: false }
@@ -105,9 +105,9 @@ pub struct Figure {
     /// Caption of the figure.
     pub caption: String,
     /// Horizontal axis.
-    pub x: Axis,
+    pub x: PlotAxis,
     /// Vertical axis.
-    pub y: Axis,
+    pub y: PlotAxis,
     /// The curves, in the order of the legend.
     pub curves: Vec<Curve>,
 }
@@ -167,7 +167,11 @@ const BEYOND: f64 = 1.4;
 
 impl Figure {
     /// Creates a figure from key, title, caption, axes and curves.
-    pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
+    pub fn new(
+        [key, title, caption]: [&str; 3],
+        [x, y]: [PlotAxis; 2],
+        curves: Vec<Curve>,
+    ) -> Self {
         let [key, title, caption] = [key, title, caption].map(str::to_owned);
         Self { key, title, caption, x, y, curves }
     }
@@ -375,7 +379,7 @@ fn renumbered(svg: &str) -> String {
 }
 
 /// Sets the labels, scales and sizes of the axes.
-pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
+pub(crate) fn with_axes(layout: Layout, x: &PlotAxis, y: &PlotAxis) -> Layout {
     let layout = layout
         .with_x_label(&x.label)
         .with_y_label(&y.label)
@@ -549,8 +553,8 @@ mod tests {
             key: "k".into(),
             title: "t".into(),
             caption: String::new(),
-            x: Axis::linear("x, mm"),
-            y: Axis::linear("y, N"),
+            x: PlotAxis::linear("x, mm"),
+            y: PlotAxis::linear("y, N"),
             curves,
         }
     }
@@ -600,7 +604,7 @@ mod tests {
         assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
         assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
         // The curves of a drawing can be distinguished by their position.
-        figure.y = Axis::equal("y");
+        figure.y = PlotAxis::equal("y");
         assert_eq!(figure.shapes(), []);
     }
 
@@ -610,7 +614,7 @@ mod tests {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
         let curve = Curve::new("a", 0, Stroke::Solid, points);
         let mut figure = figure_of(vec![curve]);
-        figure.y = Axis::log("y, N");
+        figure.y = PlotAxis::log("y, N");
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");

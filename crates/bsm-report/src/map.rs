@@ -7,7 +7,7 @@ use kuva::prelude::*;
 use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 
 use crate::figure::{svg_of, with_axes};
-use crate::{Axis, ReportError};
+use crate::{PlotAxis, ReportError};
 
 /// Width and height of a map with its legend \[px\].
 const SIZE: (f64, f64) = (640.0, 400.0);
@@ -39,9 +39,9 @@ pub struct Map {
     /// Title of the map.
     pub title: String,
     /// Horizontal axis and its values.
-    pub x: (Axis, Vec<f64>),
+    pub x: (PlotAxis, Vec<f64>),
     /// Vertical axis and its values.
-    pub y: (Axis, Vec<f64>),
+    pub y: (PlotAxis, Vec<f64>),
     /// Label of the quantity that the colors show.
     pub label: String,
     /// Value of each cell; NaN for a cell without a value. Cells with the same x are consecutive.
@@ -338,8 +338,8 @@ mod tests {
     fn map() -> Map {
         Map {
             title: "t".into(),
-            x: (Axis::log("x, N"), vec![100.0, 1000.0, 10.0]),
-            y: (Axis::linear("y, rpm"), vec![0.0, 1.0]),
+            x: (PlotAxis::log("x, N"), vec![100.0, 1000.0, 10.0]),
+            y: (PlotAxis::linear("y, rpm"), vec![0.0, 1.0]),
             label: "z, W".into(),
             values: vec![2.0, 2.5, 3.0, f64::NAN, 1.0, 1.5],
             regions: vec![0, 1, 1, 1, 0, 0],

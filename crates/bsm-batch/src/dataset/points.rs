@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Axis, Grid};
+use bsm_case::{Grid, GridAxis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -181,7 +181,7 @@ impl PointsEntry {
             // Outer axes have runs of equal values, and the values of the innermost axis repeat
             // periodically.
             Self::Grid(axes) => {
-                let bytes = |(range, text): (usize, &String)| match Axis::parse(text) {
+                let bytes = |(range, text): (usize, &String)| match GridAxis::parse(text) {
                     Ok(axis) if range == 0 && axis.len() > REPEATING => NUMBER,
                     _ => REPEATED,
                 };

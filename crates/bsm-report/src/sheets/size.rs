@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::warm::warm_figures;
 use crate::figure::text_of_table;
-use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
+use crate::{Curve, Figure, PROGRAM, Page, PlotAxis, ReportError, Stroke, number as text_of};
 
 /// Number of points of a limit curve in the speed-load diagram.
 const POINTS: u32 = 60;
@@ -396,7 +396,7 @@ fn section(report: &AxisReport) -> Option<Figure> {
     let caption = format!("Unloaded; contact angle {:.1} degrees.", angle.to_degrees());
     Some(Figure::new(
         ["size-groove", "Section across the groove", &caption],
-        [Axis::linear("along the axis, mm"), Axis::equal("from the pitch circle, mm")],
+        [PlotAxis::linear("along the axis, mm"), PlotAxis::equal("from the pitch circle, mm")],
         curves,
     ))
 }
@@ -468,7 +468,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
     Figure::new(
         ["size-limits", "The cycle among its limits", caption],
-        [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],
+        [PlotAxis::linear("speed of the screw, rpm"), PlotAxis::linear("axial load, kN")],
         curves,
     )
 }
@@ -511,7 +511,7 @@ fn over_time(report: &AxisReport) -> Figure {
         "Each quantity is divided by its largest value; the sign is relative to the feed.";
     Figure::new(
         ["size-cycle", "The cycle", caption],
-        [Axis::linear(label), Axis::linear("value / largest value")],
+        [PlotAxis::linear(label), PlotAxis::linear("value / largest value")],
         wanted.into_iter().enumerate().filter_map(curve).collect(),
     )
 }

@@ -2,7 +2,7 @@
 
 use bsm_case::{ManufacturerRow, trimmed};
 
-use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
+use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 
 /// Size of a nut on the horizontal axis: the first of these numbers that the table contains.
 const SIZES: [(&str, &str); 2] = [
@@ -78,7 +78,11 @@ pub fn table_figures(rows: &[&ManufacturerRow]) -> Vec<Figure> {
         };
         let caption = format!("Each circle is a nut of the table.{rest}");
         (points.len() > 1).then(|| {
-            Figure::new([key, title, &caption], [Axis::linear(x), Axis::linear(label)], curves)
+            Figure::new(
+                [key, title, &caption],
+                [PlotAxis::linear(x), PlotAxis::linear(label)],
+                curves,
+            )
         })
     };
     DRAWN.into_iter().filter_map(figure).collect()

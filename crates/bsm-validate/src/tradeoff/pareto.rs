@@ -1,6 +1,6 @@
 //! Plots of the error against the time, with one mark for each model and setting.
 
-use bsm_report::{Axis, Curve, Figure, Stroke};
+use bsm_report::{Curve, Figure, PlotAxis, Stroke};
 
 use super::{Group, OneCore, SettingResult};
 
@@ -64,8 +64,8 @@ fn figure(
         caption: "Left is faster, down is more exact. Numbers: accuracy of traction, tolerance of \
                   auto. Errors are over the points that a model solves."
             .to_owned(),
-        x: Axis::log("time of a point, us"),
-        y: Axis::log("error of the efficiency, 99 %"),
+        x: PlotAxis::log("time of a point, us"),
+        y: PlotAxis::log("error of the efficiency, 99 %"),
         curves,
     }
 }
