@@ -12,7 +12,7 @@ use bsm_batch::{
     TableFormat, TableSink, Task, silence_caught_panics,
 };
 use bsm_case::{
-    Axis, Case, Catalog, Condition, DesignReport, Fit, Grid, ListColumn, NutProblem,
+    Case, Catalog, Condition, DesignReport, Fit, Grid, GridAxis, ListColumn, NutProblem,
     RequirementFile, Row, Samples, candidate_json,
 };
 use bsm_dyn::Model;
@@ -159,9 +159,9 @@ fn solve(input: &[u8]) {
 fn words(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");
-    let mut axes: Vec<Axis> = Vec::new();
+    let mut axes: Vec<GridAxis> = Vec::new();
     for line in text.lines() {
-        axes.extend(Axis::parse(line));
+        axes.extend(GridAxis::parse(line));
         let _ = base.clone().apply(&[line]);
         let _ = Condition::parse(line, &ListColumn::of_sizes(false));
         if let Ok(fit) = Fit::parse(&base, "friction_coefficient", line) {

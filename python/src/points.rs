@@ -17,7 +17,7 @@ use bsm_batch::{
     AnswerSink, Answers, Buffers, Chunk, Columns, Distribution, Draw, Draws, Format, GridSource,
     ROWS, RowReport, Source, TableError, TableFormat, TableSink, Task, Verdict, Workers,
 };
-use bsm_case::{Axis, AxisValues, CaseError, Grid, ModelChoice, OUTPUTS, Output};
+use bsm_case::{AxisValues, CaseError, Grid, GridAxis, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
@@ -261,7 +261,7 @@ pub(crate) enum AxisRange {
 
 /// Creates a grid from the names and values of its axes.
 pub(crate) fn grid_of(axes: Vec<(String, AxisRange)>) -> Result<Grid> {
-    let axis = |(name, values): (String, AxisRange)| -> Result<Axis> {
+    let axis = |(name, values): (String, AxisRange)| -> Result<GridAxis> {
         let values = match values {
             AxisRange::Linspace { start, stop, number } => {
                 let count = usize::try_from(number).map_err(|_| {
@@ -271,7 +271,7 @@ pub(crate) fn grid_of(axes: Vec<(String, AxisRange)>) -> Result<Grid> {
             }
             AxisRange::List(values) => AxisValues::List(values),
         };
-        Ok(Axis::new(&name, values)?)
+        Ok(GridAxis::new(&name, values)?)
     };
     Ok(Grid::new(axes.into_iter().map(axis).collect::<Result<_>>()?)?)
 }
@@ -324,7 +324,7 @@ pub(crate) fn sweep(
 ) -> Result<(Rows, Vec<(String, Vec<f64>)>)> {
     let grid = grid_of(axes)?;
     let task = Task::over_grid(base.get().0.clone(), how.0, selected(outputs)?, None, &grid)?;
-    let axis = |axis: &Axis| {
+    let axis = |axis: &GridAxis| {
         (axis.key.name().to_owned(), (0..axis.len()).map(|place| axis.value(place)).collect())
     };
     let axes = grid.axes().iter().map(axis).collect();

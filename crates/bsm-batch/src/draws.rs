@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
-use bsm_case::{Axis, AxisValues, CaseError, Grid, InputKey};
+use bsm_case::{AxisValues, CaseError, Grid, GridAxis, InputKey};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -174,7 +174,7 @@ impl Draws {
                 Distribution::Uniform { low, high } => vec![low, high],
                 Distribution::Normal { mean, .. } => vec![mean],
             };
-            Axis::new(draw.key.name(), AxisValues::List(values))
+            GridAxis::new(draw.key.name(), AxisValues::List(values))
         };
         Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
     }

@@ -10,7 +10,7 @@
 //! use std::sync::atomic::AtomicBool;
 //!
 //! use bsm_batch::{Answers, Format, GridSource, Task, Workers};
-//! use bsm_case::{Axis, Grid, Case, Settings};
+//! use bsm_case::{GridAxis, Grid, Case, Settings};
 //! use bsm_dyn::Model;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,7 +21,7 @@
 //!         "axial_load_N": 8000, "loaded_balls": 70
 //!     }"#,
 //! )?;
-//! let grid = Grid::new(vec![Axis::parse("screw_speed_rpm=500:1500:3")?])?;
+//! let grid = Grid::new(vec![GridAxis::parse("screw_speed_rpm=500:1500:3")?])?;
 //! let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
 //! let task = Task::over_grid(screw, Settings::from(Model::Rigid), outputs, None, &grid)?;
 //!

@@ -63,7 +63,7 @@ pub use answers::slip::slip;
 pub use answers::warm::{WarmBranch, WarmPoint};
 pub use bsm_design::{Band, DRAWS, FEW_DRAWS};
 pub use case::catalog::{Catalog, LISTS, STANDARD_CATALOG};
-pub use case::grid::{Axis, AxisValues, Grid};
+pub use case::grid::{AxisValues, Grid, GridAxis};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, PLAY, Settings};
@@ -84,7 +84,7 @@ pub use vocabulary::names::{GivenNames, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{
     digits, exact, interval, number, short, trimmed, with_interval, write_exact,
 };
-pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
+pub use vocabulary::output::{OUTPUTS, Output, SolutionOutput, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, OutputName, Quantity, Row, Scope, Values};
 pub use vocabulary::rules::{Inputs, Pointwise, Relation, covered};

@@ -148,7 +148,7 @@ impl Reply<'_> {
                     let Some(figure) = drawn.figures.first() else { continue };
                     let bytes =
                         if form == "png" { figure.png()? } else { figure.svg()?.into_bytes() };
-                    write_bytes(files::Output::create(path)?, path, &bytes)?;
+                    write_bytes(files::OutputFile::create(path)?, path, &bytes)?;
                 }
                 _ => {
                     if let Some(write_table) = &self.table {

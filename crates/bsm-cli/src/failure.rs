@@ -12,7 +12,7 @@ use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use thiserror::Error;
 
-use crate::files::Output;
+use crate::files::OutputFile;
 
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
@@ -204,7 +204,9 @@ impl From<ValidateError> for Failure {
 /// Prints the help text, the version or a usage error, as requested by the argument parser.
 pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     match usage_error.print() {
-        Err(error) if !usage_error.use_stderr() => Output::failure(Path::new("-"), &error).report(),
+        Err(error) if !usage_error.use_stderr() => {
+            OutputFile::failure(Path::new("-"), &error).report()
+        }
         _ => ExitCode::from(u8::try_from(usage_error.exit_code()).unwrap_or(2)),
     }
 }

@@ -132,7 +132,7 @@ pub(crate) fn ending_of(
 
 /// Destination of an output: standard output, or a file that is renamed to its final name when it
 /// is complete.
-pub(crate) enum Output {
+pub(crate) enum OutputFile {
     /// Standard output, a pipe or a device. Pipes and devices must not be replaced by a file.
     Stream {
         /// The standard output, pipe or device, opened for writing.
@@ -149,7 +149,7 @@ pub(crate) enum Output {
     },
 }
 
-impl Output {
+impl OutputFile {
     /// Opens standard output for the path `-`, an existing pipe or device for writing, and a
     /// temporary file otherwise.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
@@ -243,7 +243,7 @@ impl Output {
     }
 }
 
-impl Write for Output {
+impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         noted(self.out().write(bytes))
     }
@@ -350,12 +350,12 @@ fn real_output(path: &Path) -> Option<PathBuf> {
 
 /// Writes a text to a file or stream.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    write_bytes(Output::create(path)?, path, text.as_bytes())
+    write_bytes(OutputFile::create(path)?, path, text.as_bytes())
 }
 
 /// Writes bytes to an open output, and flushes or renames it.
-pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    out.write_all(bytes).map_err(|e| Output::failure(path, &e))?;
+pub(crate) fn write_bytes(mut out: OutputFile, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    out.write_all(bytes).map_err(|e| OutputFile::failure(path, &e))?;
     out.complete()
 }
 

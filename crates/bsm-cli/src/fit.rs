@@ -6,7 +6,7 @@ use bsm_case::{
     Answer, Calibration, CalibrationReport, Case, CaseError, Fit, FittedInput, MeasurementError,
     NoFit, Settings,
 };
-use bsm_report::{Axis, Curve, Figure, Stroke, number};
+use bsm_report::{Curve, Figure, PlotAxis, Stroke, number};
 
 use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
@@ -104,7 +104,7 @@ fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
         .into_iter()
         .map(|(name, value, _)| format!("{name} = {}", number(value)))
         .collect();
-    let axis = |what: &str| Axis::linear(&format!("{what} {}", fit.output()));
+    let axis = |what: &str| PlotAxis::linear(&format!("{what} {}", fit.output()));
     Figure::new(
         ["fit", &format!("{} with {}", fit.output(), found.join(", ")), ""],
         [axis("measured"), axis("fitted")],

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use bsm_batch::{AnswerSink, Answers, Chunk, Count, GridSource, TableError, Task, Workers};
-use bsm_case::{Axis, Grid, Output, exact};
+use bsm_case::{Grid, GridAxis, Output, exact};
 
 use crate::failure::{Failure, warn};
 use crate::files;
@@ -114,7 +114,7 @@ fn lines(rows: impl Iterator<Item = Vec<f64>>, between: &str) -> String {
 
 /// Formats an output over two axes as a matrix. The first row contains the values of the second
 /// axis, the first column contains the values of the first axis, and the corner is zero.
-fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
+fn matrix(axes: &[GridAxis], column: &[f64], between: &str) -> String {
     let across = axes[1].len();
     let head = std::iter::once(0.0).chain((0..across).map(|place| axes[1].value(place)));
     let row = |(place, values): (usize, &[f64])| {
@@ -126,12 +126,12 @@ fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
 
 /// Formats Modelica tables: one table per output for two axes, or one table with all outputs for
 /// one axis.
-fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String {
+fn modelica(axes: &[GridAxis], outputs: &[&Output], columns: &[Vec<f64>]) -> String {
     let named = |name: &str, unit: &str| match unit {
         "" => name.to_owned(),
         unit => format!("{name} [{unit}]"),
     };
-    let axis = |axis: &Axis| named(axis.key.name(), axis.key.input().unit);
+    let axis = |axis: &GridAxis| named(axis.key.name(), axis.key.input().unit);
     if let [only] = axes {
         let titles: Vec<_> = outputs.iter().map(|o| named(o.name, o.unit)).collect();
         let row = |place: usize| {

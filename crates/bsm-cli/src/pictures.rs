@@ -2,8 +2,8 @@
 
 use bsm_batch::{Answers, Chunk, ColumnUnits};
 use bsm_case::units::label;
-use bsm_case::{Axis as GridAxis, DisplayUnit, Grid, Output as OutputColumn, exact, trimmed};
-use bsm_report::{Axis, Curve, Figure, MAX_CELLS, MAX_CURVES, Map, ReportError, Stroke};
+use bsm_case::{DisplayUnit, Grid, GridAxis, Output, exact, trimmed};
+use bsm_report::{Curve, Figure, MAX_CELLS, MAX_CURVES, Map, PlotAxis, ReportError, Stroke};
 
 use crate::failure::Failure;
 
@@ -15,14 +15,14 @@ const MAX_POINTS: usize = 100_000;
 const DECADES: f64 = 100.0;
 
 /// Returns the plot axis of an input, labeled with its display unit.
-fn axis_of(axis: &GridAxis, units: &ColumnUnits) -> Axis {
+fn axis_of(axis: &GridAxis, units: &ColumnUnits) -> PlotAxis {
     let unit = units.of_input(axis.key);
     let label = label(&unit.name(axis.key.name()), unit.text);
-    if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
+    if axis.is_log() { PlotAxis::log(&label) } else { PlotAxis::linear(&label) }
 }
 
 /// Returns the label of an output with its display unit.
-fn label_of(output: &OutputColumn, units: &ColumnUnits) -> String {
+fn label_of(output: &Output, units: &ColumnUnits) -> String {
     let (name, unit) = units.of_output(output);
     label(&name, unit.text)
 }
@@ -39,9 +39,9 @@ pub(crate) trait Picture {
 
 /// A plot with one curve for each value of the second axis.
 pub(crate) struct Curves {
-    output: &'static OutputColumn,
+    output: &'static Output,
     units: ColumnUnits,
-    x: Axis,
+    x: PlotAxis,
     x_unit: DisplayUnit,
     lines: Vec<Curve>,
     /// For each curve, the model that solved its last point.
@@ -54,7 +54,7 @@ pub(crate) struct Curves {
 impl Curves {
     pub(crate) fn new(
         grid: &Grid,
-        output: &'static OutputColumn,
+        output: &'static Output,
         units: ColumnUnits,
     ) -> Result<Self, Failure> {
         let (x, series) = match grid.axes() {
@@ -139,7 +139,7 @@ impl Picture for Curves {
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
             *point = (x_unit.value(point.0), y_unit.value(point.1));
         }
-        let y = Axis::linear(&label_of(output, &units));
+        let y = PlotAxis::linear(&label_of(output, &units));
         let figure = Figure::new(["", &title, ""], [x, y], curves);
         if is_png { figure.png() } else { figure.svg().map(String::into_bytes) }
     }
@@ -148,9 +148,9 @@ impl Picture for Curves {
 /// The cells of a map. If an axis has more values than a map can show, only evenly spaced values
 /// are drawn.
 pub(crate) struct Cells {
-    output: &'static OutputColumn,
+    output: &'static Output,
     units: ColumnUnits,
-    axes: [Axis; 2],
+    axes: [PlotAxis; 2],
     /// For each axis, the indices of the values that are drawn.
     places: [Vec<usize>; 2],
     values: [Vec<f64>; 2],
@@ -165,7 +165,7 @@ pub(crate) struct Cells {
 impl Cells {
     pub(crate) fn new(
         grid: &Grid,
-        output: &'static OutputColumn,
+        output: &'static Output,
         units: ColumnUnits,
     ) -> Result<Self, Failure> {
         let [x, y] = grid.axes() else {

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
 use bsm_batch::{ColumnUnits, Draws, TableFormat, Task, Workers};
-use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output as OutputColumn, Settings};
+use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output, Settings};
 
 use crate::args::{CsvFormat, SweepArgs, with_units};
 use crate::failure::{Failure, note_unused, warn};
-use crate::files::{InputFiles, Output, ending_of, is_stdout, read_case, write_bytes};
+use crate::files::{InputFiles, OutputFile, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
 use crate::pictures::{Cells, Curves, Picture};
 use crate::table_job::{Job, is_folder, open, outputs};
@@ -37,14 +37,14 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
-    let mut pictures: Vec<(&Path, Output, Box<dyn Picture>)> = Vec::new();
+    let mut pictures: Vec<(&Path, OutputFile, Box<dyn Picture>)> = Vec::new();
     if let Some((path, output)) = files.lines.zip(watched) {
         let curves = Box::new(Curves::new(&grid, output, units.clone())?);
-        pictures.push((path, Output::create(path)?, curves));
+        pictures.push((path, OutputFile::create(path)?, curves));
     }
     if let Some((path, output)) = files.map.zip(watched) {
         let cells = Box::new(Cells::new(&grid, output, units.clone())?);
-        pictures.push((path, Output::create(path)?, cells));
+        pictures.push((path, OutputFile::create(path)?, cells));
     }
     let title = base.description.clone();
     let chosen = match watched {
@@ -87,7 +87,7 @@ fn of_table(
     args: &SweepArgs,
     path: &Path,
     (base, settings): (Case, Settings),
-    (outputs, units): (Vec<&'static OutputColumn>, ColumnUnits),
+    (outputs, units): (Vec<&'static Output>, ColumnUnits),
     files: &Files<'_>,
     workers: &Workers<'_>,
 ) -> Result<(), Failure> {
@@ -134,7 +134,7 @@ fn of_table(
 fn note_unread(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
     let is_beyond_the_ball =
-        |output: &&OutputColumn| matches!(output.analysis(), Some(Nut | Ratings | Axis | Warm));
+        |output: &&Output| matches!(output.analysis(), Some(Nut | Ratings | Axis | Warm));
     if !task.outputs.iter().chain(&task.watched).any(is_beyond_the_ball) {
         note_unused(task.base.given().and(columns));
     }
@@ -272,9 +272,9 @@ fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
 }
 
 /// Returns the output that a plot shows, which is the first requested column.
-fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColumn, Failure> {
+fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static Output, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
-    let found = OutputColumn::in_unit(name).map(|(output, _)| output);
+    let found = Output::in_unit(name).map(|(output, _)| output);
     found.filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(
             "-o {}: a plot shows the first output of --columns, but {name} is not a number; put a number first, such as \

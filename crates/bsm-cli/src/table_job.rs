@@ -12,7 +12,7 @@ use bsm_batch::{
     RunError, Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
 };
 use bsm_case::{
-    Axis, ColumnValues, DisplayUnits, Grid, ModelChoice, Output as Column, ShownColumn, exact,
+    ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, exact,
 };
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, of_table, warn};
-use crate::files::{self, Output, ending_of, is_stdout, pretty_json};
+use crate::files::{self, OutputFile, ending_of, is_stdout, pretty_json};
 #[cfg(feature = "parquet")]
 use crate::parts::print_plan;
 use crate::progress::progress;
@@ -153,7 +153,7 @@ impl Job<'_> {
         let outputs = &self.task.outputs;
         let count = match form {
             Form::Table(format) => {
-                let out = Output::create(path)?;
+                let out = OutputFile::create(path)?;
                 let columns = (self.units.schema(source.columns(), outputs), &outputs[..]);
                 let sink = TableSink::with_schema(format, out, columns, &self.table_format);
                 let sink = sink.map_err(|error| unwritable(path, &error))?;
@@ -169,7 +169,7 @@ impl Job<'_> {
                 if let Some(rows) = source.len_hint().filter(|rows| *rows > workbook::MAX_ROWS) {
                     return Err(files::refused(path, &workbook::too_many(&rows.to_string())));
                 }
-                let out = Output::create(path)?;
+                let out = OutputFile::create(path)?;
                 let book = Workbook::of_answers(&self.units, source.columns(), outputs);
                 let book = book.map_err(|error| unwritable(path, &error))?;
                 let book = self.units.converting(book, source.columns(), outputs);
@@ -251,7 +251,7 @@ impl Job<'_> {
 
 /// Collects the points at which `auto` switches to another model along the last axis of a grid.
 struct Changes<'a> {
-    axis: &'a Axis,
+    axis: &'a GridAxis,
     /// Row, value and model of the previous point.
     before: Option<(u64, f64, ModelChoice)>,
     /// Descriptions of the first few changes of the model.
@@ -305,9 +305,9 @@ impl<'a> Changes<'a> {
 }
 
 /// Returns the requested outputs. The requested names may end with any unit.
-pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>, Failure> {
+pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Output>, Failure> {
     let own = |name: &String| {
-        Column::in_unit(name).map_or_else(|| name.clone(), |(output, _)| output.name.to_owned())
+        Output::in_unit(name).map_or_else(|| name.clone(), |(output, _)| output.name.to_owned())
     };
     let columns: Option<Vec<_>> = columns.map(|names| names.iter().map(own).collect());
     let selected = Answers::select(columns.as_deref());
@@ -387,7 +387,7 @@ pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
 /// Reports that a table cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     match error {
-        TableError::Io(e) => Output::failure(path, e),
+        TableError::Io(e) => OutputFile::failure(path, e),
         TableError::Parquet(why) => files::refused(path, why),
         other => files::refused(path, &other.to_string()),
     }
@@ -410,7 +410,7 @@ pub(crate) fn write_columns<'a>(
     let mut parts = parts.map(shown).peekable();
     match form_of(path)? {
         Form::Table(format) => {
-            let out = Output::create(path)?;
+            let out = OutputFile::create(path)?;
             let written = move || {
                 let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| TableHead {
                     name,
@@ -503,7 +503,7 @@ fn write_book<'a>(
     about: &Value,
     rows: impl FnOnce(&mut Workbook) -> Result<(), TableError>,
 ) -> Result<(), Failure> {
-    let out = Output::create(path)?;
+    let out = OutputFile::create(path)?;
     let written = || {
         let mut book = Workbook::new(heads)?;
         rows(&mut book)?;

@@ -86,8 +86,8 @@ pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};
 pub use procedure::{ActiveLimit, BindingLimit, Infeasibility, Outcome};
 pub use requirement::{
-    AcceptedBy, Check, Design, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch, Quantity,
-    Ranges, Requirement, Travel,
+    AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, FixedValues, LoadCase, Objective,
+    Pitch, Ranges, Requirement, Travel,
 };
 pub use runs::SignRuns;
 pub use screw::{Efficiency, Screw, StiffnessAt};

@@ -8,7 +8,7 @@ use crate::bounds::ROUNDING;
 use crate::catalog::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
 use crate::search::{SLACK, Value, minimize};
-use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
+use crate::{AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, Nut, Pitch, Requirement};
 
 /// Smallest number of loaded turns that the search considers, and largest number if no other limit
 /// applies.
@@ -50,7 +50,7 @@ const ACTIVE_MARGIN: f64 = 2e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BindingLimit {
     /// Quantity to which the limit applies.
-    pub quantity: Quantity,
+    pub quantity: DesignQuantity,
     /// Best objective without this limit; available only for standard sizes.
     pub without: Option<f64>,
 }
@@ -495,7 +495,7 @@ impl Search<'_> {
     /// limits. Returns `None` if the other limits cannot all be met.
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
         let blocked = |best| ActiveLimit { check: *check, cause: Infeasibility::SingleLimit(best) };
-        if check.quantity == Quantity::Turns {
+        if check.quantity == DesignQuantity::Turns {
             let more = (TURNS.0..=TURNS.1).map(f64::from).filter(|more| !turns.contains(more));
             let feasible = |turns: &f64| {
                 let any = |at: &Trial| Value { objective: 0.0, ..self.value(at) };

@@ -83,13 +83,13 @@ pub enum Objective {
 
 impl Objective {
     /// Returns the design quantity that the objective optimizes.
-    pub fn quantity(self) -> Quantity {
+    pub fn quantity(self) -> DesignQuantity {
         match self {
-            Self::Efficiency => Quantity::Efficiency,
-            Self::Capacity => Quantity::DynamicRating,
-            Self::Mass => Quantity::Mass,
-            Self::Inertia => Quantity::Inertia,
-            Self::Power => Quantity::InputPower,
+            Self::Efficiency => DesignQuantity::Efficiency,
+            Self::Capacity => DesignQuantity::DynamicRating,
+            Self::Mass => DesignQuantity::Mass,
+            Self::Inertia => DesignQuantity::Inertia,
+            Self::Power => DesignQuantity::InputPower,
         }
     }
 
@@ -226,7 +226,7 @@ pub struct Requirement {
 /// Quantities of a design that may have limits, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say what the values are; SI units")]
-pub enum Quantity {
+pub enum DesignQuantity {
     LeadAngle,
     BestContactAngle,
     ContactAngle,
@@ -264,7 +264,7 @@ pub enum Quantity {
     Mass,
 }
 
-impl Quantity {
+impl DesignQuantity {
     /// Returns true if the quantity depends only on pitch circle, ball diameter and lead.
     pub(crate) fn is_of_size(self) -> bool {
         matches!(
@@ -286,7 +286,7 @@ pub struct Check {
     /// Step of Lin's procedure that introduces the quantity, or 11 for additional quantities.
     pub step: u8,
     /// Quantity that is compared with its limits.
-    pub quantity: Quantity,
+    pub quantity: DesignQuantity,
     /// Value of the quantity, or NaN if it cannot be calculated.
     pub value: f64,
     /// Limits of the quantity.
@@ -352,23 +352,31 @@ impl Requirement {
         let (most, least) = (Bounds::at_most, Bounds::at_least);
         let rule = |quantity, value, bounds| Check { step: 11, quantity, value, bounds };
         let mut rules = vec![
-            rule(Quantity::DynamicRating, calculated, Bounds::default()),
+            rule(DesignQuantity::DynamicRating, calculated, Bounds::default()),
             // C_a ≥ F_m                                                   (L10)
-            rule(Quantity::EquivalentLoad, of_life(&|life| life.mean_load), most(Some(rating))),
-            rule(Quantity::Life, of_life(&|life| life.time), least(required)),
-            rule(Quantity::StaticSafety, axis.static_safety(), least(Some(self.static_safety))),
+            rule(
+                DesignQuantity::EquivalentLoad,
+                of_life(&|life| life.mean_load),
+                most(Some(rating)),
+            ),
+            rule(DesignQuantity::Life, of_life(&|life| life.time), least(required)),
+            rule(
+                DesignQuantity::StaticSafety,
+                axis.static_safety(),
+                least(Some(self.static_safety)),
+            ),
         ];
         let largest = most(Some(self.method.share() * rating));
         // F_pr ≤ q C_a                                                    (AA6)
-        rules.extend(axis.preload.map(|x| rule(Quantity::Preload, x, largest)));
+        rules.extend(axis.preload.map(|x| rule(DesignQuantity::Preload, x, largest)));
         let (ratio, largest) = (axis.critical_speed_ratio(), most(Some(self.speed_ratio)));
-        rules.extend(ratio.map(|x| rule(Quantity::CriticalSpeedRatio, x, largest)));
+        rules.extend(ratio.map(|x| rule(DesignQuantity::CriticalSpeedRatio, x, largest)));
         let safety = match self.mount.may_be_unguided() {
             true => axis.buckling_safety_of_support(),
             false => axis.buckling_safety(),
         };
         let smallest = least(Some(self.buckling_safety));
-        rules.extend(safety.map(|x| rule(Quantity::BucklingSafety, x, smallest)));
+        rules.extend(safety.map(|x| rule(DesignQuantity::BucklingSafety, x, smallest)));
         rules
     }
 }
@@ -453,83 +461,83 @@ impl Design {
         let mut add = |step, quantity, value, least, most| {
             checks.push(Check { step, quantity, value, bounds: Bounds { least, most } });
         };
-        add(1, Quantity::LeadAngle, lead, None, None);
+        add(1, DesignQuantity::LeadAngle, lead, None, None);
         let best = best.map_or(f64::NAN, |best| best.contact_angle);
-        add(2, Quantity::BestContactAngle, best, None, None);
+        add(2, DesignQuantity::BestContactAngle, best, None, None);
         let (low, high) = ranges.contact_angle;
-        add(2, Quantity::ContactAngle, beta, Some(low), Some(high));
-        add(3, Quantity::ScrewLength, length, None, None);
+        add(2, DesignQuantity::ContactAngle, beta, Some(low), Some(high));
+        add(3, DesignQuantity::ScrewLength, length, None, None);
         // r_m ≥ l/60                                                      (L3)
-        add(4, Quantity::RadiusOverLength, radius / length, ranges.slimmest, None);
+        add(4, DesignQuantity::RadiusOverLength, radius / length, ranges.slimmest, None);
         add(
             4,
-            Quantity::PitchDiameter,
+            DesignQuantity::PitchDiameter,
             nut.pitch_diameter,
             None,
             Some(requirement.largest_diameter),
         );
         // 0.07 ≤ r_b/r_m ≤ 0.2                                            (L4)
         let (low, high) = ranges.ball_over_radius;
-        add(5, Quantity::BallOverRadius, ball / radius, low, high);
+        add(5, DesignQuantity::BallOverRadius, ball / radius, low, high);
         let over_lead = Some(requirement.ball_over_lead);
-        add(5, Quantity::BallOverLead, nut.ball_diameter / nut.pitch(), None, over_lead);
+        add(5, DesignQuantity::BallOverLead, nut.ball_diameter / nut.pitch(), None, over_lead);
         // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
         let (low, high) = ranges.ball_over_groove;
         let in_groove = 0.5 / nut.conformity.0;
-        add(6, Quantity::BallOverGroove, in_groove, low, high);
-        add(6, Quantity::Conformity, nut.conformity.0, None, None);
+        add(6, DesignQuantity::BallOverGroove, in_groove, low, high);
+        add(6, DesignQuantity::Conformity, nut.conformity.0, None, None);
         let most = requirement.largest_turns.filter(|_| requirement.fixed.turns.is_none());
-        add(7, Quantity::Turns, nut.turns, None, most);
-        add(7, Quantity::LargestLoad, largest, None, axis.yield_load());
-        add(7, Quantity::NormalLoad, normal, None, None);
+        add(7, DesignQuantity::Turns, nut.turns, None, most);
+        add(7, DesignQuantity::LargestLoad, largest, None, axis.yield_load());
+        add(7, DesignQuantity::NormalLoad, normal, None, None);
         // s = r_m tanα φ                                                  (L7)
         let per_radian = radius * lead.tan();
-        add(8, Quantity::Lead, per_radian * TAU, None, None);
-        add(8, Quantity::Stroke, stroke, None, None);
-        add(8, Quantity::StrokeTurns, stroke / (per_radian * TAU), None, None);
+        add(8, DesignQuantity::Lead, per_radian * TAU, None, None);
+        add(8, DesignQuantity::Stroke, stroke, None, None);
+        add(8, DesignQuantity::StrokeTurns, stroke / (per_radian * TAU), None, None);
         // v = r_m tanα W                                                  (L6)
         let advance = per_radian * speed;
-        add(8, Quantity::Advance, advance, None, None);
+        add(8, DesignQuantity::Advance, advance, None, None);
         let number = axis.speed_number();
         let most = requirement
             .speed_number
             .unwrap_or_else(|| requirement.make.speed_number(nut.lead, thread.screw.land));
-        add(8, Quantity::SpeedNumber, number, None, Some(most));
+        add(8, DesignQuantity::SpeedNumber, number, None, Some(most));
         let (ratio, fastest) = requirement.motor;
-        add(8, Quantity::MotorSpeed, ratio * axis.fastest(), None, fastest);
+        add(8, DesignQuantity::MotorSpeed, ratio * axis.fastest(), None, fastest);
         for (quantity, pressure) in
-            [Quantity::NutPressure, Quantity::ScrewPressure].into_iter().zip(pressures)
+            [DesignQuantity::NutPressure, DesignQuantity::ScrewPressure].into_iter().zip(pressures)
         {
             add(9, quantity, pressure, None, Some(requirement.pressure));
         }
         // β + a/R ≤ θ                                                     (L9)
         let end = beta + semi_axes[0].max(semi_axes[1]) / thread.nut.radius;
-        add(9, Quantity::EllipseEnd, end, None, Some(thread.nut.edge));
+        add(9, DesignQuantity::EllipseEnd, end, None, Some(thread.nut.edge));
         let efficiency = efficiency.and_then(|of| of(&nut, &phase)).unwrap_or(f64::NAN);
-        add(10, Quantity::Efficiency, efficiency, requirement.least_efficiency, None);
+        add(10, DesignQuantity::Efficiency, efficiency, requirement.least_efficiency, None);
         // P_out = η P_in; F_a v is the power at the nut                   (L8)
         let at_nut = phase.load.abs() * advance;
         let (input, output) = match direction {
             Direction::RotaryToLinear => (at_nut / efficiency, at_nut),
             Direction::LinearToRotary => (at_nut, at_nut * efficiency),
         };
-        add(10, Quantity::InputPower, input, None, requirement.largest_power);
-        add(10, Quantity::OutputPower, output, None, None);
+        add(10, DesignQuantity::InputPower, input, None, requirement.largest_power);
+        add(10, DesignQuantity::OutputPower, output, None, None);
         for Check { step, quantity, value, bounds } in requirement.rules(&axis, dynamic) {
             add(step, quantity, value, bounds.least, bounds.most);
         }
         let longest = requirement.make.longest(requirement.grade, screw.outer);
         if let Some(shaft) = &axis.shaft {
-            add(11, Quantity::UnsupportedLength, shaft.length, None, longest);
+            add(11, DesignQuantity::UnsupportedLength, shaft.length, None, longest);
         }
         let inertia = axis
             .shaft
             .as_ref()
             .map_or(f64::NAN, |shaft| screw.mass_and_inertia(shaft.bore, shaft.length).1);
-        add(11, Quantity::Inertia, inertia, None, None);
+        add(11, DesignQuantity::Inertia, inertia, None, None);
         add(
             11,
-            Quantity::Mass,
+            DesignQuantity::Mass,
             body.mass(&nut, &thread) + screw.mass_and_inertia(requirement.mount.bore.0, length).0,
             None,
             None,
@@ -553,11 +561,11 @@ impl Design {
 
     /// Returns the preload of the nut \[N\], or `None` without a preload.
     pub fn preload(&self) -> Option<f64> {
-        Some(self.value(Quantity::Preload)).filter(|force| !force.is_nan())
+        Some(self.value(DesignQuantity::Preload)).filter(|force| !force.is_nan())
     }
 
     /// Returns the value of a quantity, or NaN if the design does not contain it.
-    pub fn value(&self, quantity: Quantity) -> f64 {
+    pub fn value(&self, quantity: DesignQuantity) -> f64 {
         let found = self.checks.iter().find(|check| check.quantity == quantity);
         found.map_or(f64::NAN, |check| check.value)
     }
@@ -565,10 +573,10 @@ impl Design {
     /// Returns the objective as a number of order one, which the search minimizes.
     pub fn objective(&self, objective: Objective) -> f64 {
         match objective {
-            Objective::Efficiency => 1.0 - self.value(Quantity::Efficiency),
-            Objective::Capacity => {
-                (self.value(Quantity::LargestLoad) / self.value(Quantity::DynamicRating)).ln()
-            }
+            Objective::Efficiency => 1.0 - self.value(DesignQuantity::Efficiency),
+            Objective::Capacity => (self.value(DesignQuantity::LargestLoad)
+                / self.value(DesignQuantity::DynamicRating))
+            .ln(),
             Objective::Mass | Objective::Inertia | Objective::Power => {
                 self.value(objective.quantity()).ln()
             }

@@ -4,9 +4,9 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity,
-    FixedValues, Infeasibility, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome,
-    PhasePoint, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors,
+    ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DesignQuantity,
+    DutySpeed, EndFixity, FixedValues, Infeasibility, LoadCase, MachineTable, Make, Mount, Nut,
+    Objective, Outcome, PhasePoint, Pitch, PreloadMethod, ProfileSegment, Ranges, RatingFactors,
     RequiredLife, Requirement, Travel,
 };
 use bsm_dyn::{Direction, DrivenPart, Material, angles::Angles};
@@ -176,7 +176,7 @@ fn infeasible_result_names_blocking_limit_and_best_achievable_value() {
     };
     let alone = blocking.iter().find_map(|b| match b {
         ActiveLimit { check, cause: Infeasibility::SingleLimit(best) }
-            if check.quantity == Quantity::Life =>
+            if check.quantity == DesignQuantity::Life =>
         {
             Some(*best)
         }
@@ -195,7 +195,7 @@ fn infeasible_result_names_blocking_limit_and_best_achievable_value() {
                 let nut = nut(pitch, ball, balls, 6.0, deg.to_radians(), 0.5 / 0.97);
                 let design = Design::of(&free, nut, None);
                 if design.is_feasible() {
-                    best = best.max(design.value(Quantity::Life));
+                    best = best.max(design.value(DesignQuantity::Life));
                 }
             }
         }
@@ -223,9 +223,12 @@ fn screw_with_a_rating_below_the_load_is_rejected() {
     else {
         panic!("12 kN on small balls")
     };
-    assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EquivalentLoad), "{blocking:?}");
+    assert!(
+        blocking.iter().any(|b| b.check.quantity == DesignQuantity::EquivalentLoad),
+        "{blocking:?}"
+    );
     let (design, _) = best_design(&under(2e3));
-    assert!(design.value(Quantity::DynamicRating) > 2e3, "{design:?}");
+    assert!(design.value(DesignQuantity::DynamicRating) > 2e3, "{design:?}");
 }
 
 /// A contact ellipse that extends beyond the land is rejected. With balls of 3.175 mm, the land is
@@ -240,7 +243,10 @@ fn contact_ellipse_beyond_the_land_is_rejected() {
     else {
         panic!("beyond the land")
     };
-    assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EllipseEnd), "{blocking:?}");
+    assert!(
+        blocking.iter().any(|b| b.check.quantity == DesignQuantity::EllipseEnd),
+        "{blocking:?}"
+    );
     let fixed = FixedValues { contact_angle: Some(PI / 4.0), ..requirement.fixed };
     best_design(&Requirement { fixed, ..requirement });
 }
@@ -275,7 +281,7 @@ fn search_keeps_fixed_values() {
         panic!("11 degrees are not easy to make")
     };
     let alone = |b: &ActiveLimit| {
-        b.check.quantity == Quantity::ContactAngle
+        b.check.quantity == DesignQuantity::ContactAngle
             && matches!(b.cause, Infeasibility::SingleLimit(_))
     };
     assert!(blocking.iter().any(alone), "{blocking:?}");
@@ -294,7 +300,7 @@ fn given_torque_and_equivalent_load_select_the_same_screw() {
     // The loads differ only by rounding errors, which change the result by less than the search
     // tolerance.
     assert!((by_load.phase.load / by_torque.phase.load - 1.0).abs() < 1e-9);
-    let masses = [by_load, by_torque].map(|d| d.value(Quantity::Mass));
+    let masses = [by_load, by_torque].map(|d| d.value(DesignQuantity::Mass));
     assert!((masses[0] / masses[1] - 1.0).abs() < 1e-3, "{masses:?}");
 }
 

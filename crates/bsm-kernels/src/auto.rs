@@ -4,7 +4,7 @@
 
 use std::iter::repeat_with;
 
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};
 use bsm_dyn::{
     Direction,
@@ -19,11 +19,11 @@ use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
 /// Outputs that the model selection requires in addition to the requested outputs.
-const REQUIRED: [OutputKey; 1] = [OutputKey::efficiency];
+const REQUIRED: [SolutionOutput; 1] = [SolutionOutput::efficiency];
 
 /// Outputs that keep the values from the raceway-control model if all other results come from the
 /// gross-slip model.
-const RETAINED: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
+const RETAINED: [SolutionOutput; 2] = [SolutionOutput::skid_number, SolutionOutput::onset_number];
 
 /// Solves all rows for which the raceway-control kernel or the gross-slip kernel meets the
 /// tolerance. Returns the selected model of each of these rows, with the reason for its selection.
@@ -106,7 +106,12 @@ impl AutoRows<'_, '_> {
 
     /// Copies the results of a kernel for one row into the output columns. Outputs in `retained`
     /// are not overwritten.
-    fn copy(&mut self, ball: &RollingRow, (group, i): (&Group, usize), retained: &[OutputKey]) {
+    fn copy(
+        &mut self,
+        ball: &RollingRow,
+        (group, i): (&Group, usize),
+        retained: &[SolutionOutput],
+    ) {
         let retained = retained.iter().filter_map(|key| self.rows.wanted.index(*key));
         let retained: Vec<_> = retained.collect();
         for (index, column) in self.rows.columns.iter_mut().enumerate() {
@@ -121,8 +126,8 @@ impl AutoRows<'_, '_> {
         let Some(direction) = Direction::of(ball.speed) else { return };
         let error = ErrorBound::of(direction, efficiency, bound);
         for (key, value) in [
-            (OutputKey::efficiency_error_bound, error.efficiency),
-            (OutputKey::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
+            (SolutionOutput::efficiency_error_bound, error.efficiency),
+            (SolutionOutput::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
         ] {
             if let Some(index) = self.rows.wanted.index(key) {
                 self.rows.columns[index].set(ball.row, value);

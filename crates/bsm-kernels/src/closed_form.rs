@@ -1,7 +1,7 @@
 //! Closed-form model, vectorized over the points of a block, Eqs (C1) to (C11).
 
 use bsm_case::units::{DEG, MM};
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::internals::transmitted;
 use bsm_dyn::{
     Load, Model,
@@ -24,7 +24,7 @@ impl Kernel for ClosedFormKernel {
         let f = given.get(InputKey::friction_coefficient);
         let back = backwards(given);
         let mut ball = BallState::at_angle(given.get(InputKey::contact_angle_deg) * DEG);
-        if out.wants(&[OutputKey::nut_slip_angle_deg, OutputKey::screw_slip_angle_deg]) {
+        if out.wants(&[SolutionOutput::nut_slip_angle_deg, SolutionOutput::screw_slip_angle_deg]) {
             let [nut, screw] = sines.slip_angles(back);
             (ball.nut.slip_angle, ball.screw.slip_angle) = (Some(nut), Some(screw));
         }

@@ -1,7 +1,7 @@
 //! A ball between elastic raceways, vectorized over the points of a block: dimensionless
 //! quantities, and outputs for the contacts.
 
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
 use bsm_dyn::{SteadyState, lubrication::FilmState, model::ErrorBound, solution::Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
@@ -45,8 +45,8 @@ impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
 
 /// Contact-angle outputs. They are calculated only on request, because each angle requires an
 /// arctangent.
-const ANGLES: [OutputKey; 2] =
-    [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
+const ANGLES: [SolutionOutput; 2] =
+    [SolutionOutput::nut_contact_angle_deg, SolutionOutput::screw_contact_angle_deg];
 
 /// Function object that stores the results of a ball with two elastic contacts. It is compiled as a
 /// separate function because three kernels share it.

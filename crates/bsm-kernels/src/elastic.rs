@@ -1,6 +1,6 @@
 //! Elastic model, vectorized over the points of a block.
 
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::Model;
 use bsm_dyn::internals::{ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque};
 use bsm_kin::{relative_rotation, spin_at_nut};
@@ -53,8 +53,8 @@ impl Kernel for ElasticKernel {
             error: None,
             film: None,
         });
-        out.set(OutputKey::iterations, skid.steps);
-        out.set(OutputKey::residual_norm, skid.residual);
+        out.set(SolutionOutput::iterations, skid.steps);
+        out.set(SolutionOutput::residual_norm, skid.residual);
         skid.found & transmission.is_balanced()
     }
 }

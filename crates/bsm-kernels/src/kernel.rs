@@ -1,6 +1,6 @@
 //! The trait that all kernels implement, and the table rows that a kernel solves.
 
-use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
+use bsm_case::{OUTPUTS, Output, SolutionOutput, store_outputs};
 use bsm_dyn::{Model, SteadyState, model::Choice};
 use bsm_simd::{Simd, WithSimd};
 
@@ -35,7 +35,7 @@ impl Selection {
 
     /// Returns a selection that also contains the outputs `keys`. Outputs that were not yet
     /// selected get columns after the first `len` columns.
-    pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
+    pub(crate) fn with(&self, keys: &[SolutionOutput], len: usize) -> Self {
         let mut this = self.clone();
         let missing = keys.iter().filter(|key| self.index(**key).is_none());
         for (index, key) in (len..).zip(missing) {
@@ -45,7 +45,7 @@ impl Selection {
     }
 
     /// Returns the column index of an output, or `None` if the output is not selected.
-    pub(crate) fn index(&self, key: OutputKey) -> Option<usize> {
+    pub(crate) fn index(&self, key: SolutionOutput) -> Option<usize> {
         self.0[key as usize]
     }
 }
@@ -122,13 +122,13 @@ impl Sink<'_, '_> {
     /// Returns true if any of the given outputs is requested. Kernels use this function to skip
     /// expensive calculations.
     #[inline(always)]
-    pub(crate) fn wants(&self, keys: &[OutputKey]) -> bool {
+    pub(crate) fn wants(&self, keys: &[SolutionOutput]) -> bool {
         keys.iter().any(|key| self.wanted.index(*key).is_some())
     }
 
     /// Stores the values of an output at all points of the block, in the unit of the output.
     #[inline(always)]
-    pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
+    pub(crate) fn set<S: Simd>(&mut self, key: SolutionOutput, values: Lane<S>) {
         if let Some(index) = self.wanted.index(key) {
             values.store(&mut self.columns[index].values_mut()[self.row..]);
         }

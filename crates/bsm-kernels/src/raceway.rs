@@ -5,7 +5,7 @@ mod oil;
 
 use std::f64::consts::PI;
 
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::internals::{
     ElasticMotion, RacewayBall, friction_power, ideal_torque, onset_number, rolling_torque,
 };
@@ -130,15 +130,15 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             film,
         });
         let skid = regime(out, friction, contacts, (&state, &motion));
-        out.set(OutputKey::iterations, state.steps);
-        out.set(OutputKey::residual_norm, state.residual);
-        out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
+        out.set(SolutionOutput::iterations, state.steps);
+        out.set(SolutionOutput::residual_norm, state.residual);
+        out.set(SolutionOutput::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // If the balls are lubricated, the model does not search for further solutions.
         if given.inputs.lubricant.is_none() {
             if control.is_none() {
-                out.set(OutputKey::control_consistent, one);
+                out.set(SolutionOutput::control_consistent, one);
             }
-            out.set(OutputKey::other_solutions, zero);
+            out.set(SolutionOutput::other_solutions, zero);
         }
         let efficiency = transmission.efficiency;
         let [nut, screw] = &state.sides;
@@ -224,7 +224,7 @@ fn regime<S: Simd>(
     let [skid, cross] = motion.skid_numbers(&contacts.scaled, friction, &state.sides);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
-    out.set(OutputKey::skid_number, skid.lt(beyond).select(skid, none));
-    out.set(OutputKey::onset_number, onset.lt(beyond).select(onset, none));
+    out.set(SolutionOutput::skid_number, skid.lt(beyond).select(skid, none));
+    out.set(SolutionOutput::onset_number, onset.lt(beyond).select(onset, none));
     [onset, cross]
 }

@@ -4,7 +4,7 @@
 //! Theory: `docs/theory/04-rigid.md`, the section on direct sweeps.
 
 use bsm_case::units::DEG;
-use bsm_case::{InputKey, OutputKey};
+use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::Model;
 use bsm_dyn::internals::{Plane, RigidBall, friction_angle};
 use bsm_simd::Simd;
@@ -15,10 +15,10 @@ use crate::units::Units;
 
 /// Outputs for the directions of friction. They are calculated only on request, because each
 /// direction requires an arctangent.
-const DIRECTIONS: [OutputKey; 3] = [
-    OutputKey::nut_slip_angle_deg,
-    OutputKey::screw_slip_angle_deg,
-    OutputKey::unloaded_flank_slip_angle_deg,
+const DIRECTIONS: [SolutionOutput; 3] = [
+    SolutionOutput::nut_slip_angle_deg,
+    SolutionOutput::screw_slip_angle_deg,
+    SolutionOutput::unloaded_flank_slip_angle_deg,
 ];
 
 /// Returns the directions of friction at nut and screw \[rad\], or `None` if no output needs them.
@@ -56,12 +56,12 @@ impl Kernel for RigidKernel {
         let angle = given.get(InputKey::contact_angle_deg) * DEG;
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
-        out.set(OutputKey::iterations, swept.count);
-        out.set(OutputKey::residual_norm, swept.residual);
+        out.set(SolutionOutput::iterations, swept.count);
+        out.set(SolutionOutput::residual_norm, swept.residual);
         // Unless the solution is known to be unique, the number of further solutions is unknown
         // (NaN), because the kernel does not search for them.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
-        out.set(OutputKey::other_solutions, others);
+        out.set(SolutionOutput::other_solutions, others);
         found & solved.transmission.is_balanced()
     }
 }

@@ -9,7 +9,7 @@ use kuva::render::layout::TickFormat;
 use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 
 use crate::map::png_of;
-use crate::{Axis, Curve, Figure, ReportError, Stroke, number};
+use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, number};
 
 impl Stroke {
     fn is_line(self) -> bool {
@@ -250,7 +250,7 @@ fn renumbered(svg: &str) -> String {
 }
 
 /// Sets the labels, scales and sizes of the axes.
-pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
+pub(crate) fn with_axes(layout: Layout, x: &PlotAxis, y: &PlotAxis) -> Layout {
     let layout = layout
         .with_x_label(&x.label)
         .with_y_label(&y.label)
@@ -425,8 +425,8 @@ mod tests {
             key: "k".into(),
             title: "t".into(),
             caption: String::new(),
-            x: Axis::linear("x, mm"),
-            y: Axis::linear("y, N"),
+            x: PlotAxis::linear("x, mm"),
+            y: PlotAxis::linear("y, N"),
             curves,
         }
     }
@@ -476,7 +476,7 @@ mod tests {
         assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
         assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
         // The curves of a drawing can be distinguished by their position.
-        figure.y = Axis::equal("y");
+        figure.y = PlotAxis::equal("y");
         assert_eq!(figure.shapes(), []);
     }
 
@@ -486,7 +486,7 @@ mod tests {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
         let curve = Curve::new("a", 0, Stroke::Solid, points);
         let mut figure = figure_of(vec![curve]);
-        figure.y = Axis::log("y, N");
+        figure.y = PlotAxis::log("y, N");
         let svg = figure.svg().expect("a picture");
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");

@@ -16,4 +16,4 @@ pub use bsm_case::{number, short};
 pub use dxf::groove_dxf;
 pub use error::ReportError;
 pub use page::{PROGRAM, Page, STYLE, figure_files, report_files};
-pub use plots::{Axis, Curve, Figure, MAX_CELLS, MAX_CURVES, Map, Stroke};
+pub use plots::{Curve, Figure, MAX_CELLS, MAX_CURVES, Map, PlotAxis, Stroke};

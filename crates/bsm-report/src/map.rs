@@ -315,14 +315,14 @@ fn round(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Axis;
+    use crate::PlotAxis;
 
     /// Returns a map with a logarithmic x axis, one cell without a value, and two regions.
     fn map() -> Map {
         Map {
             title: "t".into(),
-            x: (Axis::log("x, N"), vec![100.0, 1000.0, 10.0]),
-            y: (Axis::linear("y, rpm"), vec![0.0, 1.0]),
+            x: (PlotAxis::log("x, N"), vec![100.0, 1000.0, 10.0]),
+            y: (PlotAxis::linear("y, rpm"), vec![0.0, 1.0]),
             label: "z, W".into(),
             values: vec![2.0, 2.5, 3.0, f64::NAN, 1.0, 1.5],
             regions: vec![0, 1, 1, 1, 0, 0],

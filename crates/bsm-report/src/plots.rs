@@ -55,7 +55,7 @@ impl Curve {
 
 /// An axis of a figure: its label and its scale.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct PlotAxis {
     /// Quantity and unit, separated by a comma.
     pub label: String,
     /// True if the axis has a logarithmic scale.
@@ -66,7 +66,7 @@ pub struct Axis {
     pub from_zero: bool,
 }
 
-impl Axis {
+impl PlotAxis {
     /// Creates an axis with a linear scale.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), log: false, equal: false, from_zero: false }
@@ -98,16 +98,20 @@ pub struct Figure {
     /// Caption of the figure.
     pub caption: String,
     /// Horizontal axis.
-    pub x: Axis,
+    pub x: PlotAxis,
     /// Vertical axis.
-    pub y: Axis,
+    pub y: PlotAxis,
     /// The curves, in the order of the legend.
     pub curves: Vec<Curve>,
 }
 
 impl Figure {
     /// Creates a figure from key, title, caption, axes and curves.
-    pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
+    pub fn new(
+        [key, title, caption]: [&str; 3],
+        [x, y]: [PlotAxis; 2],
+        curves: Vec<Curve>,
+    ) -> Self {
         let [key, title, caption] = [key, title, caption].map(str::to_owned);
         Self { key, title, caption, x, y, curves }
     }
@@ -161,9 +165,9 @@ pub struct Map {
     /// Title of the map.
     pub title: String,
     /// Horizontal axis and its values.
-    pub x: (Axis, Vec<f64>),
+    pub x: (PlotAxis, Vec<f64>),
     /// Vertical axis and its values.
-    pub y: (Axis, Vec<f64>),
+    pub y: (PlotAxis, Vec<f64>),
     /// Label of the quantity that the colors show.
     pub label: String,
     /// Value of each cell; NaN for a cell without a value. Cells with the same x are consecutive.

@@ -5,7 +5,7 @@
 use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, Solution, model::RacewayFriction};
 use bsm_report::sheets::{around_cases, catalog_figures, points, warm_preload};
-use bsm_report::{Axis, Curve, Figure, Stroke};
+use bsm_report::{Curve, Figure, PlotAxis, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 
@@ -98,7 +98,7 @@ fn transition(lin: &Case) -> Result<Figure, ValidateError> {
                   saturated friction (dotted), because friction can no longer support the gyroscopic moment. Under \
                   2113 N, friction supports this moment at all speeds in the figure.",
         ],
-        [Axis::log("screw speed, rpm"), Axis::linear("efficiency")],
+        [PlotAxis::log("screw speed, rpm"), PlotAxis::linear("efficiency")],
         curves,
     ))
 }

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use bsm_case::{
-    AnalysisKind, Axis, Case, CaseError, InputKey, ModelChoice, MotionAnswer, Output, Record,
+    AnalysisKind, Case, CaseError, GridAxis, InputKey, ModelChoice, MotionAnswer, Output, Record,
     Settings,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
@@ -175,7 +175,7 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
     for set in settings.split('|') {
         let mut cases = vec![case.clone()];
         for setting in set.split_whitespace() {
-            let Ok(axis) = Axis::parse(setting) else {
+            let Ok(axis) = GridAxis::parse(setting) else {
                 // A setting that is not an axis has the same value at all points.
                 cases.iter_mut().try_for_each(|case| case.apply(&[setting]))?;
                 continue;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
-    Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, FEW_DRAWS, Grid,
+    Answer, AxisReport, Case, CaseError, Columns, EllipseFields, FEW_DRAWS, Grid, GridAxis,
     GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, NutReport, Output, Quantity,
     Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
 };
@@ -320,7 +320,7 @@ fn sweep(
     if stop.load(Ordering::Relaxed) {
         return Err(Refusal::Overtaken);
     }
-    let axis = |axis: &Axis| {
+    let axis = |axis: &GridAxis| {
         let values: Vec<_> = (0..axis.len()).map(|place| axis.value(place)).collect();
         json!({ "name": axis.key.name(), "values": values, "log": axis.is_log() })
     };

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Axis, Grid};
+use bsm_case::{Grid, GridAxis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -182,7 +182,7 @@ impl PointsEntry {
             // On outer axes, the same value occurs in many consecutive rows; on the innermost axis,
             // the values repeat periodically.
             Self::Grid(axes) => {
-                let bytes = |(range, text): (usize, &String)| match Axis::parse(text) {
+                let bytes = |(range, text): (usize, &String)| match GridAxis::parse(text) {
                     Ok(axis) if range == 0 && axis.len() > REPEATING => NUMBER,
                     _ => REPEATED,
                 };

@@ -2,7 +2,7 @@
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
 use bsm_case::{
-    AnalysisKind, Axis, AxisReport, Case, Grid, MotionAnswer, Output, OutputName, Settings,
+    AnalysisKind, AxisReport, Case, Grid, GridAxis, MotionAnswer, Output, OutputName, Settings,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
@@ -29,7 +29,7 @@ fn dong_case(without: &str) -> Case {
 }
 
 fn grid(axes: &[&str]) -> Grid {
-    let axes = axes.iter().map(|axis| Axis::parse(axis).expect("an axis")).collect();
+    let axes = axes.iter().map(|axis| GridAxis::parse(axis).expect("an axis")).collect();
     Grid::new(axes).expect("a grid")
 }
 

@@ -19,7 +19,7 @@ use bsm_batch::{
     Answers, Count, Draw, Draws, Format, GridSource, ParquetSource, Source, TableFormat, TableSink,
     Task, Workers,
 };
-use bsm_case::{Axis, Case, Grid, Settings};
+use bsm_case::{Case, Grid, GridAxis, Settings};
 use bsm_dyn::Model;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::metadata::ParquetMetaDataReader;
@@ -47,7 +47,7 @@ fn task(model: Model) -> Task {
 /// screw is self-locking, so a third of the rows have no solution.
 fn grid() -> Grid {
     let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
-    Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
+    Grid::new(axes.map(|axis| GridAxis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
 }
 
 fn plan(task: &Task, points: &Points, rows: u64) -> Plan {
@@ -249,7 +249,7 @@ fn three_concurrent_processes_write_identical_parts() {
 #[test]
 fn a_run_can_be_stopped_within_a_chunk() {
     static STOP: AtomicBool = AtomicBool::new(false);
-    let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
+    let axes = vec![GridAxis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder) = (task(Model::Traction), temporary_folder());
     // A part takes a few seconds, so the run is stopped before it finishes a part.
@@ -281,7 +281,7 @@ fn skipping_parquet_rows_does_not_change_the_remaining_rows() {
     let path = folder.path().join("points.parquet");
     // The table has more rows than a row group, and its number of rows is not a multiple of the
     // chunk size.
-    let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
+    let axes = vec![GridAxis::parse("axial_load_N=500:9000:300001").expect("an axis")];
     let grid = Grid::new(axes).expect("a grid");
     let mut source = GridSource::new(grid.clone());
     let out = fs::File::create(&path).expect("file");
@@ -318,7 +318,7 @@ fn skipping_parquet_rows_does_not_change_the_remaining_rows() {
 #[test]
 fn one_worker_and_several_workers_write_identical_tables() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
-    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
+    let axes = axes.map(|axis| GridAxis::parse(axis).expect("an axis")).to_vec();
     let grid = Grid::new(axes).expect("a grid");
     for format in [Format::Parquet, Format::Csv, Format::JsonLines] {
         let written = |threads| {
@@ -492,7 +492,7 @@ fn dataset_of_a_table_can_be_continued_only_with_the_same_table() {
     let folder = temporary_folder();
     let (path, map) = (folder.path().join("points.parquet"), folder.path().join("map"));
     let write = |loads: &str| {
-        let axes = vec![Axis::parse(&format!("axial_load_N={loads}:120")).expect("an axis")];
+        let axes = vec![GridAxis::parse(&format!("axial_load_N={loads}:120")).expect("an axis")];
         let mut source = GridSource::new(Grid::new(axes).expect("a grid"));
         let task = Task { outputs: Vec::new(), ..task(Model::ClosedForm) };
         let out = task.write(&mut source, Format::Parquet, Vec::new(), &workers(1), &mut |_, _| {});
@@ -577,7 +577,7 @@ fn estimated_size_is_an_upper_bound_on_the_actual_size() {
 fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
     // The plan has 59 604 parts with 2^24 rows each, and a last part with 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
-    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
+    let axes = axes.map(|axis| GridAxis::parse(axis).expect("an axis")).to_vec();
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder, workers) = (task(Model::ClosedForm), temporary_folder(), workers(1));
     let begin = Instant::now();

@@ -7,7 +7,7 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use bsm_batch::{Answers, Format, GridSource, TableHead, TableSink, Task, Workers};
-use bsm_case::{Axis, Case, ColumnValues, Grid, Output};
+use bsm_case::{Case, ColumnValues, Grid, GridAxis, Output};
 use bsm_dyn::Model;
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -81,7 +81,7 @@ fn repeated_texts_and_inputs_take_almost_no_space() {
     let base = include_bytes!("../../../../examples/feed_drive.json");
     let base = Case::from_json(base).expect("a case");
     let axes = ["axial_load_N=2000:8000:30", "screw_speed_rpm=100:1500:10000"];
-    let axes = axes.map(|axis| Axis::parse(axis).expect("an axis"));
+    let axes = axes.map(|axis| GridAxis::parse(axis).expect("an axis"));
     let grid = Grid::new(axes.to_vec()).expect("a grid");
     let rows = grid.len();
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");

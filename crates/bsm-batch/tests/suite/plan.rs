@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use bsm_batch::dataset::{Plan, Points, RESULTS};
 use bsm_batch::{Answers, Draw, Draws, Task, Workers};
-use bsm_case::{Axis, Case, Grid, ModelChoice, Output, Settings};
+use bsm_case::{Case, Grid, GridAxis, ModelChoice, Output, Settings};
 use bsm_dyn::{Control, Model, model::RacewayFriction};
 
 use crate::digest;
@@ -23,7 +23,7 @@ fn task() -> Task {
 }
 
 fn grid(axes: &[&str]) -> Points {
-    let axes = axes.iter().map(|axis| Axis::parse(axis).expect("an axis")).collect();
+    let axes = axes.iter().map(|axis| GridAxis::parse(axis).expect("an axis")).collect();
     Points::Grid(Grid::new(axes).expect("a grid"))
 }
 

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, BindingLimit, Bounds, Candidate, Check, Design, Infeasibility, LoadCase, Nut,
-    Outcome, PhasePoint, Pitch, Quantity, Requirement,
+    ActiveLimit, BindingLimit, Bounds, Candidate, Check, Design, DesignQuantity, Infeasibility,
+    LoadCase, Nut, Outcome, PhasePoint, Pitch, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 
@@ -21,7 +21,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Criterion, INPUTS, Output,
-    OutputName, REQUIREMENT_INPUTS, RequirementFile, Verdict, output, sheet_columns,
+    OutputName, Quantity, REQUIREMENT_INPUTS, RequirementFile, Verdict, output, sheet_columns,
 };
 
 /// A result of the selection procedure, and the requirement on this result.
@@ -169,21 +169,21 @@ impl DesignReport {
         // The order data is always accompanied by the warnings of the `axis` command.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
-        let best = design.value(Quantity::BestContactAngle) / DEG;
+        let best = design.value(DesignQuantity::BestContactAngle) / DEG;
         warnings.extend(hard_to_make(
             "the motion of the requirement",
             Some(best).filter(|b| !b.is_nan()),
         ));
         let has_reason = why.is_some() || runs_away;
         warnings.extend(why);
-        if !has_reason && design.value(Quantity::Efficiency).is_nan() {
+        if !has_reason && design.value(DesignQuantity::Efficiency).is_nan() {
             let model = requirement.settings.model.name();
             warnings.push(format!(
                 "Model {model} has no solution for this screw; `bsm solve` prints the reason."
             ));
         }
         if let LoadCase::Torque(torque, _) = requirement.problem.demand {
-            let eta = design.value(Quantity::Efficiency);
+            let eta = design.value(DesignQuantity::Efficiency);
             let driving = requirement.problem.direction == Direction::RotaryToLinear;
             let needed = if driving { torque / eta } else { torque * eta };
             if needed.is_finite() {
@@ -459,7 +459,7 @@ fn label(name: &str) -> Option<&'static str> {
 }
 
 /// Returns the name, the unit and the label of a design quantity.
-fn step(quantity: Quantity) -> &'static crate::Quantity {
+fn step(quantity: DesignQuantity) -> &'static Quantity {
     &STEPS[quantity as usize]
 }
 
@@ -484,7 +484,7 @@ fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
 }
 
 fn row(check: &Check) -> DesignRow {
-    let crate::Quantity { name, about: label, unit, .. } = *step(check.quantity);
+    let Quantity { name, about: label, unit, .. } = *step(check.quantity);
     DesignRow {
         step: check.step,
         name,
@@ -540,7 +540,7 @@ fn required(check: &Check) -> Option<String> {
 }
 
 /// Returns the unit of a design quantity, with a leading space.
-fn unit(quantity: Quantity) -> String {
+fn unit(quantity: DesignQuantity) -> String {
     let unit = step(quantity).unit;
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
@@ -593,18 +593,18 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
 mod tests {
     use super::*;
 
-    /// `STEPS` is indexed by `Quantity`, whose last variant is `Mass`.
+    /// `STEPS` is indexed by `DesignQuantity`, whose last variant is `Mass`.
     #[test]
     fn step_labels_match_the_order_of_design_quantities() {
-        assert_eq!(STEPS.len(), Quantity::Mass as usize + 1);
+        assert_eq!(STEPS.len(), DesignQuantity::Mass as usize + 1);
         let names = [
-            (Quantity::LeadAngle, "lead_angle_deg"),
-            (Quantity::Conformity, "nut_conformity"),
-            (Quantity::SpeedNumber, "largest_speed_number_mm_min"),
-            (Quantity::MotorSpeed, "motor_speed_rpm"),
-            (Quantity::EllipseEnd, "contact_ellipse_end_deg"),
-            (Quantity::Life, "cycle_life_h"),
-            (Quantity::Mass, "mass_of_nut_and_screw_kg"),
+            (DesignQuantity::LeadAngle, "lead_angle_deg"),
+            (DesignQuantity::Conformity, "nut_conformity"),
+            (DesignQuantity::SpeedNumber, "largest_speed_number_mm_min"),
+            (DesignQuantity::MotorSpeed, "motor_speed_rpm"),
+            (DesignQuantity::EllipseEnd, "contact_ellipse_end_deg"),
+            (DesignQuantity::Life, "cycle_life_h"),
+            (DesignQuantity::Mass, "mass_of_nut_and_screw_kg"),
         ];
         for (quantity, name) in names {
             assert_eq!(step(quantity).name, name);

@@ -11,7 +11,7 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 
 /// A varied input of a grid and its values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct GridAxis {
     /// Varied input.
     pub key: InputKey,
     /// Values of the varied input.
@@ -57,7 +57,7 @@ impl AxisValues {
     }
 }
 
-impl Axis {
+impl GridAxis {
     /// Parses `name=start:stop:count` (both ends included), `name=start:stop:count:log` for equal
     /// ratios instead of equal differences, or `name=v1,v2,...`.
     ///
@@ -163,9 +163,9 @@ impl Axis {
     }
 }
 
-/// Formats the axis for [`Axis::parse`], with the smallest number of digits that reproduces the
+/// Formats the axis for [`GridAxis::parse`], with the smallest number of digits that reproduces the
 /// values.
-impl Display for Axis {
+impl Display for GridAxis {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
         write!(f, "{}=", self.key.name())?;
@@ -184,18 +184,18 @@ impl Display for Axis {
 /// Cartesian product of axes. The last axis varies fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    axes: Vec<Axis>,
+    axes: Vec<GridAxis>,
     len: usize,
 }
 
 impl Grid {
-    /// Parses the text of each axis of a grid (see [`Axis::parse`]).
+    /// Parses the axes of a grid (see [`GridAxis::parse`]).
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`Axis::parse`] and [`new`](Self::new).
+    /// Returns the errors of [`GridAxis::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(axes: &[T]) -> Result<Self, CaseError> {
-        let axes = axes.iter().map(|axis| Axis::parse(axis.as_ref()));
+        let axes = axes.iter().map(|axis| GridAxis::parse(axis.as_ref()));
         Self::new(axes.collect::<Result<_, _>>()?)
     }
 
@@ -205,7 +205,7 @@ impl Grid {
     ///
     /// Returns [`CaseError`] if an input appears twice or the number of points is too large to
     /// count.
-    pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
+    pub fn new(axes: Vec<GridAxis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|former| former.key == axis.key) {
                 return Err(CaseError::given_twice([axis.key.name(); 2]));
@@ -229,7 +229,7 @@ impl Grid {
     }
 
     /// Returns the axes of the grid, one for each varied input.
-    pub fn axes(&self) -> &[Axis] {
+    pub fn axes(&self) -> &[GridAxis] {
         &self.axes
     }
 
@@ -245,7 +245,7 @@ impl Grid {
     /// Appends the values of an axis at a range of points.
     pub fn fill(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
         // Number of consecutive points that share a value of this axis.
-        let run: usize = self.axes[axis + 1..].iter().map(Axis::len).product();
+        let run: usize = self.axes[axis + 1..].iter().map(GridAxis::len).product();
         let (axis, mut at, first) = (&self.axes[axis], points.start, points.start / run);
         let (period, begin) = (run * axis.len(), to.len());
         let once = points.end.min(points.start.saturating_add(period));

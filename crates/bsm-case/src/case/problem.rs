@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::case::reader::has_grooves;
 use crate::vocabulary::error::{bad, list};
-use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY, inputs};
+use crate::vocabulary::input_set::{Form, LEAD, QuantityForms, TEMPERATURE, VISCOSITY, inputs};
 use crate::vocabulary::rules::{covered, not_covered};
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, InputSet, Rule};
@@ -264,7 +264,7 @@ pub(crate) struct Needs {
     /// Inputs that must all be given.
     pub(crate) all: InputSet,
     /// Quantities that must each be given in at least one form.
-    pub(crate) quantities: &'static [Quantity],
+    pub(crate) quantities: &'static [QuantityForms],
 }
 
 impl Needs {
@@ -329,7 +329,8 @@ impl Needs {
         if given.contains_all(CATALOG_LINE) || !self.all.meets(GROOVE) {
             return of_groove;
         }
-        let is_angle = |quantity: &&Quantity| quantity.forms[0].key == InputKey::contact_angle_deg;
+        let is_angle =
+            |quantity: &&QuantityForms| quantity.forms[0].key == InputKey::contact_angle_deg;
         let others = self.quantities.iter().filter(|quantity| !is_angle(quantity));
         // The estimated groove determines the pitch circle diameter, which is needed to calculate
         // the lead angle.
@@ -359,11 +360,11 @@ impl Needs {
 /// * `quantities`: quantities that must each be given in one of their forms.
 fn lacking<'a>(
     all: InputSet,
-    quantities: impl Iterator<Item = &'a Quantity>,
+    quantities: impl Iterator<Item = &'a QuantityForms>,
     given: InputSet,
 ) -> Vec<String> {
     let mut missing = Vec::new();
-    for Quantity { words, forms } in quantities {
+    for QuantityForms { words, forms } in quantities {
         let begun = forms.iter().filter(|form| given.contains(form.key));
         // Inputs in `all` are reported separately below.
         let lacks = |form: &Form| form.with.without(given).without(all);

@@ -121,7 +121,7 @@ impl InputSet {
         };
         QUANTITIES
             .iter()
-            .map(Quantity::keys)
+            .map(QuantityForms::keys)
             .filter(|keys| keys.meets(self))
             .fold(self.and(friction), Self::and)
     }
@@ -175,7 +175,7 @@ impl FromIterator<InputKey> for InputSet {
 
 /// A quantity that may be given in one of several forms.
 #[derive(Debug)]
-pub(crate) struct Quantity {
+pub(crate) struct QuantityForms {
     /// Text that describes the forms of the quantity in messages about missing inputs.
     pub(crate) words: &'static str,
     /// Forms of the quantity.
@@ -192,7 +192,7 @@ pub(crate) struct Form {
     pub(crate) to: &'static str,
 }
 
-impl Quantity {
+impl QuantityForms {
     /// Returns the main inputs of all forms of the quantity.
     fn keys(&self) -> InputSet {
         self.forms.iter().map(|form| form.key).collect()
@@ -204,7 +204,7 @@ impl Quantity {
 macro_rules! forms {
     ($($(#[doc = $about:literal])* $visible:vis $quantity:ident, $words:literal:
         $($key:ident $(with $other:ident $to:literal)?),+;)*) => {
-        $($(#[doc = $about])* $visible const $quantity: Quantity = Quantity {
+        $($(#[doc = $about])* $visible const $quantity: QuantityForms = QuantityForms {
             words: $words,
             forms: &[$(Form {
                 key: InputKey::$key,
@@ -214,7 +214,7 @@ macro_rules! forms {
         };)*
 
         /// All quantities with several forms.
-        const QUANTITIES: &[Quantity] = &[$($quantity),*];
+        const QUANTITIES: &[QuantityForms] = &[$($quantity),*];
     };
 }
 

@@ -35,7 +35,7 @@ pub struct Output {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
     /// The value comes from the solution of a model.
-    Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
+    Solution { key: SolutionOutput, read: fn(&SteadyState) -> Option<f64> },
     /// The value comes from a table of quantities. `kind` is set if the table belongs to an
     /// analysis.
     Table { kind: Option<AnalysisKind> },
@@ -63,15 +63,15 @@ impl Output {
         let Origin::Solution { key, read } = self.origin else { return None };
         match (&solution.answer, key) {
             (Ok(solved), _) => read(solved),
-            (Err(_), OutputKey::self_locking) => solution.self_locking().map(yes),
-            (Err(none), OutputKey::evidence) => none.evidence().map(|it| f64::from(it.rank())),
+            (Err(_), SolutionOutput::self_locking) => solution.self_locking().map(yes),
+            (Err(none), SolutionOutput::evidence) => none.evidence().map(|it| f64::from(it.rank())),
             _ => None,
         }
     }
 
     /// Returns the key of the output in [`OUTPUTS`], or `None` if the output is not a result of a
     /// model.
-    pub fn key(&self) -> Option<OutputKey> {
+    pub fn key(&self) -> Option<SolutionOutput> {
         match self.origin {
             Origin::Solution { key, .. } => Some(key),
             Origin::Table { .. } | Origin::Input | Origin::Interval { .. } => None,
@@ -155,7 +155,7 @@ impl Output {
 
     /// Returns true if the output describes the ball or its contacts.
     pub(crate) fn is_of_the_ball(&self) -> bool {
-        use OutputKey as K;
+        use SolutionOutput as K;
         let of_the_ball = K::axial_displacement_um as usize..=K::ball_omega_b_rad_s as usize;
         let of_its_contacts = K::nut_normal_load_N as usize..=K::screw_approach_um as usize;
         let place = self.key().map(|key| key as usize);
@@ -197,7 +197,7 @@ macro_rules! outputs {
             words: outputs!(@words $kind),
             about: concat!($about, outputs!(@said $site)),
             origin: Origin::Solution {
-                key: OutputKey::$name,
+                key: SolutionOutput::$name,
                 read: |solved| {
                     let ($s, $at): (&SteadyState, _) = (solved, outputs!(@site $site));
                     $read
@@ -214,14 +214,14 @@ macro_rules! outputs {
             about: $label,
             title: $title,
             scope: outputs!(@scope $($site)+),
-            columns: &[$(OUTPUTS[OutputKey::$name as usize],)+],
+            columns: &[$(OUTPUTS[SolutionOutput::$name as usize],)+],
             ..Quantity::WHOLE
         },)*)*];
 
         /// Key of an output, which is its index in [`OUTPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
-        pub enum OutputKey {
+        pub enum SolutionOutput {
             $($($(#[doc = $about] $name,)+)*)*
         }
 
@@ -231,11 +231,11 @@ macro_rules! outputs {
         #[inline(always)]
         pub fn store_outputs<F: Real>(
             solved: &SteadyState<F>,
-            place: impl Fn(OutputKey) -> Option<usize>,
+            place: impl Fn(SolutionOutput) -> Option<usize>,
             mut store: impl FnMut(usize, F),
         ) {
             $($($(
-                if let Some(place) = place(OutputKey::$name)
+                if let Some(place) = place(SolutionOutput::$name)
                     && let Some(values) = read_at(
                         solved,
                         outputs!(@site $site),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, Case, CaseError, Grid, InputKey, ModelChoice, NutProblem, OutputName, Record, Rule,
+    Case, CaseError, Grid, GridAxis, InputKey, ModelChoice, NutProblem, OutputName, Record, Rule,
     Scope, Settings, input_schema, output, output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
@@ -326,8 +326,8 @@ fn override_with_numbers_and_with_settings_give_the_same_case() {
 #[test]
 fn grids_are_cartesian_products_with_exact_range_ends() {
     let grid = Grid::new(vec![
-        Axis::parse("lead_angle_deg=1:2:3").expect("range"),
-        Axis::parse("friction_coefficient=0.1,0.3").expect("list"),
+        GridAxis::parse("lead_angle_deg=1:2:3").expect("range"),
+        GridAxis::parse("friction_coefficient=0.1,0.3").expect("list"),
     ])
     .expect("two axes");
     assert_eq!(grid.len(), 6);
@@ -348,15 +348,15 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
     }
     // The end of the range is exactly 0.1, although adding rounded steps would not give this
     // number.
-    let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
+    let tenth = GridAxis::parse("friction_coefficient=0:0.1:8").expect("range");
     assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
     // Successive values have equal ratios, and the ends are exact.
-    let log = Axis::parse("axial_load_N=1:1000:4:log").expect("range");
+    let log = GridAxis::parse("axial_load_N=1:1000:4:log").expect("range");
     let values: Vec<_> = (0..4).map(|i| log.value(i)).collect();
     assert_eq!([values[0], values[3]].map(f64::to_bits), [1.0_f64, 1000.0].map(f64::to_bits));
     // The tolerance allows for rounding errors of the logarithms.
     assert!((values[1] / 10.0 - 1.0).abs() < 1e-14 && (values[2] / 100.0 - 1.0).abs() < 1e-14);
-    assert_eq!(Axis::parse(&log.to_string()).expect("its own form"), log);
+    assert_eq!(GridAxis::parse(&log.to_string()).expect("its own form"), log);
 
     for (text, part) in [
         ("lead_angle_deg", "name=start:stop:count"),
@@ -369,23 +369,24 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
         ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
         ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
     ] {
-        let error = Axis::parse(text).expect_err(text).to_string();
+        let error = GridAxis::parse(text).expect_err(text).to_string();
         assert!(error.contains(part), "{error}");
     }
     // If both forms of the lead were given, the second one used to replace the first without a
     // message.
-    let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
+    let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| GridAxis::parse(a).expect("list"));
     let error = Grid::new(leads.to_vec()).expect_err("two forms").to_string();
     assert_eq!(error, "give either lead_angle_deg or lead_mm; both are given");
     // A drive with a varied nut speed used to be rejected because the base case is at standstill.
-    let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
+    let nut =
+        Grid::new(vec![GridAxis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
     assert!(base.check().is_err() && nut.check(&base).is_ok());
     assert!(nut.case(&base, &nut.point(1)).check().is_ok());
-    let axis = Axis::parse("lead_angle_deg=1:2:3").expect("range");
+    let axis = GridAxis::parse("lead_angle_deg=1:2:3").expect("range");
     let error = Grid::new(vec![axis.clone(), axis]).expect_err("twice").to_string();
     assert_eq!(error, "`lead_angle_deg` is given twice; give it once");
-    let huge = |name| Axis::parse(&format!("{name}=1:2:4294967296")).expect("range");
+    let huge = |name| GridAxis::parse(&format!("{name}=1:2:4294967296")).expect("range");
     let grid = Grid::new(vec![huge("lead_angle_deg"), huge("density_kg_m3")]);
     let error = grid.expect_err("too many").to_string();
     assert!(error.starts_with("the grid has more than"), "{error}");

@@ -4,7 +4,7 @@ use bsm_case::Catalog;
 use bsm_case::units::{DEG, MM, UM};
 use bsm_design::{Candidate, LIMIT_LOAD, Size};
 
-use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
+use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 
 /// Number of nuts that are calculated at a time.
 const PART: usize = 1 << 14;
@@ -61,7 +61,7 @@ impl Entry {
 }
 
 /// A quantity of a nut: its axis label, and a function that returns its value.
-type Quantity = (&'static str, fn(&Candidate) -> f64);
+type PlottedNumber = (&'static str, fn(&Candidate) -> f64);
 
 /// A figure of the paper: a quantity against one dimension, with a curve for each value of another
 /// dimension. The remaining dimensions have the values stated in the caption.
@@ -69,7 +69,7 @@ struct Drawing {
     key: &'static str,
     /// Number of the figure in the paper.
     of: &'static str,
-    quantity: Quantity,
+    quantity: PlottedNumber,
     x: Entry,
     series: Entry,
     near: Size,
@@ -79,9 +79,9 @@ struct Drawing {
 /// 6 do not state the lead and the ball diameter. A lead of 10 mm and the ball of Figs 3, 7 and 9
 /// are used for them, because this combination is possible for all diameters.
 fn drawings() -> [Drawing; 12] {
-    let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
-    let stiffness: Quantity = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
-    let mass: Quantity = ("mass of a nut, kg", |c| c.mass);
+    let rating: PlottedNumber = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
+    let stiffness: PlottedNumber = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
+    let mass: PlottedNumber = ("mass of a nut, kg", |c| c.mass);
     let size = |diameter: f64, ball: f64, conformity: f64| Size {
         diameter: diameter * MM,
         lead: 10.0 * MM,
@@ -181,7 +181,7 @@ impl Drawing {
                 ),
                 &format!("{}.{rest}", capital(&fixed.join(", "))),
             ],
-            [Axis::linear(&format!("{}{x}", self.x.name())), Axis::linear(label)],
+            [PlotAxis::linear(&format!("{}{x}", self.x.name())), PlotAxis::linear(label)],
             curves,
         ))
     }
@@ -250,7 +250,7 @@ fn preload_diagram(nut: &Candidate) -> Figure {
                 preload
             ),
         ],
-        [Axis::linear("displacement under the load, um"), Axis::linear("axial force, kN")],
+        [PlotAxis::linear("displacement under the load, um"), PlotAxis::linear("axial force, kN")],
         vec![
             curve("nut 1", 0, Stroke::Solid, &|w| carried(approach + w), 1.5),
             curve("nut 2", 1, Stroke::Solid, &|w| carried(approach - w), 1.5),

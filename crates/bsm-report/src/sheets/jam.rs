@@ -6,7 +6,7 @@ use bsm_dyn::{ModelWorkspace, Solution};
 use serde::Deserialize;
 
 use super::study::{Rows, Study, analyzed, line, sizes};
-use crate::{Axis, Figure, ReportError, Stroke};
+use crate::{Figure, PlotAxis, ReportError, Stroke};
 
 /// Factors by which the load and the speed of the case are multiplied. In the paper, the loads
 /// range from 8 to 24 kN around 16 kN, and the speeds range up to 5000 rpm around 2500 rpm. A speed
@@ -161,8 +161,8 @@ impl Study {
             }
         }
         if !curves.is_empty() {
-            let y = if *log { Axis::log(y) } else { Axis::linear(y) };
-            let axes = [Axis::linear(sweeps.axis), y];
+            let y = if *log { PlotAxis::log(y) } else { PlotAxis::linear(y) };
+            let axes = [PlotAxis::linear(sweeps.axis), y];
             self.figures.push(Figure::new([key, title, caption], axes, curves));
         }
     }

@@ -10,7 +10,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Site;
 
-use crate::{Axis, Curve, Figure, ReportError, Stroke, short};
+use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, short};
 
 const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");
 const CONTACT: (&str, &str) = ("contact_angle_deg", "contact angle, deg");
@@ -168,7 +168,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
                 operating_point(case)
             ),
         ],
-        [Axis::linear(LEAD.1), Axis::linear("efficiency")],
+        [PlotAxis::linear(LEAD.1), PlotAxis::linear("efficiency")],
         exact_and_closed(case, over, (CONTACT.0, &contacts), moving)?,
     ))
 }
@@ -189,7 +189,7 @@ fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
                 operating_point(case)
             ),
         ],
-        [Axis::linear(CONTACT.1), Axis::linear("efficiency")],
+        [PlotAxis::linear(CONTACT.1), PlotAxis::linear("efficiency")],
         exact_and_closed(case, over, (LEAD.0, &leads), moving)?,
     ))
 }
@@ -227,7 +227,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
                 operating_point(case)
             ),
         ],
-        [Axis::linear(CONTACT.1), Axis::log("normal load / axial load")],
+        [PlotAxis::linear(CONTACT.1), PlotAxis::log("normal load / axial load")],
         curves,
     ))
 }
@@ -251,7 +251,7 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
                 operating_point(case)
             ),
         ],
-        [Axis::linear(LEAD.1), Axis::linear("slip angle, deg")],
+        [PlotAxis::linear(LEAD.1), PlotAxis::linear("slip angle, deg")],
         curves,
     ))
 }
@@ -284,7 +284,7 @@ fn slip_direction(case: &Case) -> Option<Figure> {
                 contact.to_degrees(),
             ),
         ],
-        [Axis::linear("slip angle at the screw, deg"), Axis::linear("efficiency")],
+        [PlotAxis::linear("slip angle at the screw, deg"), PlotAxis::linear("efficiency")],
         vec![
             curve("corrected", 0, Stroke::Solid, over.iter().copied().map(corrected).collect()),
             curve("as printed", 1, Stroke::Dashed, over.iter().copied().map(printed).collect()),
@@ -334,7 +334,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
                 short(own)
             ),
         ],
-        [Axis::linear(LEAD.1), Axis::linear("optimum contact angle, deg")],
+        [PlotAxis::linear(LEAD.1), PlotAxis::linear("optimum contact angle, deg")],
         curves,
     ))
 }
@@ -391,7 +391,7 @@ fn self_locking(own: f64) -> Figure {
                 short(own)
             ),
         ],
-        [Axis::linear(LEAD.1), Axis::linear("contact angle, deg")],
+        [PlotAxis::linear(LEAD.1), PlotAxis::linear("contact angle, deg")],
         curves,
     )
 }

@@ -2,7 +2,7 @@
 
 use bsm_case::{Columns, NutReport, output};
 
-use crate::{Axis, Curve, Figure, Stroke};
+use crate::{Curve, Figure, PlotAxis, Stroke};
 
 /// Load classes in the figure of the developed nut, as fractions of the largest load.
 const CLASSES: [(f64, f64, &str); 4] = [
@@ -28,20 +28,20 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
         along(
             &balls,
             ["nut-loads", "Loads of the balls along the helix", TOUCHED],
-            Axis::linear("normal load at the nut, N"),
+            PlotAxis::linear("normal load at the nut, N"),
             &[("nut_plus_N", "flank +"), ("nut_minus_N", "flank -")],
         ),
         developed(&balls),
         along(
             &balls,
             ["nut-contact-angles", "Contact angles along the helix", TOUCHED],
-            Axis::linear("contact angle at the nut, deg"),
+            PlotAxis::linear("contact angle at the nut, deg"),
             &[("nut_plus_deg", "flank +"), ("nut_minus_deg", "flank -")],
         ),
         over_load(
             &curve,
             ("nut-displacement", "Displacement of the nut under its load"),
-            Axis::linear("axial displacement, um"),
+            PlotAxis::linear("axial displacement, um"),
             "nut_displacement_um",
             None,
         ),
@@ -51,7 +51,7 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
         figures.push(over_load(
             &curve,
             ("nut-preload", "Remaining preload under load"),
-            Axis::linear("remaining preload, N"),
+            PlotAxis::linear("remaining preload, N"),
             "preload_left_N",
             limit,
         ));
@@ -73,7 +73,7 @@ fn train(balls: &Columns) -> Vec<Figure> {
                 "Ball advance along the helix",
                 "Advance of a free ball relative to a cage that turns uniformly.",
             ],
-            Axis::linear("advance, mm"),
+            PlotAxis::linear("advance, mm"),
             &[("advance_mm", "ball advance")],
         ),
         speeds(balls),
@@ -84,7 +84,7 @@ fn train(balls: &Columns) -> Vec<Figure> {
                 "Forces between the balls along the helix",
                 "Balls without a push force have no mark.",
             ],
-            Axis::linear("force, N"),
+            PlotAxis::linear("force, N"),
             &[
                 ("front_push_N", "force of the ball in front"),
                 ("back_push_N", "force of the ball behind"),
@@ -124,15 +124,15 @@ fn speeds(balls: &Columns) -> Figure {
             "Speeds of free balls, and speeds with push forces between the balls; a line connects touching balls.",
         ],
         [
-            Axis::linear("turns along the helix"),
-            Axis::linear("speed relative to the mean of the free balls, %"),
+            PlotAxis::linear("turns along the helix"),
+            PlotAxis::linear("speed relative to the mean of the free balls, %"),
         ],
         curves.into_iter().flatten().collect(),
     )
 }
 
 /// Plots quantities of the balls along the helix, with different marks for each column.
-fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -> Figure {
+fn along(balls: &Columns, words: [&str; 3], y: PlotAxis, columns: &[(&str, &str)]) -> Figure {
     let strokes = [Stroke::Circles, Stroke::Triangles];
     let curve = |(i, (name, label)): (usize, &(&str, &str))| {
         let point = |row: &Vec<f64>| {
@@ -145,7 +145,7 @@ fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -
     };
     Figure::new(
         words,
-        [Axis::linear("turns along the helix"), y],
+        [PlotAxis::linear("turns along the helix"), y],
         columns.iter().enumerate().filter_map(curve).collect(),
     )
 }
@@ -180,7 +180,10 @@ fn developed(balls: &Columns) -> Figure {
             "Loads of the balls on the developed nut",
             "Developed view of the nut: each mark is a ball, and the color shows the class of its load.",
         ],
-        [Axis::linear("angle around the axis, deg"), Axis::linear("position along the axis, mm")],
+        [
+            PlotAxis::linear("angle around the axis, deg"),
+            PlotAxis::linear("position along the axis, mm"),
+        ],
         curves,
     )
 }
@@ -189,7 +192,7 @@ fn developed(balls: &Columns) -> Figure {
 fn over_load(
     curve: &Columns,
     (key, title): (&str, &str),
-    y: Axis,
+    y: PlotAxis,
     name: &str,
     limit: Option<(f64, f64)>,
 ) -> Figure {
@@ -200,7 +203,7 @@ fn over_load(
     curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
     Figure::new(
         [key, title, "Static solution of all balls without friction."],
-        [Axis::linear("axial load, N"), y],
+        [PlotAxis::linear("axial load, N"), y],
         curves,
     )
 }

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::warm::warm_figures;
 use crate::plots::text_of_table;
-use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
+use crate::{Curve, Figure, PROGRAM, Page, PlotAxis, ReportError, Stroke, number as text_of};
 
 /// Number of points of a limit curve in the speed-load diagram.
 const POINTS: u32 = 60;
@@ -404,7 +404,7 @@ fn section(report: &AxisReport) -> Option<Figure> {
     let caption = format!("Unloaded; contact angle {:.1} degrees.{estimated}", angle.to_degrees());
     Some(Figure::new(
         ["size-groove", "Section across the groove", &caption],
-        [Axis::linear("along the axis, mm"), Axis::equal("from the pitch circle, mm")],
+        [PlotAxis::linear("along the axis, mm"), PlotAxis::equal("from the pitch circle, mm")],
         curves,
     ))
 }
@@ -476,7 +476,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
     Figure::new(
         ["size-limits", "Load cycle and limits", caption],
-        [Axis::from_zero("speed of the screw, rpm"), Axis::from_zero("axial load, kN")],
+        [PlotAxis::from_zero("speed of the screw, rpm"), PlotAxis::from_zero("axial load, kN")],
         curves,
     )
 }
@@ -518,7 +518,7 @@ fn over_time(report: &AxisReport) -> Figure {
     let caption = "Each quantity is divided by its largest value. Signs refer to the direction of positive feed.";
     Figure::new(
         ["size-cycle", "The cycle", caption],
-        [Axis::linear(label), Axis::linear("value / largest value")],
+        [PlotAxis::linear(label), PlotAxis::linear("value / largest value")],
         wanted.into_iter().enumerate().filter_map(curve).collect(),
     )
 }

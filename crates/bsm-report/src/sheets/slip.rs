@@ -7,7 +7,7 @@ use bsm_dyn::{Control, Direction, Model, ModelWorkspace, Solution, angles::Angle
 use bsm_kin::Site;
 
 use super::study::{Study, line};
-use crate::{Axis, Figure, ReportError, Stroke};
+use crate::{Figure, PlotAxis, ReportError, Stroke};
 
 /// Smallest and largest ratio of pitch circle diameter to ball diameter in the sweep: 7 and 90 mm
 /// divided by 6 mm.
@@ -275,7 +275,7 @@ impl Study {
                      (dotted), and exact (dashed) for {basis}. Slips that are zero have no line."
                 ),
             ],
-            [Axis::linear(axis), Axis::log("slip, m/s")],
+            [PlotAxis::linear(axis), PlotAxis::log("slip, m/s")],
             curves,
         ));
     }
@@ -317,7 +317,7 @@ impl Study {
         );
         self.figures.push(Figure::new(
             ["slip-speed-angles", "Contact angles against speed", &caption],
-            [Axis::log("speed, rpm"), Axis::linear("contact angle, deg")],
+            [PlotAxis::log("speed, rpm"), PlotAxis::linear("contact angle, deg")],
             curves,
         ));
         Ok(())

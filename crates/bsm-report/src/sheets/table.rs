@@ -2,7 +2,7 @@
 
 use bsm_case::{ManufacturerRow, trimmed};
 
-use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
+use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 
 /// Sizes of a nut for the horizontal axis. The first size that the table contains is used.
 const SIZES: [(&str, &str); 2] = [
@@ -79,7 +79,11 @@ pub fn table_figures(rows: &[&ManufacturerRow]) -> Vec<Figure> {
         };
         let caption = format!("Each circle is a nut of the table.{rest}");
         (points.len() > 1).then(|| {
-            Figure::new([key, title, &caption], [Axis::linear(x), Axis::linear(label)], curves)
+            Figure::new(
+                [key, title, &caption],
+                [PlotAxis::linear(x), PlotAxis::linear(label)],
+                curves,
+            )
         })
     };
     DRAWN.into_iter().filter_map(figure).collect()

@@ -3,7 +3,7 @@
 use bsm_case::{AxisReport, WarmBranch, WarmPoint, output};
 use bsm_design::least_preload;
 
-use crate::{Axis, Curve, Figure, Stroke};
+use crate::{Curve, Figure, PlotAxis, Stroke};
 
 /// Returns the stable points of a branch (up to its fold) or, if `stable` is false, the fold and
 /// the unstable points beyond it.
@@ -38,7 +38,7 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     }
     Figure::new(
         words,
-        [Axis::linear("speed of the screw, rpm"), Axis::linear("warm preload, N")],
+        [PlotAxis::linear("speed of the screw, rpm"), PlotAxis::linear("warm preload, N")],
         curves,
     )
 }
@@ -85,7 +85,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     curves.push(at_speed(branch, &curves));
     let temperatures = Figure::new(
         ["warm-temperatures", "Steady-state temperatures against speed", &caption],
-        [Axis::linear("speed of the screw, rpm"), Axis::linear("temperature, C")],
+        [PlotAxis::linear("speed of the screw, rpm"), PlotAxis::linear("temperature, C")],
         curves,
     );
     let words = ["warm-preload", "Warm preload against speed", &caption];

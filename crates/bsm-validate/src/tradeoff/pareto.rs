@@ -1,6 +1,6 @@
 //! Plots of the efficiency error against the time, with one mark for each model and setting.
 
-use bsm_report::{Axis, Curve, Figure, Stroke};
+use bsm_report::{Curve, Figure, PlotAxis, Stroke};
 
 use super::{Group, OneCore, SettingResult};
 
@@ -64,8 +64,8 @@ fn figure(
         caption: "Settings on the left are faster, and settings at the bottom are more accurate. The numbers are the \
                   accuracy of traction and the tolerance of auto. The errors refer to the points that a model solves."
             .to_owned(),
-        x: Axis::log("time per point, us"),
-        y: Axis::log("efficiency error, 99 % quantile"),
+        x: PlotAxis::log("time per point, us"),
+        y: PlotAxis::log("efficiency error, 99 % quantile"),
         curves,
     }
 }
