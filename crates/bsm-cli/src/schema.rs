@@ -1,5 +1,5 @@
-//! `bsm schema`: JSON Schemas of files and answers, and the units that input names may have. The
-//! schemas are derived from the same structs and tables as the answers.
+//! `bsm schema`: JSON Schemas of files and answers, and the unit suffixes that input names may
+//! have. The schemas are derived from the same structs and tables as the answers.
 
 use bsm_case::units::units_by_quantity;
 use bsm_case::{AnswerSchema, ObjectSchema, input_schema, output_schema};
@@ -11,7 +11,7 @@ use crate::files::{pretty_json, print};
 use crate::parts::PartsJson;
 use crate::tradeoff::TradeoffJson;
 
-/// Answers that do not follow from a case.
+/// Schemas of the answers that are not calculated from a case.
 const OTHERS: [AnswerSchema; 3] = [
     AnswerSchema::of("parts", "parts check", || vec![ObjectSchema::answer::<PartsJson>().json()]),
     AnswerSchema::of("validate", "validate", || {
