@@ -149,8 +149,8 @@ fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()
 }
 
-/// Formats the numbers that determine the computing time: solver steps, residual evaluations,
-/// quadrature nodes and searches.
+/// Formats the numbers of solver steps, function evaluations, quadrature nodes and searches, which
+/// determine the computing time.
 fn costs_row(
     OneCore { steps, evaluations, nodes, searches, searching, .. }: &OneCore,
 ) -> Vec<String> {

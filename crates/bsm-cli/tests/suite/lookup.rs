@@ -22,8 +22,8 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
     lines.iter().map(row).collect()
 }
 
-/// The lookup table must contain the same numbers as the ordinary table. Its rows correspond to the
-/// first axis and its columns to the second axis.
+/// The lookup table must contain the same numbers as the ordinary table. Its rows must correspond
+/// to the first varied input and its columns to the second varied input.
 #[test]
 fn lookup_table_matches_the_ordinary_table() {
     let dir = folder();

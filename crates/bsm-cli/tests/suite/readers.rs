@@ -325,8 +325,8 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
     }
 }
 
-/// A plotted output used to be missing in the table of the same run, because kernels wrote only one
-/// of its two columns.
+/// Regression test: a plotted output was missing from the table of the same run, because batch
+/// kernels wrote the output to only one of the two columns that requested it.
 #[test]
 fn a_table_is_the_same_with_and_without_a_plot_of_its_output() {
     let dir = folder();
@@ -344,8 +344,8 @@ fn a_table_is_the_same_with_and_without_a_plot_of_its_output() {
     }
 }
 
-/// The interval of lubricated friction must have the same ends in a column and in the answer to a
-/// single point.
+/// The interval of lubricated friction must have the same bounds in a table column as in the answer
+/// for a single point.
 #[test]
 fn table_columns_contain_the_friction_interval_of_single_solves() {
     let dir = folder();
@@ -380,7 +380,7 @@ fn table_columns_contain_the_friction_interval_of_single_solves() {
 }
 
 /// A load of 1e6 N on 70 balls causes pressures above 4200 MPa and contact ellipses that extend
-/// beyond the flanks, so that warnings are expected.
+/// beyond the flanks, so warnings are expected.
 #[test]
 fn table_rows_report_the_warnings_of_single_solves() {
     let dir = folder();

@@ -63,7 +63,7 @@ fn unfinished_files(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf>
     files.keys().filter(temporary).collect()
 }
 
-/// Points of a grid, some of which have no result, also stored as tables.
+/// Points of a grid, some of which have no result. The same points can be written as tables.
 struct Points {
     vary: Vec<String>,
     rows: usize,
@@ -116,7 +116,7 @@ struct Tally {
 }
 
 /// Kills `kills` runs that write a dataset and as many runs that write a single file. After each
-/// kill and at the end, the files are compared with the files of an undisturbed run.
+/// kill and at the end, the files must be identical to the files of an undisturbed run.
 fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());
@@ -133,17 +133,18 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
         sleep(time.mul_f64(rng.random_range(0.0..1.0)));
         let over = child.try_wait().expect("a child").is_some();
         if !over {
-            // If the process ends between the two calls, no process is killed.
+            // If the process ends before the `kill` command runs, nothing is killed.
             let _ = Command::new("kill").args([signal, &child.id().to_string()]).output();
         }
         let output = child.wait_with_output().expect("ends");
-        // The process was killed or has finished in the meantime. It must neither panic nor fail.
+        // The process was either killed or had finished before. It must neither panic nor report an
+        // error.
         let code = output.status.code();
         assert!(!matches!(code, Some(1 | 2 | 101)), "{code:?} {}", stderr(&output));
         code == Some(3)
     };
 
-    // First, the runs write a dataset.
+    // The first group of runs writes a dataset.
     let resume = [points.args(source, "map/"), strings(&["--resume"])].concat();
     let map = dir.path().join("map");
     let mut left = 0;
@@ -178,7 +179,7 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
     assert_eq!(told(&resumed), told(&undisturbed));
     assert!(files(&map) == expected, "{source}: not the same folder");
 
-    // Then, the runs write a single file.
+    // The second group of runs writes a single file.
     let args = points.args(source, "out.csv");
     let out = dir.path().join("out.csv");
     killed = 0;
@@ -223,7 +224,8 @@ fn a_resumed_run_is_bit_identical() {
 #[test]
 #[ignore = "minutes: `just kills`"]
 fn resumed_runs_are_bit_identical_after_104_kills() {
-    // For each of four sources, 13 runs with a dataset and 13 runs with a single file are killed.
+    // For each of four sources of points, 13 runs that write a dataset and 13 runs that write a
+    // single file are killed.
     let tally = campaign(4_000, 13, 2026);
     assert_eq!(tally.kills, 104);
     println!("0 wrong bytes: {tally:?}");
@@ -242,7 +244,7 @@ enum Reaction {
 
 use Reaction::{Healed, Refused};
 
-/// Regression test: `--resume` only checked whether a path exists.
+/// Regression test: `--resume` checked only whether the path of a part exists.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a list of kinds of damage")]
 fn resume_verifies_finished_parts() {
@@ -427,7 +429,7 @@ fn resume_verifies_finished_parts() {
                 assert!(files(&map) == expected, "{what}");
             }
         }
-        // As the message advises, changed files are removed and the plan is restored.
+        // As the message advises, the changed files are removed and the plan is restored.
         for name in files(&map).keys() {
             let path = map.join(name);
             if !path.is_file()
@@ -449,8 +451,8 @@ fn resume_verifies_finished_parts() {
     println!("0 silent acceptances: {} kinds of damage", damages.len());
 }
 
-/// Regression test: with an emptied plan file and a different grid, the results of two tasks were
-/// mixed.
+/// Regression test: if the plan file was empty and the grid was different, the results of two tasks
+/// were mixed.
 #[test]
 fn resume_rejects_a_different_grid() {
     let dir = folder();
@@ -491,8 +493,8 @@ fn resume_rejects_a_different_grid() {
     );
 }
 
-/// Regression test: a resumed run ignored rows without a result in parts that had been finished
-/// earlier, both in its exit code and in its note.
+/// Regression test: both the exit code and the note of a resumed run ignored rows without a result
+/// in parts that had been finished earlier.
 #[test]
 fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     let dir = folder();
@@ -510,7 +512,7 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     assert_eq!((asked.status.code(), stderr(&asked)), (Some(0), stderr(&first)));
 }
 
-/// Regression test: `--resume` deleted the user's own `.bsm-*` files.
+/// Regression test: `--resume` deleted the user's own files with names of the form `.bsm-*`.
 #[test]
 fn resume_keeps_temporary_files_of_the_user() {
     let dir = folder();

@@ -103,7 +103,8 @@ fn a_full_disk_is_reported() {
     }
 }
 
-/// The program that reads the output may stop early, as in `bsm ... | head -1`.
+/// If the program that reads the output stops early, as in `bsm ... | head -1`, this must not count
+/// as a failure.
 #[test]
 fn a_closed_pipe_is_not_a_failure() {
     let dir = folder();
@@ -116,8 +117,8 @@ fn a_closed_pipe_is_not_a_failure() {
     }
 }
 
-/// If standard output is closed, the answer is discarded as with /dev/null. If standard error is
-/// closed, only messages are lost.
+/// If standard output is closed, the answer must be discarded as with /dev/null. If standard error
+/// is closed, only messages may be lost.
 #[test]
 fn closed_standard_streams_are_tolerated() {
     let dir = folder();
@@ -221,7 +222,7 @@ fn links_and_protected_files_are_kept() {
     assert_eq!(names(dir.path()), left);
 }
 
-/// The output must never replace the case or the requirement that the command reads.
+/// An output must never replace the case or the requirement that the command reads.
 #[test]
 fn input_files_are_not_overwritten() {
     let dir = folder();
@@ -246,7 +247,7 @@ fn input_files_are_not_overwritten() {
         );
     }
     // The output may replace the table of points, because the table is read completely before the
-    // output gets its final name.
+    // temporary output file is renamed.
     let args =
         ["sweep", "case.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
     assert_exit_and_message(&run(&args, dir.path()), 0, "");
@@ -306,7 +307,7 @@ fn interrupt_keeps_the_existing_file_and_leaves_no_temporary_files() {
 }
 
 /// Regression test: if SIGHUP was ignored (under `nohup`) or SIGINT was ignored (in background jobs
-/// of scripts), the program missed all other signals and left a temporary file behind.
+/// of scripts), the program did not handle any other signal and left a temporary file behind.
 #[test]
 fn signals_are_handled_under_nohup_and_in_the_background() {
     for ignored in ["HUP", "INT"] {
@@ -369,7 +370,7 @@ fn a_failed_thread_start_does_not_panic() {
             )
         );
     }
-    // The root user may start any number of threads. Other users get an error.
+    // The root user may start any number of threads. Other users exceed the limit and get an error.
     for args in [&many[..], &catalog] {
         let Some(output) = run_with_limits("ulimit -u 1", args, dir.path()) else { continue };
         let text = stderr(&output);
@@ -381,16 +382,17 @@ fn a_failed_thread_start_does_not_panic() {
     }
 }
 
-/// Returns the maximum address space \[kB\] that the program file itself takes up. A test build is
-/// larger than a release build. The memory limits in the tests add the memory of a run: thread
-/// stacks, which take 16 MiB each if debug assertions are enabled, and allocator arenas.
+/// Returns an upper bound of the address space that the program file itself occupies \[kB\]. A test
+/// build is larger than a release build. The memory limits in the tests consist of this size and
+/// the memory of a run: allocator arenas and thread stacks, which take 16 MiB each if debug
+/// assertions are enabled.
 fn program_size_in_kb() -> u64 {
     fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
 }
 
-/// At every memory limit, the program must succeed or exit with code 1. Below a certain limit, no
-/// process can be started, which the shell and the loader report with codes 126 and 127. Just above
-/// this limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
+/// At every memory limit, the program must succeed or exit with code 1. If the limit is too low to
+/// start any process, the shell and the loader report this with codes 126 and 127. Just above this
+/// limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
 /// handlers.
 #[test]
 fn low_memory_does_not_panic() {
@@ -440,7 +442,8 @@ fn a_file_above_the_size_limit_is_reported() {
     assert!(names(dir.path()).iter().all(|name| name == "y.csv"), "{:?}", names(dir.path()));
 }
 
-/// If too few files may be open at the same time, the program must report an error or succeed.
+/// If the program reaches the limit of open files, it must report this. With a sufficient limit, it
+/// must succeed.
 #[test]
 fn exceeded_limit_of_open_files_is_reported() {
     let dir = folder();
@@ -488,7 +491,7 @@ fn a_replaced_output_keeps_its_permissions_and_owner() {
         .output();
     assert_exit_and_message(&output.expect("sh"), 0, "");
     assert_eq!(fs::metadata(&table).expect("there").mode() & 0o7777, 0o640);
-    // A hard link to the replaced file keeps the old contents.
+    // Another hard link to the replaced file must keep the old contents.
     fs::write(&table, "old").expect("file");
     fs::hard_link(&table, dir.path().join("other.csv")).expect("link");
     assert_exit_and_message(&run(&args, dir.path()), 0, "");
@@ -496,7 +499,8 @@ fn a_replaced_output_keeps_its_permissions_and_owner() {
     assert_ne!(fs::read_to_string(&table).expect("there"), "old");
 }
 
-/// Regression test: `--resume` removed every file whose name began with `.bsm-`.
+/// Regression test: `--resume` removed every file whose name began with `.bsm-`, including the
+/// user's own files.
 #[test]
 fn resume_keeps_files_of_the_user() {
     let dir = folder();
@@ -569,7 +573,7 @@ fn large_catalog_is_not_copied_in_memory() {
         list(0.51, 0.01, 6),
     );
     fs::write(dir.path().join("lists.json"), lists).expect("lists");
-    // Each copy of 180 000 nuts with their table would take at least 100 MB. The program itself
+    // Each additional copy of the table of 180 000 nuts would take at least 100 MB. The program
     // needs only about 20 MB in addition to its own size.
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", program_size_in_kb() + 46_000);
     let limits = limits.as_str();
@@ -684,8 +688,8 @@ fn rounding_errors_are_not_printed_as_results() {
         let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
-            // The residual and the differences between powers may be this small, because they
-            // always consist of rounding errors.
+            // The residual and the power differences may be this small, because they consist only
+            // of rounding errors.
             value > 0.0 && value < 1e-11
         });
         let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");
@@ -699,8 +703,8 @@ fn rounding_errors_are_not_printed_as_results() {
     assert!(spin.contains("e-"), "{spin}");
 }
 
-/// Regression test: while the program waited for standard input, it handled the first interrupt
-/// only after more input arrived. At the second interrupt, it left its temporary file behind.
+/// Regression test: while the program waited for standard input, it did not handle the first
+/// interrupt until more input arrived. At the second interrupt, it left its temporary file behind.
 #[test]
 fn an_interrupt_is_handled_while_waiting_for_input() {
     let dir = folder();
@@ -745,8 +749,8 @@ fn concurrent_runs_do_not_mix_their_output() {
     assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
     assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
 
-    // If several processes write the same file, the file must contain the complete table of the
-    // process that finishes last.
+    // If several processes write to the same file, the file must finally contain the complete table
+    // of the process that finished last.
     let sweep = |count: &str| {
         let vary = format!("--vary=axial_load_N=100:9000:{count}");
         let args = ["sweep", &drive, &vary, "--model=rigid", "-o", "both.csv"];
@@ -789,7 +793,8 @@ fn file_names_need_not_be_utf8() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);
 }
 
-/// Tables written by other programs must be solved, or rejected with the reason.
+/// Tables written by other programs must be solved, or rejected with a message that states the
+/// reason.
 #[test]
 fn tables_of_other_programs_are_solved_or_rejected() {
     let dir = folder();
@@ -874,8 +879,8 @@ fn tables_of_other_programs_are_solved_or_rejected() {
             stdout(&output).lines().filter(|row| row.starts_with("2000,closed-form")).count();
         assert_eq!(rows, usize::from(code == 0 && name != "header.csv"), "{name}");
     }
-    // A number with a decimal comma in quotes is a single cell, and its row reports that the cell
-    // is invalid.
+    // A quoted number with a decimal comma must be read as a single cell, and its row must report
+    // that the cell is invalid.
     let args = ["sweep", &example("feed_drive.json"), "--points", "-", "-o-"];
     let output = bsm(dir.path(), &args, "axial_load_N\n\"2000,5\"\n");
     assert!(stdout(&output).contains("is `2000,5`, but must be a number"), "{}", stdout(&output));
