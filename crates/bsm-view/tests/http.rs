@@ -267,7 +267,7 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
 /// Regression test: after a slider was moved, the calculation of a map continued for 2 s, and the
 /// new results had to wait.
 #[test]
-fn newer_request_of_a_page_cancels_the_previous_request() {
+fn newer_request_from_a_page_cancels_the_previous_one() {
     let served = TestServer::start(None);
     let turn = |route: &str, turn: &str| {
         format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))

@@ -448,7 +448,9 @@ fn accuracy(_: &Program) -> Blocks {
 fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
     let of = |group: Group| errors.iter().find(|errors| errors.group == group);
     let cell = |distribution: Option<Distribution>| {
-        distribution.map_or_else(String::new, |q| format!("{}, {}", small(q.median), small(q.q99)))
+        distribution.map_or_else(String::new, |q| {
+            format!("{}, {}", format_error(q.median), format_error(q.q99))
+        })
     };
     let [all, rolling, partial, gross] = Group::ALL.map(of);
     let solved = all.map_or(0.0, |all| 100.0 * all.solved);
@@ -463,6 +465,6 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
 }
 
 /// Formats an error. If the error is below the residual of the solver, an upper limit is shown.
-fn small(error: f64) -> String {
+fn format_error(error: f64) -> String {
     if error < 1e-9 { "< 1e-9".to_owned() } else { short(error) }
 }

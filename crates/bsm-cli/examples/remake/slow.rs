@@ -143,7 +143,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-fn picked(pick: &Value) -> Result<String> {
+fn format_pick(pick: &Value) -> Result<String> {
     if pick.is_null() {
         return Ok("none".to_owned());
     }
@@ -158,7 +158,7 @@ fn summary(advice: &[Value]) -> Result<String> {
     for tolerance in tolerances {
         let pick = |group: &str| {
             let place = |a: &&Value| a["tolerance"] == *tolerance && a["group"] == group;
-            picked(advice.iter().find(place).map_or(&Value::Null, |a| &a["single"]))
+            format_pick(advice.iter().find(place).map_or(&Value::Null, |a| &a["single"]))
         };
         let percent = 100.0 * tolerance.as_f64().ok_or("no tolerance")?;
         rows.push(format!(
@@ -213,7 +213,7 @@ struct RunTime {
 }
 
 impl Site {
-    fn took(&self, folder: &Path, words: &str) -> Result<RunTime> {
+    fn measure(&self, folder: &Path, words: &str) -> Result<RunTime> {
         eprintln!("  bsm {words}");
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
@@ -285,7 +285,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             "sweep {case} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
              --vary screw_speed_rpm=100:1500:{side} --columns efficiency -o {model}-{side}/"
         );
-        site.took(folder, &words)
+        site.measure(folder, &words)
     };
     let (rigid, closed, small) =
         (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
@@ -295,7 +295,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             "sweep {case} {options} --vary screw_speed_rpm=100:6000:{side} \
              --vary axial_load_N=500:20000:{side} --columns efficiency,ball_torque_Nm -o {out}/"
         );
-        site.took(folder, &words)
+        site.measure(folder, &words)
     };
     let (traction, auto) =
         (map("--model traction", "traction")?, map("--model auto --threads 1", "auto")?);
@@ -313,13 +313,13 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
              --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.03:0.05:{cube} \
              --columns ball_torque_Nm -o points.{end}"
         );
-        site.took(folder, &words)?;
+        site.measure(folder, &words)?;
     }
     let table = |end: &str| {
         let words = format!(
             "sweep {case} --points points.{end} --model rigid --columns efficiency -o out.{end}"
         );
-        site.took(folder, &words)
+        site.measure(folder, &words)
     };
     let (parquet, csv) = (table("parquet")?, table("csv")?);
     Ok(vec![(
@@ -359,7 +359,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             let words = format!(
                 "sweep {words} --vary {vary}:{rows} --columns {column} --threads 1 -o rows.csv"
             );
-            site.took(folder.path(), &words)
+            site.measure(folder.path(), &words)
         };
         let rows = site.points(400);
         // Subtracting the time of a run with two rows removes the startup time of the program,
@@ -377,7 +377,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let speeds = "screw_speed_rpm=90:110";
     let nuts = site.points(10_000);
     let drawn = format!("nut examples/nut_scattered.json --samples {nuts} -o drawn.json");
-    let drawn = site.took(folder.path(), &drawn)?;
+    let drawn = site.measure(folder.path(), &drawn)?;
     let rows = vec![
         row(
             "loads of 98 balls of different diameters",
@@ -449,7 +449,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         let words = format!(
             "sweep --points {table} {point} --model raceway-control --columns {columns} --threads {threads} --keep-going -o rows.csv"
         );
-        site.took(folder.path(), &words)
+        site.measure(folder.path(), &words)
     };
     // Subtracting the time of a run with one row removes the startup time of the program.
     let start = sweep("one.csv", "ball_torque_Nm", 1)?.time;
@@ -457,8 +457,8 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
     let each = 1e3 * estimates.as_secs_f64() / count as f64;
     let intervals = sweep("lines.csv", "ball_torque_Nm,ball_torque_low_Nm,ball_torque_high_Nm", 2)?;
-    let listed = site.took(folder.path(), "select --from list.csv --json")?;
-    let judged = site.took(folder.path(), "select axis.json --from list.csv --json")?;
+    let listed = site.measure(folder.path(), "select --from list.csv --json")?;
+    let judged = site.measure(folder.path(), "select axis.json --from list.csv --json")?;
     let rows = vec![
         format!(
             "| estimate of one groove and its friction torque, one core | {} ms |",
@@ -626,7 +626,7 @@ impl Campaign {
             // regime. This text is left out.
             let rest =
                 if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
-            kinds.push((outcome, spaced(rest), row.get(2).ok_or("no count")?.parse()?));
+            kinds.push((outcome, split_words(rest), row.get(2).ok_or("no count")?.parse()?));
         }
         let slowest = printed.split("slowest ").nth(1).and_then(|rest| rest.split(' ').next());
         let slowest_ms = slowest.ok_or("no slowest point")?.parse()?;
@@ -662,7 +662,7 @@ impl Campaign {
 }
 
 /// Converts an identifier such as `NoSkidAtInertia` to the words "no skid at inertia".
-fn spaced(name: &str) -> String {
+fn split_words(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
         if letter.is_ascii_uppercase() {

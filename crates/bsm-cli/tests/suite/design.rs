@@ -296,7 +296,7 @@ fn inputs_are_fitted_to_a_table() {
 /// The 90 % interval of the torque of a lubricated screw is printed by default. With `--show` or
 /// `--json`, it is included only on request.
 #[test]
-fn json_contains_the_friction_band_on_request() {
+fn json_contains_the_friction_interval_only_on_request() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let said = |more: &[&str]| {
@@ -332,7 +332,7 @@ fn the_optimum_search_matches_the_closed_form() {
 /// Either angle determines the optimum value of the other angle. Of the figures of Lin, only those
 /// must be drawn whose inputs the case contains.
 #[test]
-fn optimum_is_found_if_only_one_contact_angle_is_given() {
+fn optimum_is_found_from_lead_or_contact_angle_alone() {
     let dir = folder();
     let of = |setting: &str| {
         let args = [

@@ -121,7 +121,7 @@ const SET_UP: [&str; 5] =
 /// The README contains two setup commands: one command that runs the program, and one command that
 /// runs the tests. CI must use exactly these commands.
 #[test]
-fn ci_runs_exactly_the_two_commands_of_readme() {
+fn ci_runs_exactly_the_two_setup_commands_of_the_readme() {
     let read = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
     let readme = read("README.md");
     let start = readme.split("\n## ").find(|part| part.starts_with("Start\n")).expect("a section");

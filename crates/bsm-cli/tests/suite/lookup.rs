@@ -65,7 +65,7 @@ fn lookup_table_matches_the_ordinary_table() {
 
 /// With one varied input, a single table must contain all outputs.
 #[test]
-fn all_outputs_over_one_varied_input_are_in_one_lookup_table() {
+fn lookup_table_of_one_varied_input_contains_all_outputs() {
     let dir = folder();
     let options =
         [&SPEED[..], &["--columns", "efficiency,ball_torque_Nm", "-o", "map.txt"]].concat();

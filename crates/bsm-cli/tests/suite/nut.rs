@@ -15,14 +15,14 @@ fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
 
 /// Runs `bsm nut` for a case that must be rejected, and returns the message.
 fn rejection_message(change: &Value, args: &[&str]) -> String {
-    let mut case = single();
+    let mut case = single_nut();
     case.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
     let (code, _, words) = answer(&case.to_string(), args);
     assert_eq!(code, Some(2), "{change}: {words}");
     words
 }
 
-fn single() -> Value {
+fn single_nut() -> Value {
     json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 10,
         "contact_angle_deg": 45, "nut_conformity": 0.5203, "screw_conformity": 0.5203,
@@ -135,10 +135,10 @@ fn nut_results_match_the_reference_cases() {
 /// calculated from its preload; its results must agree to within 1e-8, the tolerance of the preload
 /// search.
 #[test]
-fn short_inputs_are_equivalent_to_objects() {
+fn short_nut_inputs_are_equivalent_to_complete_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
         let run = |change: &Value| {
-            let mut case = single();
+            let mut case = single_nut();
             let map = case.as_object_mut().expect("object");
             map.extend(change.as_object().expect("object").clone());
             map.retain(|_, value| !value.is_null());
@@ -257,22 +257,22 @@ fn contradictory_nut_inputs_are_rejected() {
 /// ball.
 #[test]
 fn set_option_accepts_text_values() {
-    let (_, found, words) = answer(&single().to_string(), &["--set", "nut_guidance=free"]);
+    let (_, found, words) = answer(&single_nut().to_string(), &["--set", "nut_guidance=free"]);
     assert!(found["nut_tilt_urad"].as_f64().expect("a tilt") > 1.0, "{words}");
     let pulled = ["--set", "axial_load_N=-6340"];
-    let (_, pulled, _) = answer(&single().to_string(), &pulled);
-    let (_, pushed, _) = answer(&single().to_string(), &[]);
+    let (_, pulled, _) = answer(&single_nut().to_string(), &pulled);
+    let (_, pushed, _) = answer(&single_nut().to_string(), &[]);
     // Both flanks have the same shape, so a reversed load changes only signs.
     for key in ["max_contact_load_N", "life_by_balls_revolutions"] {
         assert_eq!(pulled[key], pushed[key], "{key}");
     }
     let (code, none, _) = answer(
-        &single().to_string(),
+        &single_nut().to_string(),
         &["--set", "axial_load_N=-500", "--set", "loaded_turns=1", "--set", "nut_guidance=free"],
     );
     assert_eq!(code, Some(0), "{none}");
     // A circuit that is loaded on one flank cannot carry a load in the opposite direction.
-    let mut case = single();
+    let mut case = single_nut();
     let map = case.as_object_mut().expect("object");
     map.retain(|key, _| !key.starts_with("loaded"));
     case["circuits"] = json!([{ "start_deg": 0, "arc_deg": 720, "balls": 40, "flank": "+" }]);
@@ -378,7 +378,7 @@ fn ball_table_displacement_curve_and_figures_are_written() {
 /// Samples must depend only on the seed and not on the number of threads. The first sample must be
 /// the nut of the case itself.
 #[test]
-fn samples_depend_on_the_seed_alone() {
+fn random_nuts_depend_only_on_the_seed() {
     let dir = folder();
     let case = example("nut_scattered.json");
     let run = |threads: &str, seed: &str| {
@@ -434,7 +434,7 @@ fn number(found: &Value, key: &str) -> f64 {
 }
 
 /// Returns a case with a nut pair of size 41.3 x 12 mm and a preload of 2500 N.
-fn pair(change: &Value) -> Value {
+fn nut_pair(change: &Value) -> Value {
     let mut case = json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12,
         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
@@ -456,7 +456,7 @@ fn a_preload_force_applies_to_the_cold_nut() {
     let warm = |change: Value| {
         let mut change = change;
         change["screw_temperature_rise_K"] = json!(5);
-        let (code, found, words) = answer(&pair(&change).to_string(), &[]);
+        let (code, found, words) = answer(&nut_pair(&change).to_string(), &[]);
         assert_eq!(code, Some(0), "{change}: {words}");
         found
     };
@@ -502,7 +502,7 @@ fn a_preload_force_applies_to_the_cold_nut() {
             "applies only to a pair of nuts",
         ),
     ] {
-        let (code, _, said) = answer(&pair(&change).to_string(), &[]);
+        let (code, _, said) = answer(&nut_pair(&change).to_string(), &[]);
         assert!(code == Some(2) && said.contains(words), "{change}: {said}");
     }
 }
@@ -514,7 +514,7 @@ fn remaining_preload_does_not_depend_on_the_direction_of_the_load() {
     let margin = |load: f64| {
         let axis = json!({ "axial_load_N": load, "stroke_mm": 800, "support": "fixed-supported" });
         let dir = folder();
-        let output = bsm(dir.path(), &["axis", "-", "--json"], &pair(&axis).to_string());
+        let output = bsm(dir.path(), &["axis", "-", "--json"], &nut_pair(&axis).to_string());
         let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         let rules = sheet["rules"].as_array().expect("rules");
         let rule = rules.iter().find(|rule| rule["rule"] == "remaining preload").expect("a rule");
@@ -534,7 +534,7 @@ fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
         "screw_temperature_rise_K": 5, "preload_arrangement": "X", "axial_load_N": 3000,
         "stroke_mm": 800, "support": "fixed-supported", "youngs_modulus_GPa": 207
     });
-    let case = pair(&axis).to_string();
+    let case = nut_pair(&axis).to_string();
     let (_, nut, _) = answer(&case, &[]);
     let dir = folder();
     let output = bsm(dir.path(), &["axis", "-", "--json"], &case);
@@ -638,7 +638,7 @@ fn unusual_nuts_are_rejected_or_explained() {
     assert!(!found["message"].to_string().contains("NaN"), "{found}");
     let nothing = json!({ "loaded_turns": null, "loaded_balls_per_turn": null });
     let with = |circuits: Value| {
-        let mut case = single();
+        let mut case = single_nut();
         let map = case.as_object_mut().expect("object");
         map.extend(nothing.as_object().expect("object").clone());
         map.retain(|_, value| !value.is_null());
@@ -782,7 +782,7 @@ fn nut_and_axis_add_the_weight_to_the_axial_load() {
 /// Regression test: `solve --show ratings` and `axis` rejected the example feed drive, because the
 /// case does not state the number of loaded turns.
 #[test]
-fn example_feed_drives_work_in_ratings_axis_and_nut() {
+fn ratings_axis_and_nut_accept_the_example_feed_drives() {
     let dir = folder();
     for case in ["feed_drive.json", "feed_drive_oil.json"] {
         for args in [

@@ -244,14 +244,14 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
 }
 
 #[test]
-fn parts_are_bit_identical_after_kills() {
+fn killed_and_restarted_runs_write_bit_identical_parts() {
     let (killed, _) = race_processes(2, 10, 3701);
     assert!(killed >= 10);
 }
 
 #[test]
 #[ignore = "minutes: `just faults`"]
-fn parts_are_bit_identical_after_150_kills() {
+fn runs_killed_150_times_write_bit_identical_parts() {
     let (two, of_two) = race_processes(2, 100, 3702);
     let (three, of_three) = race_processes(3, 50, 3703);
     assert!(two + three >= 150);
@@ -269,7 +269,7 @@ struct Modification {
     does: Box<dyn Fn(&Path)>,
 }
 
-fn name(number: usize) -> String {
+fn part_name(number: usize) -> String {
     format!("data/part-{number:06}.parquet")
 }
 
@@ -298,7 +298,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
                 begin + if region == "pages" { rng.random_range(0.0..0.6) } else { 0.0 };
             let zeros = round == 1 && region == "pages";
             let change = move |map: &Path| {
-                let path = map.join(name(number));
+                let path = map.join(part_name(number));
                 let mut bytes = fs::read(&path).expect("a part");
                 let len = bytes.len();
                 let tail: [u8; 4] = bytes[len - 8..len - 4].try_into().expect("four");
@@ -339,7 +339,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("part {number} cut to {keep}"),
             false,
             Box::new(move |map| {
-                let path = map.join(name(number));
+                let path = map.join(part_name(number));
                 let bytes = fs::read(&path).expect("a part");
                 #[expect(
                     clippy::cast_possible_truncation,
@@ -363,7 +363,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("{what} part {number}"),
             false,
             Box::new(move |map| {
-                let path = map.join(name(number));
+                let path = map.join(part_name(number));
                 let bytes = fs::read(&path).expect("a part");
                 fs::write(path, [before.as_bytes(), &bytes, after.as_bytes()].concat())
                     .expect("writable");
@@ -376,7 +376,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("part {number} is {text:?}"),
             false,
             Box::new(move |map| {
-                fs::write(map.join(name(number)), text).expect("writable");
+                fs::write(map.join(part_name(number)), text).expect("writable");
             }),
         );
     }
@@ -390,7 +390,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
                 false,
                 Box::new(move |map| {
                     let folder = if from_other { &other } else { map };
-                    fs::copy(folder.join(name(from)), map.join(name(number))).expect("writable");
+                    fs::copy(folder.join(part_name(from)), map.join(part_name(number)))
+                        .expect("writable");
                 }),
             );
         }
@@ -402,7 +403,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             false,
             Box::new(move |map| {
                 (0..count).for_each(|i| {
-                    fs::remove_file(map.join(name((first + i) % 10))).expect("a part");
+                    fs::remove_file(map.join(part_name((first + i) % 10))).expect("a part");
                 });
             }),
         );
@@ -412,8 +413,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
         "two parts swapped".to_owned(),
         false,
         Box::new(move |map| {
-            let [one, two, away] =
-                [name(one), name((one + by) % 10), "away".to_owned()].map(|n| map.join(n));
+            let [one, two, away] = [part_name(one), part_name((one + by) % 10), "away".to_owned()]
+                .map(|n| map.join(n));
             fs::rename(&one, &away).expect("a part");
             fs::rename(&two, &one).expect("a part");
             fs::rename(&away, &two).expect("a part");
@@ -425,7 +426,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("part {number} is {what}"),
             false,
             Box::new(move |map| {
-                let (path, away) = (map.join(name(number)), map.join("../away"));
+                let (path, away) = (map.join(part_name(number)), map.join("../away"));
                 fs::rename(&path, &away).expect("a part");
                 match what {
                     "a folder" => fs::create_dir(&path).expect("a folder"),
@@ -448,7 +449,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("{too_many} too many"),
             false,
             Box::new(move |map| {
-                fs::copy(map.join(name(from)), map.join("data").join(too_many)).expect("writable");
+                fs::copy(map.join(part_name(from)), map.join("data").join(too_many))
+                    .expect("writable");
             }),
         );
     }

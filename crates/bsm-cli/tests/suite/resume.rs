@@ -31,7 +31,7 @@ fn run(args: &[String], folder: &Path) -> Output {
     program(args, folder).output().expect("the program runs")
 }
 
-fn strings(args: &[&str]) -> Vec<String> {
+fn to_strings(args: &[&str]) -> Vec<String> {
     args.iter().map(|arg| (*arg).to_owned()).collect()
 }
 
@@ -84,11 +84,11 @@ impl Points {
     fn args(&self, source: &str, output: &str) -> Vec<String> {
         let drive = example("feed_drive.json");
         let mut args = match source {
-            "grid" => [&strings(&["sweep", &drive])[..], &self.vary].concat(),
-            table => strings(&["sweep", &drive, "--points", table]),
+            "grid" => [&to_strings(&["sweep", &drive])[..], &self.vary].concat(),
+            table => to_strings(&["sweep", &drive, "--points", table]),
         };
-        args.extend(strings(&["--model=elastic", "--columns=efficiency,ball_torque_Nm"]));
-        args.extend(strings(&["-o", output]));
+        args.extend(to_strings(&["--model=elastic", "--columns=efficiency,ball_torque_Nm"]));
+        args.extend(to_strings(&["-o", output]));
         if output.ends_with('/') {
             args.push(format!("--rows-per-part={}", self.rows.div_ceil(16)));
         }
@@ -98,8 +98,9 @@ impl Points {
     fn write(&self, folder: &Path) {
         for table in ["points.csv", "points.jsonl", "points.parquet"] {
             let drive = example("feed_drive.json");
-            let args = strings(&["sweep", &drive, "--model=closed-form", "--columns=efficiency"]);
-            let more = strings(&["--keep-going", "-o", table]);
+            let args =
+                to_strings(&["sweep", &drive, "--model=closed-form", "--columns=efficiency"]);
+            let more = to_strings(&["--keep-going", "-o", table]);
             let output = run(&[args, self.vary.clone(), more].concat(), folder);
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         }
@@ -145,7 +146,7 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
     };
 
     // The first group of runs writes a dataset.
-    let resume = [points.args(source, "map/"), strings(&["--resume"])].concat();
+    let resume = [points.args(source, "map/"), to_strings(&["--resume"])].concat();
     let map = dir.path().join("map");
     let mut left = 0;
     let mut killed = 0;
@@ -216,14 +217,14 @@ fn campaign(loads: usize, kills: usize, seed: u64) -> Tally {
 }
 
 #[test]
-fn a_resumed_run_is_bit_identical() {
+fn resumed_runs_write_bit_identical_files() {
     let tally = campaign(2_000, 1, 15);
     assert_eq!(tally.kills, 8);
 }
 
 #[test]
 #[ignore = "minutes: `just kills`"]
-fn resumed_runs_are_bit_identical_after_104_kills() {
+fn resumed_runs_write_bit_identical_files_after_104_kills() {
     // For each of four sources of points, 13 runs that write a dataset and 13 runs that write a
     // single file are killed.
     let tally = campaign(4_000, 13, 2026);
@@ -263,9 +264,9 @@ fn resume_verifies_finished_parts() {
         parts.clone().count() == 16
             && parts.clone().all(|p| p.extension().is_some_and(|e| e == "parquet"))
     );
-    let other = [points.args("grid", "other/"), strings(&["--set=density_kg_m3=7000"])].concat();
+    let other = [points.args("grid", "other/"), to_strings(&["--set=density_kg_m3=7000"])].concat();
     assert_eq!(run(&other, dir.path()).status.code(), Some(3));
-    let resume = [&args[..], &strings(&["--resume"])].concat();
+    let resume = [&args[..], &to_strings(&["--resume"])].concat();
 
     let part = map.join("data/part-000003.parquet");
     let bytes = fs::read(&part).expect("a part");
@@ -458,7 +459,7 @@ fn resume_rejects_a_different_grid() {
     let dir = folder();
     let run = |args: Vec<String>| run(&args, dir.path());
     let args =
-        |loads, more: &[&str]| [Points::new(loads).args("grid", "map/"), strings(more)].concat();
+        |loads, more: &[&str]| [Points::new(loads).args("grid", "map/"), to_strings(more)].concat();
     assert_eq!(run(args(20, &[])).status.code(), Some(3));
     let before = files(&dir.path().join("map"));
     for (args, words) in [
@@ -505,9 +506,9 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
         stderr(&first),
         "note: 20 of 80 rows have no result; see column `message` in map/\n"
     );
-    let resumed = run(&[&args[..], &strings(&["--resume"])].concat(), dir.path());
+    let resumed = run(&[&args[..], &to_strings(&["--resume"])].concat(), dir.path());
     assert_eq!((resumed.status.code(), stderr(&resumed)), (Some(3), stderr(&first)));
-    let more = strings(&["--resume", "--keep-going"]);
+    let more = to_strings(&["--resume", "--keep-going"]);
     let asked = run(&[&args[..], &more].concat(), dir.path());
     assert_eq!((asked.status.code(), stderr(&asked)), (Some(0), stderr(&first)));
 }
@@ -534,7 +535,7 @@ fn resume_keeps_temporary_files_of_the_user() {
         fs::write(tmp.join(name), "kept?").expect("writable");
     }
     fs::write(dir.path().join("map/.bsm-notes"), "mine").expect("writable");
-    let output = run(&[&args[..], &strings(&["--resume"])].concat(), dir.path());
+    let output = run(&[&args[..], &to_strings(&["--resume"])].concat(), dir.path());
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(ours.iter().all(|name| !tmp.join(name).exists()));
     assert!(others.iter().all(|name| tmp.join(name).exists()));
@@ -555,7 +556,7 @@ fn program_does_not_wait_for_pipes_in_place_of_files() {
     fifo("points.csv");
     fifo("points.parquet");
     let points = Points::new(20);
-    let resume = |source: &str| [points.args(source, "map/"), strings(&["--resume"])].concat();
+    let resume = |source: &str| [points.args(source, "map/"), to_strings(&["--resume"])].concat();
     for (args, words) in [
         (resume("grid"), "map/plan.json is not the plan of this task: it is a pipe or a device"),
         (points.args("grid", "map/"), "holds the parts of another task"),
@@ -575,7 +576,7 @@ fn error_for_a_run_that_cannot_be_resumed_suggests_a_remedy() {
     let points = Points::new(20);
     let resume = |output: &str| {
         let args: Vec<_> = points.args("grid", output);
-        run(&[&args[..], &strings(&["--resume"])].concat(), dir.path())
+        run(&[&args[..], &to_strings(&["--resume"])].concat(), dir.path())
     };
     for (output, words) in [
         (

@@ -75,7 +75,7 @@ fn lines_without_notes(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-fn names(folder: &Path) -> Vec<String> {
+fn file_names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("folder").map(|entry| entry.expect("entry"));
     let mut names: Vec<_> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
@@ -158,7 +158,7 @@ fn output_pipes_are_written_to_and_not_replaced() {
     let child = program(&batch, dir.path()).spawn().expect("the program starts");
     fs::write(&fifo, "axial_load_N\n1\n").expect("pipe");
     assert_exit_and_message(&child.wait_with_output().expect("ends"), 0, "");
-    assert_eq!(names(dir.path()), ["out.csv", "pipe.csv"]);
+    assert_eq!(file_names(dir.path()), ["out.csv", "pipe.csv"]);
 }
 
 #[test]
@@ -219,7 +219,7 @@ fn links_and_protected_files_are_kept() {
         assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
     }
     let left = ["astray.csv", "folder.svg", "kept.csv", "link.csv", "loop.csv", "real.csv"];
-    assert_eq!(names(dir.path()), left);
+    assert_eq!(file_names(dir.path()), left);
 }
 
 /// An output must never replace the case or the requirement that the command reads.
@@ -272,10 +272,10 @@ fn wait_for(what: impl Fn() -> bool) {
 }
 
 fn count_unfinished_files(folder: &Path) -> usize {
-    names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
+    file_names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
 }
 
-fn signal(child: &Child, name: &str) {
+fn send_signal(child: &Child, name: &str) {
     let kill = Command::new("kill").args([name, &child.id().to_string()]).status();
     assert!(kill.expect("kill").success());
 }
@@ -295,13 +295,13 @@ fn interrupt_keeps_the_existing_file_and_leaves_no_temporary_files() {
         fs::write(&table, "old").expect("file");
         let child = long_sweep(dir.path(), "out.csv");
         wait_for(|| count_unfinished_files(dir.path()) == 1);
-        signal(&child, name);
+        send_signal(&child, name);
         let output = child.wait_with_output().expect("ends");
         assert_eq!(output.status.code(), code);
         assert_eq!(fs::read_to_string(&table).expect("there"), "old");
         if let Some(code) = code {
             assert_exit_and_message(&output, code, "interrupted; unfinished files were removed");
-            assert_eq!(names(dir.path()), ["out.csv"]);
+            assert_eq!(file_names(dir.path()), ["out.csv"]);
         }
     }
 }
@@ -321,12 +321,12 @@ fn signals_are_handled_under_nohup_and_in_the_background() {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         wait_for(|| count_unfinished_files(dir.path()) == 1);
-        signal(&child, &format!("-{ignored}"));
+        send_signal(&child, &format!("-{ignored}"));
         sleep(Duration::from_millis(300));
         assert!(child.try_wait().expect("a child").is_none(), "{ignored} must stay ignored");
-        signal(&child, "-TERM");
+        send_signal(&child, "-TERM");
         assert_exit_and_message(&child.wait_with_output().expect("ends"), 143, "interrupted");
-        assert!(names(dir.path()).is_empty());
+        assert!(file_names(dir.path()).is_empty());
     }
 }
 
@@ -439,7 +439,11 @@ fn a_file_above_the_size_limit_is_reported() {
             assert_exit_and_message(&output, 1, part);
         }
     }
-    assert!(names(dir.path()).iter().all(|name| name == "y.csv"), "{:?}", names(dir.path()));
+    assert!(
+        file_names(dir.path()).iter().all(|name| name == "y.csv"),
+        "{:?}",
+        file_names(dir.path())
+    );
 }
 
 /// If the program reaches the limit of open files, it must report this. With a sufficient limit, it
@@ -461,7 +465,7 @@ fn exceeded_limit_of_open_files_is_reported() {
         codes.push(code);
     }
     assert!(codes.contains(&Some(1)) && codes.last() == Some(&Some(0)), "{codes:?}");
-    assert_eq!(names(dir.path()), ["x.csv"]);
+    assert_eq!(file_names(dir.path()), ["x.csv"]);
 }
 
 /// Regression test: a private output file became readable by all users, and its owner could change.
@@ -525,17 +529,17 @@ fn resume_keeps_files_of_the_user() {
     }
     assert_exit_and_message(&sweep(&["--resume"]), 0, "");
     let mut expected = others.map(str::to_owned).to_vec();
-    assert_eq!(names(&parts.join("tmp")), {
+    assert_eq!(file_names(&parts.join("tmp")), {
         expected.sort();
         expected.clone()
     });
     expected.extend(["data", "parts.parquet", "plan.json", "tmp"].map(str::to_owned));
-    assert_eq!(names(&parts), expected);
+    assert_eq!(file_names(&parts), expected);
 }
 
 /// Regression test: `solve /dev/zero` never stopped reading.
 #[test]
-fn reading_of_an_endless_device_stops_at_the_size_limit() {
+fn reading_an_endless_device_stops_at_the_size_limit() {
     let dir = folder();
     let axis = example("axis.json");
     for args in [
@@ -722,9 +726,9 @@ fn an_interrupt_is_handled_while_waiting_for_input() {
     let rows = "axial_load_N\n".to_owned() + &"2000\n".repeat(70_000);
     stdin.write_all(rows.as_bytes()).expect("it reads");
     wait_for(|| count_unfinished_files(dir.path()) == 1);
-    signal(&child, "-INT");
+    send_signal(&child, "-INT");
     assert_exit_and_message(&child.wait_with_output().expect("ends"), 130, "interrupted");
-    assert!(names(dir.path()).is_empty());
+    assert!(file_names(dir.path()).is_empty());
 }
 
 #[test]
@@ -733,7 +737,7 @@ fn concurrent_runs_do_not_mix_their_output() {
     let first = long_sweep(dir.path(), "parts/");
     let parts = dir.path().join("parts");
     let tmp = parts.join("tmp");
-    let begun = || parts.join("plan.json").exists() && !names(&tmp).is_empty();
+    let begun = || parts.join("plan.json").exists() && !file_names(&tmp).is_empty();
     wait_for(|| tmp.is_dir() && begun());
     let drive = example("feed_drive.json");
     for (more, part) in [
@@ -743,11 +747,11 @@ fn concurrent_runs_do_not_mix_their_output() {
         let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", more, "-o", "parts/"];
         assert_exit_and_message(&run(&args, dir.path()), 2, part);
     }
-    assert_eq!(names(&tmp).len(), 1, "the file of the first is still there");
-    signal(&first, "-INT");
+    assert_eq!(file_names(&tmp).len(), 1, "the file of the first is still there");
+    send_signal(&first, "-INT");
     assert_exit_and_message(&first.wait_with_output().expect("ends"), 130, "interrupted");
-    assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
-    assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
+    assert_eq!(file_names(&parts), ["data", "plan.json", "tmp"]);
+    assert!(file_names(&tmp).is_empty() && file_names(&parts.join("data")).is_empty());
 
     // If several processes write to the same file, the file must finally contain the complete table
     // of the process that finished last.
@@ -762,7 +766,7 @@ fn concurrent_runs_do_not_mix_their_output() {
     let text = fs::read_to_string(dir.path().join("both.csv")).expect("table");
     let last = text.lines().last().expect("a row");
     assert!([3001, 3002].contains(&text.lines().count()) && last.starts_with("9000,"), "{last}");
-    assert_eq!(names(dir.path()), ["both.csv", "parts"]);
+    assert_eq!(file_names(dir.path()), ["both.csv", "parts"]);
 }
 
 #[test]

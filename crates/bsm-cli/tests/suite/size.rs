@@ -388,7 +388,7 @@ fn suggested_remedies_meet_the_violated_rule() {
 /// A load cycle in a user's table with semicolons, decimal commas and kilonewtons must have the
 /// same effect as the same cycle in the case.
 #[test]
-fn a_cycle_is_read_from_a_users_table() {
+fn load_cycle_is_read_from_a_users_table() {
     let dir = folder();
     let table =
         "time_s;force_kN;feed_m_min;acceleration_m_s2\n0,2;0;30;2,5\n2,0;10;30;0\n0,2;0;30;-2,5\n";
@@ -427,7 +427,7 @@ fn a_cycle_is_read_from_a_users_table() {
 /// Cases, settings, sweeps and tables must accept input names that end with other units, and a feed
 /// rate instead of a speed.
 #[test]
-fn inputs_may_have_any_unit() {
+fn input_names_may_end_with_any_unit() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let torque = |args: &[&str]| {
