@@ -13,8 +13,8 @@ use serde::Deserialize;
 use crate::map::png_of;
 use crate::{ReportError, number};
 
-/// Maximum number of curves, which is the number of colors in the palette. Readers with color
-/// blindness can distinguish these colors.
+/// Maximum number of curves in a figure, which is the number of colors in the palette. Readers with
+/// color blindness can distinguish these colors.
 pub const MAX_CURVES: usize = 7;
 
 /// Line or mark style of a curve.
@@ -50,7 +50,7 @@ pub struct Curve {
     pub stroke: Stroke,
     /// Points (x, y) in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Names of the points, which are drawn next to their marks. The list is empty or has one name
+    /// Names of the points, which are drawn next to the marks. The list is empty or has one name
     /// for each point.
     pub marks: Vec<String>,
 }
@@ -91,7 +91,7 @@ impl Axis {
         Self { from_zero: true, ..Self::linear(label) }
     }
 
-    /// Creates an axis for a drawing, in which both axes have the same scale.
+    /// Creates an axis for a drawing whose x and y axes have the same scale.
     pub fn equal(label: &str) -> Self {
         Self { equal: true, ..Self::linear(label) }
     }
@@ -138,7 +138,8 @@ impl Figure {
 /// phone.
 const SIZE: (f64, f64) = (460.0, 330.0);
 
-/// Number of title characters that fit into a line, even in capitals, and the line height \[px\].
+/// Number of characters that fit into a line of the title, even in capitals, and the line height
+/// \[px\].
 const TITLE: usize = 34;
 const TITLE_LINE: f64 = 20.0;
 
@@ -146,8 +147,8 @@ const TITLE_LINE: f64 = 20.0;
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
-/// Approximate number of points per curve that show their values when the pointer is on them. If
-/// more points reacted to the pointer, they would be too close together.
+/// Approximate number of points per curve that show their values when the pointer is on them. With
+/// more points, neighboring points would be too close together.
 const MAX_POINT_LABELS: usize = 16;
 
 /// Markers that distinguish lines without color, in the order of the colors. The first color has no
@@ -160,21 +161,21 @@ const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Cross,
 ];
 
-/// Number of markers on a line, and size of a marker \[px\].
+/// Number of markers on each line, and size of a marker \[px\].
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// Legend texts: the meaning of each stroke, and the meaning of each color.
+/// Legend texts: strokes with their meanings, and color indices with their meanings.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
-/// Color of the stroke samples in a legend, if a stroke occurs in several colors.
+/// Color of the line samples in a legend for strokes that occur in several colors.
 const GRAY: &str = "#777777";
 
 /// Factor by which a logarithmic axis extends beyond the outermost points.
 const BEYOND: f64 = 1.4;
 
 impl Figure {
-    /// Creates a figure from key, title, caption, axes and curves.
+    /// Creates a figure from its key, title, caption, axes and curves.
     pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
         let [key, title, caption] = [key, title, caption].map(str::to_owned);
         Self { key, title, caption, x, y, curves }
@@ -206,8 +207,8 @@ impl Figure {
     }
 
     /// Returns the figure as SVG for an HTML page that shows the title itself and may contain
-    /// several figures. The values of a point appear when the pointer is on it; no script is
-    /// needed.
+    /// several figures. The values of a point appear without a script when the pointer is on the
+    /// point.
     pub fn inline_svg(&self) -> String {
         let plots = self.curves.iter().map(|curve| self.plot_of(curve)).collect();
         let svg = svg_of(&self.drawing(plots, Layout::with_height));
@@ -302,17 +303,17 @@ impl Figure {
         if self.y.equal { Vec::new() } else { colors.into_iter().zip(SHAPES).collect() }
     }
 
-    /// Returns the meaning of each stroke and each color. This requires many curves with labels of
-    /// the form `a, b`, in which one part determines the stroke and the other part determines the
-    /// color.
+    /// Returns the meaning of each stroke and each color. Returns `None` unless the figure has many
+    /// curves with labels of the form `a, b`, in which one part determines the stroke and the other
+    /// part determines the color.
     fn strokes_and_colors(&self) -> Option<Parts<'_>> {
         self.parts(false).or_else(|| self.parts(true))
     }
 
     /// * `color_first`: true if the first part of each label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
-        /// Maximum number of curves for which one legend list is easier to read than two lists of
-        /// strokes and colors.
+        /// Maximum number of curves for which a single legend list is easier to read than separate
+        /// lists of strokes and colors.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -368,8 +369,9 @@ pub(crate) fn svg_of(drawing: &Drawing) -> String {
     scalable(&renumbered(&svg))
 }
 
-/// Renumbers the clip paths of a figure. The plotting library numbers them across all figures of a
-/// process; with new numbers, the text of a figure does not depend on previous figures.
+/// Renumbers the clip paths of a figure. The plotting library numbers them consecutively across all
+/// figures of a process. Renumbering ensures that the text of a figure does not depend on previous
+/// figures.
 fn renumbered(svg: &str) -> String {
     const CLIP: &str = "kuva-clip-";
     let mut parts = svg.split(CLIP);
@@ -404,9 +406,10 @@ pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
     if y.log { layout.with_log_y() } else { layout }
 }
 
-/// Returns the format of the numbers along an axis. All numbers of an axis have the same form.
+/// Returns the format of the tick labels of an axis.
 ///
-/// * `log`: true for a logarithmic axis, on which powers of ten have rounding errors.
+/// * `log`: true for a logarithmic axis, where the tick values have rounding errors because they
+///   are powers of ten.
 fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
@@ -442,8 +445,8 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     let marks = |marker| {
         let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
         let marks = marks.with_marker(marker).with_size(4.0);
-        // A curve with gaps is drawn in segments. Its point names are drawn only if one segment
-        // contains all points, because the list of names covers the whole curve.
+        // A curve with gaps is drawn in segments. The list of point names applies to the whole
+        // curve, so names are drawn only if one segment contains all points.
         Plot::Scatter(if curve.marks.len() == points.len() {
             marks.with_labels(curve.marks.clone()).with_repel_labels()
         } else {
@@ -477,8 +480,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    // With the dashes of the line itself, the short line sample in the legend would show only one
-    // dash.
+    // With the dash pattern of the line itself, the short line sample in the legend would show only
+    // one dash.
     let dasharray = match stroke {
         Stroke::Dashed => Some("5 3".to_owned()),
         Stroke::Dotted => Some("2 3".to_owned()),
@@ -487,8 +490,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
     LegendEntry { label: label.to_owned(), color: color.to_owned(), shape, dasharray }
 }
 
-/// Lengthens the line samples in the legend, which the plotting library makes too short to
-/// distinguish strokes, and adds the markers.
+/// Lengthens the line samples in the legend and adds the markers. The plotting library makes the
+/// samples too short to distinguish strokes.
 fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     const ADDED_LENGTH: f64 = 12.0;
     const MAX_SAMPLE_LENGTH: f64 = 30.0;
@@ -571,10 +574,10 @@ mod tests {
         }
     }
 
-    /// The legend for three loads and three models must list strokes and colors separately. It
-    /// previously had nine rows.
+    /// The legend for three loads and three models must list strokes and colors separately.
+    /// Regression test: this legend had nine rows.
     #[test]
-    fn a_legend_separates_strokes_and_colors() {
+    fn legend_lists_strokes_and_colors_separately() {
         let strokes = [(Stroke::Solid, "a"), (Stroke::Dashed, "b"), (Stroke::Dotted, "c")];
         let curve = |i: usize| {
             let (stroke, name) = strokes[i / 3];
@@ -599,10 +602,10 @@ mod tests {
         assert_eq!(figure.strokes_and_colors(), None);
     }
 
-    /// Lines with the same stroke and different colors must have markers, also in the legend. Lines
-    /// with different strokes need no markers.
+    /// Lines with the same stroke and different colors must have markers, both in the figure and in
+    /// the legend. Lines with different strokes need no markers.
     #[test]
-    fn lines_are_distinguishable_without_color() {
+    fn lines_can_be_distinguished_without_color() {
         let curve = |color: usize, stroke| {
             let points = (0..20).map(|x| (f64::from(x), 1.0)).collect();
             Curve::new(format!("curve {color}"), color, stroke, points)
@@ -630,9 +633,11 @@ mod tests {
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
-        // Regression test: the SVG text of a figure depended on figures that were drawn before.
+        // Regression test: the SVG text of a figure depended on the figures that had been drawn
+        // before it.
         assert_eq!(figure.svg(), svg);
-        // On a page, each point except the gap must show its values; in an SVG file, no point does.
+        // On a page, each point with a y value must show its values; in an SVG file, no point must
+        // do so.
         let titles = |svg: &str| svg.matches("<title>").count();
         assert_eq!((titles(&svg), titles(&figure.inline_svg())), (0, 4));
         assert!(figure.inline_svg().contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>"));
